@@ -1,42 +1,16 @@
 //! Runs the real program in a folder of its own.
 
+#[path = "../../../crates/chladni-cli/tests/cli/common/run.rs"]
+mod run;
+
+pub use run::Run;
+
 use assert_cmd::Command;
-use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
 
 /// A folder that is gone after the test.
 pub struct Folder(TempDir);
-
-/// Exit code and output of a run.
-pub struct Run {
-    code: i32,
-    stdout: String,
-    pub stderr: String,
-}
-
-impl Run {
-    /// Exit code and output of a process that has ended.
-    pub fn of(output: std::process::Output) -> Self {
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-        Self {
-            code: output.status.code().unwrap(),
-            stdout: text(output.stdout),
-            stderr: text(output.stderr),
-        }
-    }
-
-    /// The one JSON object on stdout.
-    pub fn json(&self) -> Value {
-        serde_json::from_str(&self.stdout)
-            .unwrap_or_else(|error| panic!("{error} in {:?}", self.stdout))
-    }
-    /// Checks the exit status.
-    pub fn exits(self, code: i32) -> Self {
-        assert_eq!(self.code, code, "{:?} {:?}", self.stdout, self.stderr);
-        self
-    }
-}
 
 impl Folder {
     pub fn new() -> Self {

@@ -16,7 +16,7 @@ use super::header::Units;
 use super::scaling::{ACCELERATION, DISPLACEMENT, VELOCITY};
 use super::shape_head::{Head, Reader, SIX_REALS};
 use crate::Shape;
-use chladni_frf::{Error, Finding, Result};
+use chladni_frf::{Error, ErrorKind, Finding, Result};
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::collections::HashSet;
@@ -127,7 +127,7 @@ fn read_values<'a>(
         false => flat.into_iter().map(Complex64::from).collect(),
     };
     shape.values = Array2::from_shape_vec((shape.nodes.len(), components), values)
-        .expect("every node has all its values");
+        .map_err(|_| Error::new(ErrorKind::Internal, "a node without all its values"))?;
     Ok(())
 }
 

@@ -3,8 +3,8 @@
 
 use super::agreement::{agreement, Agreement};
 use super::calibrated::Calibrated;
-use super::correction::{design, prior_drift};
 use super::field::{noise_assumed, LaidField, Prediction};
+use super::prior::{design, prior_drift};
 use crate::drift::Drift;
 use crate::evaluate::{laid, Laid, On};
 use crate::field::Field;

@@ -2,20 +2,30 @@
 //! with the rig, and a corrected drive leave.
 //!
 //! `field` (a measured field laid over the operator) → `agreement` (how near) →
-//! `diagnosis` (why not nearer) → `evaluation` (both beside the indices). `structured` and
-//! `kalman` (two corrections of the operator) → `correction` (which of them, and the
-//! drive); `calibration` keeps what was learned, `calibrated` starts the next scene with
-//! it.
+//! `diagnosis` (why not nearer) → `evaluation` (both beside the indices). `seen` (the field
+//! as updates take it) → `structured` (gains and poles: `parts`, weighed by `evidence`) and
+//! `kalman` (the operator itself) → `estimators` → `learned` (which of them counts) →
+//! `correct` (the drive; `given`: or the best measured one). `calibration` keeps what was
+//! learned, `calibrated` starts the next scene with it; `prior` is what stands before any
+//! field.
 
 mod agreement;
 mod calibrated;
 pub(crate) mod calibration;
+mod correct;
 mod correction;
 mod diagnosis;
+mod estimators;
 mod evaluation;
+mod evidence;
 mod field;
+mod given;
 mod kalman;
+mod learned;
 mod over_time;
+mod parts;
+mod prior;
+mod seen;
 mod structured;
 
 pub use agreement::{Agreement, PointAgreement};
@@ -24,7 +34,8 @@ pub use calibration::{
     CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Estimator, CALIBRATION_FORMAT,
     CALIBRATION_VERSION,
 };
-pub use correction::{calibrate, correct, Correction, TakenField};
+pub use correct::{calibrate, correct};
+pub use correction::{Correction, TakenField};
 pub use diagnosis::{Hypothesis, Place};
 pub use evaluation::{evaluate_field, FieldEvaluation};
 pub use kalman::KalmanOperator;

@@ -5,7 +5,6 @@
 
 use crate::field::AreaGrid;
 use crate::operator::Operator;
-use crate::plane::Rectangle;
 use crate::scene::Scene;
 use crate::time::indices::{AreaMeasures, TimeEvent, TimeIndices};
 use crate::time::listener::{Judging, Listener, Sounds};
@@ -13,10 +12,9 @@ use crate::time::plan::{Chain, Event, Plan};
 use crate::time::sidecar::Sidecar;
 use crate::time::simulate::SampledDrive;
 use crate::time::table::{Measure, RampTime};
-use crate::time::timeline::zones_of;
+use crate::time::timeline::maps_over;
 use crate::tolerances;
-use crate::zones::ZoneMap;
-use chladni_frf::{Dof, Error, ErrorKind, Finding, ModalModel, Result};
+use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
 use ndarray::{s, Array2};
 use num_complex::Complex64;
 use rustfft::FftPlanner;
@@ -38,7 +36,7 @@ impl Recorded {
     /// beside it.
     ///
     /// # Errors
-    /// [`ErrorKind::BadData`]: another rate, a channel that the samples lack.
+    /// [`chladni_frf::ErrorKind::BadData`]: another rate, a channel that the samples lack.
     pub fn from_samples(samples: &Array2<f64>, rate_hz: f64, sidecar: &Sidecar) -> Result<Self> {
         if rate_hz != f64::from(sidecar.rate_hz) {
             return Err(
@@ -230,13 +228,7 @@ pub fn evaluate_signal(
         envelopes.push(Envelopes::new(recorded, &operator, band_hz, step_s)?);
     }
     let points = Listener::at_responses(model, scene)?;
-    let scanned = Rectangle::around(&points.positions_m)
-        .ok_or_else(|| Error::new(ErrorKind::Internal, "an operator without responses"))?;
-    let maps: Vec<ZoneMap> = plan
-        .places
-        .iter()
-        .map(|place| zones_of(place, &scene.zones).over(scanned))
-        .collect();
+    let (scanned, maps) = maps_over(&points.positions_m, &plan, &scene.zones)?;
     let judging = Judging {
         zones: &scene.zones,
         maps: &maps,

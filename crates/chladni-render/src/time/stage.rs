@@ -10,12 +10,12 @@ use crate::time::judge::TimeMeasure;
 use crate::time::listener::{Heard, Judging, Listener, ToneLimits};
 use crate::time::plan::{Chain, Plan};
 use crate::time::table::{Level, Measure, Ramps, TimeTable};
-use crate::time::timeline::zones_of;
+use crate::time::timeline::maps_over;
 use crate::time::tracks::{schroeder, Tracks};
 use crate::time::voice::Voice;
 use crate::tolerances;
 use crate::zones::ZoneMap;
-use chladni_frf::{Error, ErrorKind, Finding, ModalModel, ReferenceUnit, Result};
+use chladni_frf::{Error, Finding, ModalModel, ReferenceUnit, Result};
 
 /// All that is known before a drive is made.
 pub(crate) struct Stage<'a> {
@@ -36,14 +36,8 @@ impl<'a> Stage<'a> {
         plan: &Plan,
         voices: Vec<Voice>,
     ) -> Result<Self> {
-        let positions = &voices[0].operator.positions_m;
-        let scanned = Rectangle::around(positions)
-            .ok_or_else(|| Error::new(ErrorKind::Internal, "an operator without responses"))?;
-        let maps: Vec<ZoneMap> = plan
-            .places
-            .iter()
-            .map(|place| zones_of(place, &scene.zones).over(scanned))
-            .collect();
+        let positions_m = &voices[0].operator.positions_m;
+        let (scanned, maps) = maps_over(positions_m, plan, &scene.zones)?;
         let area = scene.zones.area_m.map_or(scanned, Rectangle::from_array);
         for (number, moving) in table.moves.iter().enumerate() {
             if let Some(outside) = moving.path_m.iter().find(|point| !area.contains(**point)) {

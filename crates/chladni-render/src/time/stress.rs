@@ -11,10 +11,10 @@ use crate::time::listener::{Judging, Listener};
 use crate::time::plan::{Chain, Plan};
 use crate::time::play::Played;
 use crate::time::table::Measure;
-use crate::time::timeline::zones_of;
+use crate::time::timeline::maps_over;
 use crate::time::tracks::Tracks;
 use crate::zones::{Ground, ZoneMap};
-use chladni_frf::{Error, ErrorKind, Finding, ModalModel, Mode, Result, Scaling};
+use chladni_frf::{Finding, ModalModel, Mode, Result, Scaling};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -233,13 +233,7 @@ impl<'a> Bench<'a> {
             known.map_or(0.0, |known| known.ramp_s)
         })?;
         let listener = Listener::at_responses(model, scene)?;
-        let scanned = Rectangle::around(&listener.positions_m)
-            .ok_or_else(|| Error::new(ErrorKind::Internal, "an operator without responses"))?;
-        let maps = plan
-            .places
-            .iter()
-            .map(|place| zones_of(place, &scene.zones).over(scanned))
-            .collect();
+        let (scanned, maps) = maps_over(&listener.positions_m, &plan, &scene.zones)?;
         Ok(Self {
             scene,
             model,

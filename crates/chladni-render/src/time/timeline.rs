@@ -2,9 +2,10 @@
 
 use crate::plane::Position;
 use crate::plane::Rectangle;
-use crate::time::plan::{Chain, Place, Spot};
+use crate::time::plan::{Chain, Place, Plan, Spot};
 use crate::tolerances;
 use crate::zones::{Ground, ZoneLayout, ZoneMap, Zones};
+use chladni_frf::{Error, ErrorKind, Result};
 
 /// Ground of the rows while one thing lasts.
 #[derive(Debug, Clone)]
@@ -54,6 +55,22 @@ pub(crate) fn zones_of(place: &Place, zones: &Zones) -> Zones {
         layout,
         ..zones.clone()
     }
+}
+
+/// The ground that responses at `positions_m` span, and the zones of each place on it.
+///
+/// # Errors
+/// No responses.
+pub(crate) fn maps_over(
+    positions_m: &[Position],
+    plan: &Plan,
+    zones: &Zones,
+) -> Result<(Rectangle, Vec<ZoneMap>)> {
+    let scanned = Rectangle::around(positions_m)
+        .ok_or_else(|| Error::new(ErrorKind::Internal, "an operator without responses"))?;
+    let places = plan.places.iter();
+    let maps = places.map(|place| zones_of(place, zones).over(scanned));
+    Ok((scanned, maps.collect()))
 }
 
 fn layout_of(spot: &Spot) -> ZoneLayout {

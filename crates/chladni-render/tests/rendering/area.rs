@@ -1,6 +1,6 @@
 //! Between the responses: the interpolated field against the plate itself.
 
-use crate::common::{actuators_m, cell_scene, panel, truth};
+use crate::common::{cell_scene, true_area_field, truth};
 use chladni_render::{render, Ground, Method, RenderOptions};
 
 /// Rms of the interpolation error over the rms of the field, on the area grid.
@@ -18,23 +18,8 @@ fn relative_error(method: Method, frequency_hz: f64) -> f64 {
         },
     )
     .unwrap();
+    let exact = true_area_field(&rendering, frequency_hz);
     let area = rendering.area.unwrap();
-    let places: Vec<[f64; 2]> = area
-        .y_m
-        .iter()
-        .flat_map(|&y| area.x_m.iter().map(move |&x| [x, y]))
-        .collect();
-    let drive: ndarray::Array1<_> = rendering
-        .weights
-        .weights
-        .iter()
-        .map(|weight| weight.value())
-        .collect();
-    let exact = panel()
-        .plate
-        .mobility_matrix(&places, &actuators_m(), frequency_hz)
-        .unwrap()
-        .dot(&drive);
     let error: f64 = exact
         .iter()
         .zip(&area.velocity_m_per_s)

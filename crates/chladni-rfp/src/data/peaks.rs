@@ -29,6 +29,19 @@ impl Peak {
     }
 }
 
+/// Distinct peaks at the given rows, for tests.
+#[cfg(test)]
+pub(crate) fn peaks_at(rows: &[usize]) -> Vec<Peak> {
+    let peak = |&row| Peak {
+        row,
+        prominence_db: 20.0,
+        over_noise_db: 40.0,
+        level_db: 0.0,
+        lambda: Complex64::new(0.5, 0.01),
+    };
+    rows.iter().map(peak).collect()
+}
+
 /// Noise variance per line from fourth differences of neighbouring lines: what no smooth
 /// FRF can have. E|Δ⁴n|² = 70σ²; the median of an exponential variable is ln 2 times its
 /// mean.

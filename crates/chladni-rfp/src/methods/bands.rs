@@ -155,20 +155,7 @@ fn share(bands: &mut [Band], visible: usize, asked: Option<usize>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use num_complex::Complex64;
-
-    fn at(rows: &[usize]) -> Vec<Peak> {
-        let lambda = Complex64::new(0.5, 0.01);
-        rows.iter()
-            .map(|&row| Peak {
-                row,
-                prominence_db: 20.0,
-                over_noise_db: 40.0,
-                level_db: 0.0,
-                lambda,
-            })
-            .collect()
-    }
+    use crate::data::peaks::peaks_at;
 
     #[test]
     fn a_crowded_band_is_cut_at_its_deepest_valley() {
@@ -177,7 +164,7 @@ mod tests {
         mean[21] = 0.001; // deeper still, but it would cut off a single peak
         mean[121] = 1.0;
         let mut bands = Vec::new();
-        split(&at(&rows), &mean, 0..220, &mut bands);
+        split(&peaks_at(&rows), &mean, 0..220, &mut bands);
         assert_eq!(
             bands,
             [

@@ -15,7 +15,7 @@
 //! | `circle` | circles in the complex plane | Kennedy & Pancu 1947 |
 //!
 //! All start from the same two passes over the data (`survey`). `rfp` works in the plane of
-//! a damping law (`plane`), per band (`windows`), on polynomials made for each weight
+//! a damping law (`plane`; `rfp_search`), per band (`windows`), on polynomials made for each weight
 //! (`lanczos`, `fraction`): `sanathanan_koerner`, then `instrumental`. The form of 1982
 //! (`local`) has bands of its own (`bands`), half-function Forsythe polynomials
 //! (`forsythe`) and the linear equation error (`equation_error`).
@@ -45,6 +45,7 @@ pub(crate) mod peak;
 pub(crate) mod plane;
 pub(crate) mod plscf;
 pub(crate) mod rfp;
+pub(crate) mod rfp_search;
 pub(crate) mod sanathanan_koerner;
 pub(crate) mod selection;
 pub(crate) mod stabilization;

@@ -28,39 +28,20 @@
 
 use crate::damping::structural::POWERS;
 use crate::damping::verdict::{verdict, Fitted};
-use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::{FitOptions, RfpWeight};
 use crate::methods::classic::negative_damping;
 use crate::methods::found::MethodPoles;
-use crate::methods::fraction::{damped, Lines};
-use crate::methods::instrumental::{improved, Steps};
 use crate::methods::local::local;
 use crate::methods::plane::Plane;
-use crate::methods::sanathanan_koerner::sanathanan_koerner;
-use crate::methods::selection::{fewer, inside, left_by};
+use crate::methods::rfp_search::Search;
+use crate::methods::selection::{fewer, inside};
 use crate::methods::survey::{Compressed, Survey};
-use crate::methods::windows::{order, windows, Window};
-use crate::poles::prune::{threshold, unphysical};
-use crate::poles::refine::{removable, Projection};
-use crate::poles::scan::usual_loss;
+use crate::poles::refine::Projection;
 use chladni_frf::{Damping, Finding};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
-/// Reweighted fits after the linear one.
-const REWEIGHTED: usize = 3;
-/// Steps of the last fraction.
-const LAST_STEPS: usize = 3;
-/// Half-bandwidths beyond its core at which a band may still claim a pole.
-const CLAIM: f64 = 0.25;
-/// Half-bandwidths within which two poles of neighbouring bands are one.
-const TWINS: f64 = 0.5;
-/// Loss factor and bandwidth over their medians, both, from which a pole of the band
-/// serves the background.
-const BACKGROUND: f64 = 4.0;
-/// Variance of a residue over that of its pole alone beyond which the pole adds nothing.
-const MOST_INFLATION: f64 = 1e10;
 /// Leading coefficient of a denominator over the length of all, below which its roots
 /// lose digits.
 const LEAST_LEADING: f64 = 1e-3;
@@ -144,221 +125,6 @@ fn viscous(
     };
     let verdict = verdict(work, &fitted)?;
     Ok(verdict.law() == Some(Damping::Viscous))
-}
-
-/// Noise variance of one value; 0 where only the residual tells it.
-fn noise_of(survey: &Survey, columns: &Compressed) -> f64 {
-    let (lines, frfs) = (survey.data.lines.len(), survey.data.pairs.len());
-    match frfs.saturating_sub(columns.work.columns()) {
-        0 => 0.0,
-        beyond => columns.outside / (lines * beyond) as f64,
-    }
-}
-
-/// Poles λ in the plane of a law.
-struct Found {
-    law: Damping,
-    poles: Vec<Complex64>,
-    /// Roots in the band that turned the wrong way, of how many.
-    turned: usize,
-    all: usize,
-    /// Leading coefficient of the last fraction over the length of all.
-    leading: f64,
-}
-
-/// The search in one law.
-struct Search<'a> {
-    survey: &'a Survey<'a>,
-    options: &'a FitOptions,
-    law: Damping,
-    work: Columns,
-    /// Noise variance of one value; 0: only the residual tells it.
-    noise: f64,
-    /// Weight of noise in the compressed columns: the data chose their directions, those
-    /// with most noise too.
-    chosen: f64,
-}
-
-impl<'a> Search<'a> {
-    fn new(
-        survey: &'a Survey,
-        columns: &Compressed,
-        options: &'a FitOptions,
-        law: Damping,
-    ) -> Self {
-        let (lines, frfs) = (
-            survey.data.lines.len() as f64,
-            survey.data.pairs.len() as f64,
-        );
-        Self {
-            survey,
-            options,
-            law,
-            work: columns.work.clone().in_law(law),
-            noise: noise_of(survey, columns),
-            chosen: (1.0 + (frfs / (2.0 * lines)).sqrt()).powi(2),
-        }
-    }
-
-    /// All steps.
-    fn run(&self) -> Result<Found, LinalgError> {
-        let work = &self.work;
-        let mut found = Found {
-            law: self.law,
-            poles: Vec::new(),
-            turned: 0,
-            all: 0,
-            leading: 1.0,
-        };
-        let windows = windows(
-            &self.survey.peaks,
-            &self.survey.energy,
-            self.options.rfp.bands,
-        );
-        for window in &windows {
-            self.search(window, windows.len(), &mut found)?;
-        }
-        found.poles = without_twins(found.poles);
-        match self.options.modes {
-            None => {
-                self.thin(work, &mut found.poles)?;
-                drop_background(work, &mut found.poles, 0);
-            }
-            Some(asked) => {
-                drop_background(work, &mut found.poles, asked);
-                self.thin(work, &mut found.poles)?;
-            }
-        }
-        let steps = match self.options.rfp.weight {
-            RfpWeight::Linear | RfpWeight::Sk => None,
-            RfpWeight::Iv => Some(Steps::Instrumental),
-            RfpWeight::Gn => Some(Steps::GaussNewton),
-        };
-        if let Some(steps) = steps {
-            let helpers: Vec<Complex64> = helpers(work, &found.poles).collect();
-            found.poles.extend(helpers);
-            self.thin(work, &mut found.poles)?;
-            let lines = Lines::new(Plane::new(self.law, &work.x), work);
-            let mut before = usize::MAX;
-            while found.poles.len() < before && !found.poles.is_empty() {
-                before = found.poles.len();
-                let improved = improved(&lines, &found.poles, steps, LAST_STEPS)?;
-                (found.poles, found.leading) = (improved.lambda, improved.leading);
-                self.thin(work, &mut found.poles)?;
-            }
-        }
-        Ok(found)
-    }
-
-    /// Poles of one band.
-    fn search(&self, window: &Window, bands: usize, found: &mut Found) -> Result<(), LinalgError> {
-        let whole = &self.work;
-        let work = whole.rows(window.rows.clone());
-        let peaks = &self.survey.peaks;
-        let visible = peaks
-            .iter()
-            .filter(|p| window.rows.contains(&p.row))
-            .count();
-        let asked = self.options.modes.map(|modes| modes.div_ceil(bands));
-        let order = order(&work, visible, asked)?;
-        let lines = Lines::new(Plane::new(self.law, &work.x), &work);
-        let steps = match self.options.rfp.weight {
-            RfpWeight::Linear => 0,
-            _ => REWEIGHTED,
-        };
-        let roots = sanathanan_koerner(&lines, order, steps)?;
-        let (stable, turned): (Vec<Complex64>, Vec<Complex64>) =
-            roots.iter().partition(|root| root.im > 0.0);
-        let mut poles = lines.plane.poles(&stable);
-        let wrong = inside(&work, &lines.plane.poles(&damped(&turned)));
-        found.turned += wrong;
-        found.all += wrong + inside(&work, &poles);
-        self.thin(&work, &mut poles)?;
-        if self.options.modes.is_none() {
-            drop_background(&work, &mut poles, 0);
-        }
-        let last = whole.lines();
-        found.poles.extend(poles.into_iter().filter(|pole| {
-            let claim = CLAIM * pole.im;
-            (window.core.start == 0 || pole.re + claim >= whole.x[window.core.start])
-                && (window.core.end == last || pole.re - claim < whole.x[window.core.end])
-        }));
-        Ok(())
-    }
-
-    /// Takes out what `work` does not tell from noise, down to the modes asked for.
-    fn thin(&self, work: &Columns, poles: &mut Vec<Complex64>) -> Result<(), LinalgError> {
-        poles.retain(|pole| !unphysical(work, *pole));
-        if poles.is_empty() {
-            return Ok(());
-        }
-        let whole = work.lines() == self.work.lines();
-        let asked = self.options.modes;
-        let all = removable(work, poles, &POWERS)?;
-        let variance = (self.chosen * self.noise).max(left_by(work, all.sse, all.alone.len()));
-        let limit = threshold(work.columns(), work.lines()) * variance;
-        *poles = all.thin_out(poles, |kept, q, rise, inflation| {
-            let within = kept.iter().filter(|&&k| work.in_band(poles[k])).count();
-            match (work.in_band(poles[q]), asked) {
-                _ if inflation > MOST_INFLATION => true,
-                (true, Some(asked)) => whole && within > asked,
-                _ => rise < limit,
-            }
-        });
-        Ok(())
-    }
-}
-
-/// Poles without those that two bands found.
-fn without_twins(poles: Vec<Complex64>) -> Vec<Complex64> {
-    let mut kept: Vec<Complex64> = Vec::new();
-    for pole in poles {
-        let twin = |other: &Complex64| (other - pole).norm() < TWINS * other.im.min(pole.im);
-        if !kept.iter().any(twin) {
-            kept.push(pole);
-        }
-    }
-    kept
-}
-
-/// Drops poles of the band that are broad in bandwidth and in loss factor, unless fewer
-/// than `least` would be left there.
-fn drop_background(work: &Columns, poles: &mut Vec<Complex64>, least: usize) {
-    let median = |measure: &dyn Fn(&Complex64) -> f64| {
-        let mut values: Vec<f64> = poles
-            .iter()
-            .filter(|pole| work.in_band(**pole))
-            .map(measure)
-            .collect();
-        values.sort_by(f64::total_cmp);
-        values
-            .get(values.len() / 2)
-            .copied()
-            .unwrap_or(f64::INFINITY)
-    };
-    let loss = |pole: &Complex64| pole.im / pole.re;
-    let width = |pole: &Complex64| pole.im / pole.re.abs().sqrt();
-    let (most_loss, most_width) = (BACKGROUND * median(&loss), BACKGROUND * median(&width));
-    let narrow = |pole: &Complex64| {
-        !work.in_band(*pole) || loss(pole) < most_loss || width(pole) < most_width
-    };
-    let kept: Vec<Complex64> = poles.iter().copied().filter(narrow).collect();
-    if inside(work, &kept) >= least {
-        *poles = kept;
-    }
-}
-
-/// A pole beyond each end, two mean distances of modes away: what lies there may need one
-/// more than the bands found.
-fn helpers<'a>(work: &'a Columns, poles: &'a [Complex64]) -> impl Iterator<Item = Complex64> + 'a {
-    let (low, high) = work.range();
-    let reach = 2.0 * (high - low) / poles.len().max(1) as f64;
-    let loss = usual_loss(work, poles);
-    let taken = move |x: f64| poles.iter().any(|pole| (pole.re - x).abs() < 0.5 * reach);
-    [low - reach, high + reach]
-        .into_iter()
-        .filter(move |x| *x > 0.0 && !taken(*x))
-        .map(move |x| Complex64::new(1.0, loss) * x)
 }
 
 #[cfg(test)]

@@ -94,20 +94,7 @@ pub(crate) fn order(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use num_complex::Complex64;
-
-    fn at(rows: &[usize]) -> Vec<Peak> {
-        let lambda = Complex64::new(0.5, 0.01);
-        rows.iter()
-            .map(|&row| Peak {
-                row,
-                prominence_db: 20.0,
-                over_noise_db: 40.0,
-                level_db: 0.0,
-                lambda,
-            })
-            .collect()
-    }
+    use crate::data::peaks::peaks_at;
 
     #[test]
     fn a_crowded_band_is_cut_at_its_deepest_valley() {
@@ -116,7 +103,7 @@ mod tests {
             Array1::from_shape_fn(220, |k| if rows.contains(&k) { 100.0 } else { 10.0 });
         energy[21] = 0.001; // deeper still, but far from an equal share
         energy[121] = 1.0;
-        let found = windows(&at(&rows), &energy, None);
+        let found = windows(&peaks_at(&rows), &energy, None);
         assert_eq!(found.len(), 2);
         assert_eq!([&found[0].core, &found[1].core], [&(0..121), &(121..220)]);
         assert!(found[0].rows.end > 121 && found[1].rows.start < 121);
@@ -127,7 +114,7 @@ mod tests {
         let rows: Vec<usize> = (0..10).map(|n| 10 + 20 * n).collect();
         let energy = Array1::from_shape_fn(220, |k| 1.0 + (k % 20) as f64);
         for (asked, count) in [(1, 1), (4, 4), (1000, 10)] {
-            assert_eq!(windows(&at(&rows), &energy, Some(asked)).len(), count);
+            assert_eq!(windows(&peaks_at(&rows), &energy, Some(asked)).len(), count);
         }
         assert_eq!(windows(&[], &energy, None).len(), 1);
     }

@@ -11,10 +11,11 @@ use crate::data::screening::Screened;
 use crate::model::modes::{modes, rejected_mode, scale_unknown, scales, unscaled};
 use crate::model::residues::{linear, synthesis, Linear};
 use crate::poles::pole::Given;
-use crate::shapes::error_bars::{shape_bars, Noisy, Scale, ShapeBars};
+use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
 use crate::shapes::low_rank::low_rank_around;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::residues::{significant_rank, Residues};
+use crate::shapes::scale::Scale;
 use chladni_frf::{
     ComplexMatrix, Damping, Finding, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling,
     Trust, CREATED_BY, MODEL_FORMAT,

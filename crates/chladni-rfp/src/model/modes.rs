@@ -3,8 +3,9 @@
 use crate::data::layout::DataLayout;
 use crate::model::limits;
 use crate::poles::pole::Pole;
-use crate::shapes::error_bars::{Scale, ShapeBars};
+use crate::shapes::error_bars::ShapeBars;
 use crate::shapes::low_rank::Shapes;
+use crate::shapes::scale::Scale;
 use crate::validation::complexity::mpc;
 use chladni_frf::{ComplexVector, Damping, Finding, Mode, ReferenceUnit, Scaling};
 use ndarray::Array1;

@@ -8,61 +8,15 @@
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use crate::poles::pole::Pole;
-use crate::shapes::limits;
+use crate::shapes::inverse_root::{finite, inverse_root};
 use crate::shapes::line_products::LineProducts;
 use crate::shapes::low_rank::Shapes;
+use crate::shapes::scale::Scale;
 use crate::shapes::tangent::{overlapping, taken, unknowns, Tangent, Unknown};
-use crate::tolerances as tol;
-use chladni_linalg::{cholesky, eigh, matmul, matmul_h, solve_lower, LinalgError, Scalar};
-use ndarray::{concatenate, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
+use chladni_linalg::{matmul, matmul_h, LinalgError};
+use ndarray::{concatenate, Array1, Array2, Axis};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Response of a saved shape ψ = t·x to errors of x and L: δt/t = Σ a_d δx_d + Σ c_j
-/// δL_j.
-pub(crate) struct Scale {
-    /// t.
-    pub factor: Complex64,
-    /// (response d, a_d).
-    pub response: Vec<(usize, Complex64)>,
-    /// (reference j, c_j).
-    pub reference: Vec<(usize, Complex64)>,
-}
-
-impl Scale {
-    /// A mass scale is the root of a driving-point residue: with u its relative 95 %
-    /// half-width, the interval of what it divides grows as 1/(1 − u²) over that of first
-    /// order, and holds infinity from u = 1 on.
-    ///
-    /// Fieller, J. R. Stat. Soc. B 16 (1954) 175.
-    fn second_order(&self, variance: f64) -> f64 {
-        if self.reference.is_empty() {
-            return 0.0;
-        }
-        let u2 = (self.half_width(variance.sqrt()))
-            .powi(2)
-            .min(limits::SCALE_KNOWN);
-        u2 / (1.0 - u2)
-    }
-
-    /// The relative standard deviation of a mass scale as it enters error bars of shapes;
-    /// `None` for other scales, and where it is not known.
-    pub fn stated(&self, deviation: f64) -> Option<f64> {
-        let stated = deviation * (1.0 + self.second_order(deviation.powi(2))).sqrt();
-        Some(stated).filter(|value| !self.reference.is_empty() && value.is_finite())
-    }
-
-    /// Relative 95 % half-width of what a mass scale is the root of, from the relative
-    /// standard deviation of the scale.
-    fn half_width(&self, deviation: f64) -> f64 {
-        2.0 * limits::SIGMAS_95 * deviation
-    }
-
-    /// True where the driving points do not tell the mass scale from any other.
-    pub fn unknown(&self, deviation: f64) -> bool {
-        !self.reference.is_empty() && self.half_width(deviation) >= 1.0
-    }
-}
 
 /// Responses measured from the same references, and what the normal equations look like
 /// for them.
@@ -531,51 +485,4 @@ impl ShapeErrors {
 struct Cluster {
     modes: Vec<usize>,
     unknowns: Vec<Unknown>,
-}
-
-fn finite(value: f64) -> f64 {
-    if value.is_finite() {
-        value
-    } else {
-        0.0
-    }
-}
-
-/// Vᴴ·`columns`, where VVᴴ is the inverse of a matrix on the directions that carry
-/// information; terms of a repeated pole may mix in any way, and no error is meant by
-/// that.
-fn inverse_root<T: Scalar>(
-    matrix: ArrayView2<T>,
-    columns: ArrayView2<T>,
-) -> Result<Array2<T>, LinalgError> {
-    let size: Vec<f64> = matrix
-        .diag()
-        .iter()
-        .map(|d| finite(d.modulus().sqrt().recip()))
-        .collect();
-    let even = Array2::from_shape_fn(matrix.raw_dim(), |(a, b)| {
-        matrix[[a, b]] * T::of_real(size[a] * size[b])
-    });
-    let columns = Array2::from_shape_fn(columns.raw_dim().f(), |(a, c)| {
-        columns[[a, c]] * T::of_real(size[a])
-    });
-    let well_known = |lower: &Array2<T>| {
-        lower
-            .diag()
-            .iter()
-            .all(|pivot| pivot.modulus().powi(2) > limits::WELL_INFORMED)
-    };
-    if let Some(lower) = cholesky(even.view()).ok().filter(well_known) {
-        return solve_lower(lower.view(), columns.view());
-    }
-    let (values, vectors) = eigh(even.view())?;
-    let kept: Vec<usize> = (0..values.len())
-        .filter(|&c| values[c] > tol::UNINFORMED)
-        .collect();
-    let mut half = matmul_h(vectors.select(Axis(1), &kept).view(), columns.view());
-    half.rows_mut()
-        .into_iter()
-        .zip(kept)
-        .for_each(|(mut row, c)| row.mapv_inplace(|v| v.divided_by(values[c].sqrt())));
-    Ok(half)
 }

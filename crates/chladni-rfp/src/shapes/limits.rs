@@ -21,18 +21,6 @@ pub(super) const STEPS_RIDGE: f64 = 1e-15;
 /// thread where there are few responses.
 pub(super) const ALTERNATION_BLOCK: usize = 16;
 
-// error_bars.rs
-
-/// Square of the least pivot of such a matrix from which on every direction counts as
-/// known.
-pub(super) const WELL_INFORMED: f64 = 1e-5;
-/// 95 % of a normal distribution lie within so many standard deviations.
-pub(super) const SIGMAS_95: f64 = 1.96;
-/// Square of the relative half-width of a driving-point residue beyond which its mode's
-/// scale is called no less known: the error bars are a hundred times those of first
-/// order.
-pub(super) const SCALE_KNOWN: f64 = 1.0 - 1e-4;
-
 // growth.rs
 
 /// Candidates per block of products.
@@ -40,6 +28,12 @@ pub(super) const GROWTH_BLOCK: usize = 64;
 /// Power iterations for the largest singular value: a lower bound within a few per cent,
 /// enough to rank places.
 pub(super) const GROWTH_POWER_STEPS: usize = 8;
+
+// inverse_root.rs
+
+/// Square of the least pivot of an information matrix from which on every direction counts as
+/// known.
+pub(super) const WELL_INFORMED: f64 = 1e-5;
 
 // low_rank.rs
 
@@ -61,6 +55,15 @@ pub(super) const POWER_STEPS: usize = 4;
 /// the largest that noise makes; below it the weak direction costs more in noise than it
 /// explains.
 pub(super) const RANK_OVER_NOISE: f64 = 1.5;
+
+// scale.rs
+
+/// 95 % of a normal distribution lie within so many standard deviations.
+pub(super) const SIGMAS_95: f64 = 1.96;
+/// Square of the relative half-width of a driving-point residue beyond which its mode's
+/// scale is called no less known: the error bars are a hundred times those of first
+/// order.
+pub(super) const SCALE_KNOWN: f64 = 1.0 - 1e-4;
 
 // search.rs
 

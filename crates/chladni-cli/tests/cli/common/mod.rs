@@ -3,10 +3,12 @@
 #![allow(dead_code)] // every test file uses its own part
 
 pub mod browser;
+mod run;
 pub mod studio;
 
+pub use run::Run;
+
 use assert_cmd::Command;
-use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -26,45 +28,6 @@ pub struct Folder(pub TempDir);
 pub fn skipped(what: &str) {
     use std::io::Write;
     drop(writeln!(std::io::stderr(), "skipped: {what}"));
-}
-
-/// Exit code and output of a run.
-pub struct Run {
-    pub code: i32,
-    pub stdout: String,
-    pub stderr: String,
-}
-
-impl Run {
-    /// Exit code and output of a process that has ended.
-    pub fn of(output: std::process::Output) -> Self {
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-        Self {
-            code: output.status.code().unwrap(),
-            stdout: text(output.stdout),
-            stderr: text(output.stderr),
-        }
-    }
-
-    /// The one JSON object on stdout.
-    pub fn json(&self) -> Value {
-        serde_json::from_str(&self.stdout).unwrap_or_else(|error| {
-            panic!("{error} in {:?}; stderr {:?}", self.stdout, self.stderr)
-        })
-    }
-    /// The text of stderr, in one line: the terminal's line breaks are no words.
-    pub fn said(&self) -> String {
-        self.stderr.split_whitespace().collect::<Vec<_>>().join(" ")
-    }
-    /// Checks the exit status.
-    pub fn exits(self, code: i32) -> Self {
-        assert_eq!(
-            self.code, code,
-            "stdout {:?}, stderr {:?}",
-            self.stdout, self.stderr
-        );
-        self
-    }
 }
 
 impl Folder {

@@ -5,7 +5,8 @@ pub mod rig;
 
 use chladni_frf::{ComplexMatrix, FrfKind, ModalModel, ResidualTerm};
 use chladni_plate::{simulate, Panel, Simulation};
-use chladni_render::Scene;
+use chladni_render::{Rendering, Scene};
+use ndarray::Array1;
 use num_complex::Complex64;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -32,6 +33,23 @@ pub fn truth() -> &'static ModalModel {
 /// Positions of the 34 actuators, m.
 pub fn actuators_m() -> Vec<[f64; 2]> {
     Panel::default().layout().references_m
+}
+
+/// The field that the drive of a rendering makes on the panel, at the places of its area.
+pub fn true_area_field(rendering: &Rendering, frequency_hz: f64) -> Array1<Complex64> {
+    let area = rendering.area.as_ref().unwrap();
+    let places: Vec<[f64; 2]> = area
+        .y_m
+        .iter()
+        .flat_map(|&y| area.x_m.iter().map(move |&x| [x, y]))
+        .collect();
+    let weights = &rendering.weights.weights;
+    let drive: Array1<_> = weights.iter().map(|weight| weight.value()).collect();
+    let plate = &panel().plate;
+    plate
+        .mobility_matrix(&places, &actuators_m(), frequency_hz)
+        .unwrap()
+        .dot(&drive)
 }
 
 /// A scene on cells of the whole panel.

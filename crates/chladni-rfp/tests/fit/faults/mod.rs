@@ -2,8 +2,10 @@
 
 mod channels;
 mod doubts;
+mod exponential;
 mod kinds;
 mod lines;
+mod random_test;
 mod windows;
 
 use crate::common::{easy, fitted as fitted_with};

@@ -1,0 +1,158 @@
+//! Which pairs a set has: single-reference surveys, duplicates, gaps.
+
+use super::documents::{document, frf, function, merge, names};
+use chladni_frf::ErrorKind;
+use chladni_io::{Duplicates, Function, Ordinate, ReadOptions};
+use num_complex::{Complex32, Complex64};
+
+#[test]
+fn single_reference_files_make_one_set() {
+    let documents = vec![
+        document(
+            "a.uff",
+            vec![frf("1:+Z", "101:+Z", 1.0), frf("2:+Z", "101:+Z", 2.0)],
+        ),
+        document(
+            "b.uff",
+            vec![frf("1:+Z", "102:+Z", 3.0), frf("3:+Z", "102:+Z", 4.0)],
+        ),
+    ];
+    let (set, warnings) = merge(documents, &ReadOptions::default()).unwrap();
+    assert_eq!(
+        (names(&set.responses), names(&set.references)),
+        (
+            vec!["1:+Z".into(), "2:+Z".into(), "3:+Z".into()],
+            vec!["101:+Z".into(), "102:+Z".into()]
+        )
+    );
+    assert_eq!(set.frequency_hz.to_vec(), [1.0, 1.5, 2.0]);
+    assert_eq!(set.values.get(2, 1, 2), Complex64::new(4.0, 1.0));
+    assert_eq!(set.missing_pairs(), [(1, 1), (2, 0)]);
+    assert_eq!(
+        warnings,
+        ["2 of 6 pairs are missing (response, reference): (2:+Z, 102:+Z), (3:+Z, 101:+Z)"]
+    );
+}
+
+#[test]
+fn files_that_all_say_reference_one_need_the_override() {
+    let documents = || {
+        vec![
+            document("a.uff", vec![frf("1:+Z", "1:+Z", 1.0)]),
+            document("b.uff", vec![frf("1:+Z", "1:+Z", 3.0)]),
+        ]
+    };
+    let error = merge(documents(), &ReadOptions::default()).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.contains("a.uff line 12 and b.uff line 12") && text.contains("`reference N`"),
+        "{text}"
+    );
+    let options = ReadOptions {
+        references: vec![101, 102],
+        ..ReadOptions::default()
+    };
+    assert_eq!(
+        names(&merge(documents(), &options).unwrap().0.references),
+        ["101:+Z", "102:+Z"]
+    );
+    let options = ReadOptions {
+        references: vec![101, 102, 103],
+        ..ReadOptions::default()
+    };
+    assert_eq!(
+        merge(documents(), &options).unwrap_err().kind,
+        ErrorKind::Usage
+    );
+    let two = vec![document(
+        "c.uff",
+        vec![frf("1:+Z", "1:+Z", 1.0), frf("1:+Z", "2:+Z", 1.0)],
+    )];
+    let error = merge(
+        two,
+        &ReadOptions {
+            references: vec![5],
+            ..ReadOptions::default()
+        },
+    )
+    .unwrap_err();
+    assert!(error.to_string().contains("found 1, 2"), "{error}");
+}
+
+#[test]
+fn duplicates_follow_the_rule() {
+    let documents = || {
+        vec![document(
+            "a.uff",
+            vec![frf("1:+Z", "9:+Z", 1.0), frf("1:+Z", "9:+Z", 4.0)],
+        )]
+    };
+    for (duplicates, expected) in [
+        (Duplicates::First, 1.0),
+        (Duplicates::Last, 4.0),
+        (Duplicates::Mean, 2.5),
+    ] {
+        let (set, warnings) = merge(
+            documents(),
+            &ReadOptions {
+                duplicates,
+                ..ReadOptions::default()
+            },
+        )
+        .unwrap();
+        assert_eq!(set.values.get(0, 0, 0).re, expected);
+        assert!(warnings[0].contains("(1:+Z, 9:+Z)"), "{warnings:?}");
+    }
+}
+
+#[test]
+fn a_zero_pair_is_missing_and_makes_no_duplicate() {
+    let zero = function(
+        4,
+        "1:+Z",
+        "9:+Z",
+        Ordinate::Complex64(vec![Complex64::new(0.0, 0.0); 3]),
+    );
+    let (set, _) = merge(
+        vec![document(
+            "a.uff",
+            vec![zero.clone(), frf("1:+Z", "9:+Z", 4.0)],
+        )],
+        &ReadOptions::default(),
+    )
+    .unwrap();
+    assert_eq!(set.values.get(0, 0, 0).re, 4.0);
+    let (set, warnings) = merge(
+        vec![document("a.uff", vec![zero, frf("2:+Z", "9:+Z", 4.0)])],
+        &ReadOptions::default(),
+    )
+    .unwrap();
+    assert!(set.values.get(0, 0, 0).re.is_nan());
+    assert_eq!(
+        warnings,
+        ["1 pairs are exactly zero on every line and are treated as missing: (1:+Z, 9:+Z)"]
+    );
+}
+
+#[test]
+fn a_grid_that_is_nearly_empty_is_refused_before_it_is_allocated() {
+    let many = |k: u64| Function {
+        ordinate: Ordinate::Complex32(vec![Complex32::new(1.0, 1.0); 64]),
+        ..frf(
+            &format!("{}:+Z", k + 1),
+            &format!("{}:+Z", 100_000 + k),
+            1.0,
+        )
+    };
+    let error = merge(
+        vec![document("a.uff", (0..4000).map(many).collect())],
+        &ReadOptions::default(),
+    )
+    .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("4000 FRFs for 4000 responses and 4000 references"),
+        "{error}"
+    );
+}

@@ -1,0 +1,161 @@
+//! Refusals with their words, and what is masked or left out instead.
+
+use super::reading::{c, read, read_with, refusal};
+use chladni_io::{Duplicates, ReadOptions};
+
+#[test]
+fn every_refusal_names_the_row_and_what_to_do() {
+    for (text, words) in [
+        ("f,re,im\n1,2,3\n1,2,3\n", &["line 3", "stands twice"][..]),
+        ("f,re,im\n2,2,3\n1,2,3\n", &["line 3", "falls", "1 after 2"]),
+        (
+            "f,re,im\n1,2,3\n2,x,3\n",
+            &["line 3", "re", "found x", "`lenient`"],
+        ),
+        ("f,re,im\n1,2,3\n2,inf,3\n", &["line 3", "found inf"]),
+        ("f,re,im\n1,2,3\n2,1e999,3\n", &["line 3", "1e999"]),
+        ("f,re,im\n1,2,3\n2,****,3\n", &["line 3", "****"]),
+        (
+            "f,re,im\n1,2,3\n2,2\n",
+            &["line 3", "2 columns", "`lenient`"],
+        ),
+        (
+            "f,re,im\n1,5,0,25,-3,5\n2,5,0,5,1,5\n",
+            &["line 2", "decimal comma", "`;`"],
+        ),
+        ("f,re,im\n\"1,5\",\"0,5\",\"1,5\"\n", &["decimal comma"]),
+        ("f,re\n1,2\n2,2\n", &["column 2", "imaginary part"]),
+        ("f,mag\n1,2\n2,2\n", &["phase"]),
+        (
+            "time,re,im\n1,2,3\n2,2,3\n",
+            &["no FRF", "a time", "chladni estimate"],
+        ),
+        ("no numbers\nat all\n", &["line 1", "no row of numbers"]),
+        ("# only = remarks\n", &["only comments"]),
+        (
+            "# frf_kind = velocity\nf,re,im\n1,2,3\n",
+            &["line 1", "frf_kind", "receptance, mobility or accelerance"],
+        ),
+        ("(1.5+2j)\n(2-3.5e-08j)\n", &["line 1", "Python", "f,re,im"]),
+        (
+            "node,dir,ref_node,ref_dir,f,re,im\n1,3,9,3,1,1,2\n1,3,9,3,1,1,2\n",
+            &["line 3", "twice for one pair"],
+        ),
+        (
+            "node,dir,ref_node,ref_dir,f,re,im\n1,7,9,3,1,1,2\n",
+            &["line 2", "dir", "found 7"],
+        ),
+        (
+            "node,dir,ref_node,ref_dir,f,re,im\nx,3,9,3,1,1,2\n",
+            &["line 2", "node", "found x"],
+        ),
+        (
+            "node,dir,ref_node,ref_dir,f,re,im\n1,3,9,3,1,y,2\n",
+            &["line 2", "re", "found y"],
+        ),
+        (
+            "node,dir,ref_node,ref_dir,f,re,im\n1,3,9,3,1\n",
+            &["line 2", "5 columns"],
+        ),
+        ("node,dir,ref_node,ref_dir,f,re,im\n", &["no rows"]),
+        (
+            "node,dir,ref_node,ref_dir,f,re,im\n1,3,9,3,1,1,2\n1,3,9,3,2,1,2\n2,3,9,3,1.4,1,2\n",
+            &["line 4", "1.4 for (2:+Z, 9:+Z)"],
+        ),
+    ] {
+        let message = refusal(text);
+        for word in words {
+            assert!(message.contains(word), "{word}: {message}");
+        }
+    }
+}
+
+#[test]
+fn lenient_masks_cells_and_leaves_rows_out_with_a_word() {
+    let options = ReadOptions {
+        lenient: true,
+        ..ReadOptions::default()
+    };
+    let (set, warnings) = read_with("f,re,im\n1,2,3\n2,x,3\n3,4\n4,5,6\n", &options).unwrap();
+    assert_eq!(set.frequency_hz.to_vec(), [1.0, 2.0, 4.0]);
+    assert!(set.values.get(0, 0, 1).re.is_nan());
+    let text = warnings.join("\n");
+    assert!(
+        text.contains("1 cells are no finite numbers; masked (first in line 3)")
+            && text.contains("(first in line 4)"),
+        "{text}"
+    );
+    let (set, _) = read_with(
+        "node,dir,ref_node,ref_dir,f,re,im\n1,3,9,3,1,y,2\n1,3,9,3,2,1,2\n",
+        &options,
+    )
+    .unwrap();
+    assert!(set.values.get(0, 0, 0).im.is_nan());
+}
+
+#[test]
+fn missing_rows_and_cells_are_masked_and_reported() {
+    let long = "node,dir,ref_node,ref_dir,f,re,im\n1,3,9,3,1,1,2\n1,3,9,3,2,3,4\n1,3,9,3,3,3,4\n2,3,9,3,1,5,6\n2,3,9,3,3,7,NaN\n";
+    let (set, warnings) = read(long).unwrap();
+    assert!(set.values.get(1, 0, 1).re.is_nan() && set.values.get(1, 0, 2).re.is_nan());
+    let text = warnings.join("\n");
+    assert!(
+        text.contains("1 rows (pair and frequency) are missing")
+            && text.contains("first in line 6"),
+        "{text}"
+    );
+    let (set, warnings) = read("f,re,im\n1,2,\n2,3,4\n").unwrap();
+    assert!(set.values.get(0, 0, 0).re.is_nan() && set.values.get(0, 0, 0).im.is_nan());
+    assert!(
+        warnings.join("\n").contains("1 cells are empty"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn doubled_pairs_need_a_rule() {
+    let text = "f,1Z:3Z re,1Z:3Z im,1Z:3Z re,1Z:3Z im\n1,1,0,3,0\n2,1,0,3,0\n";
+    let message = refusal(text);
+    assert!(
+        message.contains("(1:+Z, 3:+Z) is there 2 times") && message.contains("`duplicates"),
+        "{message}"
+    );
+    for (duplicates, expected) in [
+        (Duplicates::First, 1.0),
+        (Duplicates::Last, 3.0),
+        (Duplicates::Mean, 2.0),
+    ] {
+        let options = ReadOptions {
+            duplicates,
+            ..ReadOptions::default()
+        };
+        assert_eq!(
+            read_with(text, &options).unwrap().0.values.get(0, 0, 1),
+            c(expected, 0.0)
+        );
+    }
+}
+
+#[test]
+fn decimal_commas_between_commas_are_refused_in_every_layout() {
+    for text in [
+        "node,dir,ref_node,ref_dir,f,re,im\n1,3,101,3,10,5,0,0012,-0,0003\n\
+         1,3,101,3,11,5,0,0013,-0,0004\n",
+        "response,reference,f,re,im\n1Z,9Z,1,5,0,25,-3,5\n",
+        "1,0,5,-0,25\n2,0,6,-0,75\n",
+    ] {
+        assert!(refusal(text).contains("decimal comma"), "{text}");
+    }
+}
+
+#[test]
+fn a_point_among_decimal_commas_is_no_decimal_sign() {
+    // 1.000,5 and 1,000.5 are thousands: neither is 1.0005
+    let text = refusal("f;re;im\n1.000,5;0,5;1,5\n2.000,5;0,5;1,5\n");
+    assert!(
+        text.contains("1.000,5") || text.contains("no row of numbers"),
+        "{text}"
+    );
+    let text = refusal("f;re;im\n1,5;0,5;1,5\n2,5;0.5;1,5\n");
+    assert!(text.contains("line 3") && text.contains("0.5"), "{text}");
+}

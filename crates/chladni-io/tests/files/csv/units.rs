@@ -1,0 +1,218 @@
+//! Units of values, phases and frequencies: read, asked for, or refused.
+
+use super::reading::{c, read, read_with, refusal, values};
+use chladni_frf::{FrfKind, TimeSign};
+use chladni_io::{PhaseUnit, ReadOptions};
+
+#[test]
+fn magnitude_and_phase_in_degrees_radians_and_decibels() {
+    let close = |text: &str| {
+        let (_, values) = values(text);
+        assert!(
+            (values[0] - c(0.0, 10.0)).norm() < 1e-12,
+            "{text}: {values:?}"
+        );
+    };
+    close("f,mag,phase\n1,10,90\n2,1,0\n");
+    close("f [Hz],Abs(H) [m/s/N],Phi(H) [deg]\n1,10,90\n2,1,0\n");
+    close("f,Magnitude,Phase [rad]\n1,10,1.5707963267948966\n2,1,0\n");
+    close("f,Magnitude [dB re 1 m/s/N],Phase\n1,20,90\n2,1,0\n");
+    close("f,Mag (dB ref 0.1 m/s/N),Phase\n1,40,90\n2,1,0\n");
+    let text = refusal("f,Magnitude [dB],Phase\n1,20,90\n");
+    assert!(
+        text.contains("dB without its reference") && text.contains("column 2"),
+        "{text}"
+    );
+}
+
+#[test]
+fn unnamed_columns_are_read_only_where_they_cannot_be_magnitude_and_phase() {
+    let (set, warnings) = read("1,0.1,-0.2\n2,-0.3,0.2\n").unwrap();
+    assert_eq!(set.values.get(0, 0, 1), c(-0.3, 0.2));
+    assert!(warnings
+        .join("\n")
+        .contains("taken as real and imaginary part"));
+    let text = refusal("1,0.1,-90\n2,0.3,45\n");
+    assert!(
+        text.contains("may be magnitude and phase") && text.contains("f,mag,phase"),
+        "{text}"
+    );
+    assert!(
+        refusal("Freq Amplitude of H at point 3\n1,0.1,-0.2\n2,-0.3,0.2\n")
+            .contains("may be magnitude")
+    );
+}
+
+#[test]
+fn units_decide_kind_and_scale_and_contradictions_are_refused() {
+    let (set, _) = read("# unit = mm/s/N\nf,re,im\n1,2000,0\n2,1,0\n").unwrap();
+    assert_eq!(
+        (set.kind, set.values.get(0, 0, 0)),
+        (Some(FrfKind::Mobility), c(2.0, 0.0))
+    );
+    let contradiction = "# frf_kind = receptance\n# unit = m/s/N\nf,re,im\n1,2,0\n2,1,0\n";
+    assert!(refusal(contradiction).contains("`frf_kind`"));
+    let options = ReadOptions {
+        frf_kind: Some(FrfKind::Mobility),
+        ..ReadOptions::default()
+    };
+    let (set, warnings) = read_with(contradiction, &options).unwrap();
+    assert_eq!(set.kind, Some(FrfKind::Mobility));
+    assert!(
+        warnings
+            .join("\n")
+            .contains("says receptance, you say mobility"),
+        "{warnings:?}"
+    );
+    let (set, warnings) = read("f,re,im [furlong]\n1,2,0\n2,1,0\n").unwrap();
+    assert_eq!(set.kind, None);
+    assert!(
+        warnings
+            .iter()
+            .any(|warning| warning.contains("taken as SI")),
+        "{warnings:?}"
+    );
+    assert!(refusal(
+        "f,Re(a) [m/N],Im(a) [m/N],Re(b) [m/s/N],Im(b) [m/s/N]\n1,2,0,1,1\n2,1,0,1,1\n"
+    )
+    .contains("different kinds"));
+}
+
+#[test]
+fn two_minus_signs_conjugate_once() {
+    let text = "# time_sign = -\nf,re,im\n1,2,3\n2,1,0\n";
+    let told = |time_sign| ReadOptions {
+        time_sign,
+        ..ReadOptions::default()
+    };
+    for sign in [TimeSign::Plus, TimeSign::Minus] {
+        assert_eq!(
+            read_with(text, &told(sign)).unwrap().0.values.get(0, 0, 0),
+            c(2.0, -3.0)
+        );
+    }
+    let (set, warnings) = read_with(text.replace("= -", "= +"), &told(TimeSign::Minus)).unwrap();
+    assert_eq!(set.values.get(0, 0, 0), c(2.0, -3.0));
+    assert!(warnings.join("\n").contains("you say -"));
+}
+
+#[test]
+fn decibels_are_never_taken_for_linear_values() {
+    for header in [
+        "f,mag_db,phase",
+        "f,H dB,phase",
+        "f,dB(H),phase(H)",
+        "f,20log10(|H|),phase",
+        "f,Log Mag,Phase",
+        "# unit = dB\nf,mag,phase",
+    ] {
+        let text = refusal(format!("{header}\n1,-20,90\n2,-30,-90\n"));
+        assert!(text.contains("dB") && text.contains("column 2"), "{text}");
+    }
+    let text = refusal("f,mag,phase\n1,-20,90\n2,-30,-90\n");
+    assert!(
+        text.contains("below zero") && text.contains("-20"),
+        "{text}"
+    );
+    let (_, values) = values("f,mag_dB re 1 mm/s/N,phase_deg\n1,20,90\n2,0,0\n");
+    assert!((values[0] - c(0.0, 1e-2)).norm() < 1e-15);
+}
+
+#[test]
+fn radians_are_recognised_or_asked_for() {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let rows = format!("1,10,{quarter}\n2,1,-3.1\n");
+    for header in [
+        "f,mag,phase_rad",
+        "f,Magnitude,Phase (radians)",
+        "f,mag,phase/rad",
+        "Hz,m/s/N,radians\nf,mag,phase",
+        "# phase_unit = rad\nf,mag,phase",
+    ] {
+        let (_, values) = values(format!("{header}\n{rows}"));
+        assert!(
+            (values[0] - c(0.0, 10.0)).norm() < 1e-12,
+            "{header}: {values:?}"
+        );
+    }
+    for header in ["f,mag,phase", "f,mag,phase [mrad]"] {
+        let text = refusal(format!("{header}\n{rows}"));
+        assert!(
+            text.contains("column 3") && text.contains("`phase_unit rad`"),
+            "{text}"
+        );
+    }
+    let told = |phase_unit| ReadOptions {
+        phase_unit: Some(phase_unit),
+        ..ReadOptions::default()
+    };
+    let text = format!("f,mag,phase\n{rows}");
+    let (set, _) = read_with(&text, &told(PhaseUnit::Radian)).unwrap();
+    assert!((set.values.get(0, 0, 0) - c(0.0, 10.0)).norm() < 1e-12);
+    let (set, _) = read_with(&text, &told(PhaseUnit::Degree)).unwrap();
+    assert!(set.values.get(0, 0, 0).im < 0.3);
+    let said = "f,mag,phase [deg]\n1,10,1\n2,1,3\n";
+    let (_, warnings) = read_with(said, &told(PhaseUnit::Radian)).unwrap();
+    assert!(warnings.join("\n").contains("you say rad"), "{warnings:?}");
+    let (_, warnings) = read("f,mag,phase\n1,10,90\n2,1,0\n").unwrap();
+    assert!(
+        warnings.join("\n").contains("taken as degrees"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn frequencies_in_every_unit_and_none_that_is_not_understood() {
+    for (header, factor) in [
+        ("f_MHz,re,im", 1e6),
+        ("f [rpm],re,im", 1.0 / 60.0),
+        ("f/kHz,re,im", 1e3),
+        ("# frequency unit = kHz\nf,re,im", 1e3),
+        ("response,reference,f [kHz],re,im", 1e3),
+    ] {
+        let row = |f: u32| match header.starts_with("response") {
+            true => format!("1Z,2Z,{f},2,3\n"),
+            false => format!("{f},2,3\n"),
+        };
+        let (axis, _) = values(format!("{header}\n{}{}", row(1), row(2)));
+        assert!(
+            (axis[1] / (2.0 * factor) - 1.0).abs() < 1e-12,
+            "{header}: {axis:?}"
+        );
+    }
+    for header in [
+        "f_mhz,re,im",
+        "omega,re,im",
+        "index,re,im",
+        "angular frequency,re,im",
+    ] {
+        assert!(
+            refusal(format!("{header}\n1,2,3\n2,3,4\n")).contains("column 1"),
+            "{header}"
+        );
+    }
+    let rows = refusal(",re,im\n0,2,3\n1,3,4\n2,4,5\n");
+    assert!(rows.contains("may count the rows"), "{rows}");
+}
+
+#[test]
+fn the_unit_of_an_imaginary_part_counts() {
+    let (_, second) = values("f,re,im [mm/s/N]\n1,2000,3000\n2,1,1\n");
+    assert!((second[0] - c(2.0, 3.0)).norm() < 1e-12);
+    let (_, both) = values("f,re [m/s/N],im [mm/s/N]\n1,2,3000\n2,1,1\n");
+    assert!((both[0] - c(2.0, 3.0)).norm() < 1e-12);
+    let text = refusal("f,re [m/s/N],im [m/N]\n1,2,3\n2,1,1\n");
+    assert!(
+        text.contains("column 3") && text.contains("different kinds"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_row_of_units_that_does_not_fit_is_refused() {
+    let text = refusal("f mag phase\nMHz mm/s/N\n1 2 90\n2 3 -90\n");
+    assert!(
+        text.contains("line 2") && text.contains("row of units"),
+        "{text}"
+    );
+}

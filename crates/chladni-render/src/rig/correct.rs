@@ -1,0 +1,191 @@
+//! A drive corrected by measured fields: the robust program on the operator that the fields
+//! tell, and on its posterior covariance.
+
+use super::calibrated::{dead_of, Calibrated};
+use super::calibration::{scan_due, Calibration, ChannelGain};
+use super::correction::{Correction, TakenField};
+use super::given::{best_of, measured_ratio, Count};
+use super::learned::Learned;
+use super::prior::prior_drift;
+use super::seen::see;
+use super::structured::Structured;
+use crate::field::Field;
+use crate::indices::{AreaIndices, Indices, PointIndices};
+use crate::methods::Method;
+use crate::options::RenderOptions;
+use crate::problem::Drive;
+use crate::scene::Scene;
+use crate::setup::Setup;
+use crate::tolerances;
+use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
+use chladni_frf::{Dof, Error, MeasuredField, ModalModel, Result, CREATED_BY};
+
+/// A drive for `scene`, corrected by the fields that were measured under earlier weights,
+/// oldest first.
+///
+/// # Errors
+/// As [`crate::evaluate_field`]; no field, a scene of several tones, weights of another
+/// frequency than the scene's.
+pub fn correct(
+    model: &ModalModel,
+    scene: &Scene,
+    played: &[(Weights, MeasuredField, Option<String>)],
+    options: &RenderOptions,
+) -> Result<Weights> {
+    calibrate(model, scene, played, options).map(|(weights, _)| weights)
+}
+
+/// The same, and what the fields taught of the rig. A calibration that the scene names is
+/// where it starts: give the fields that came after it.
+///
+/// # Errors
+/// As [`correct`].
+pub fn calibrate(
+    model: &ModalModel,
+    scene: &Scene,
+    played: &[(Weights, MeasuredField, Option<String>)],
+    options: &RenderOptions,
+) -> Result<(Weights, Calibration)> {
+    if !scene.other_tones.is_empty() {
+        return Err(Error::bad_data("a correction is of one tone")
+            .field("frequency_hz")
+            .found(format!("{} tones", scene.tones().len()))
+            .expected("one frequency")
+            .help("correct the tones one by one"));
+    }
+    let (own, asked) = (model, scene);
+    let before = asked.actuators.calibration.as_deref();
+    let Calibrated {
+        model,
+        scene,
+        mut findings,
+    } = Calibrated::new(own, asked, Some(asked.frequency_hz), &options.drift)?;
+    let model = &*model;
+    let drift = prior_drift(asked, &scene, options.drift);
+    let scene = &Scene {
+        drift: Some(drift),
+        ..scene.into_owned()
+    };
+    let setup = Setup::new(model, scene, &drift)?;
+    findings.extend(setup.findings.iter().cloned());
+    let seen = see(
+        &setup,
+        scene,
+        model,
+        played,
+        &dead_of(&asked.actuators),
+        &mut findings,
+    )?;
+    let learned = Learned::of(model, &setup, scene, &seen)?;
+    let operator = learned.estimators.operator(learned.chosen);
+    let covariance = operator
+        .covariance
+        .mapv(|value| value * learned.inflation());
+    let corrected = setup.with_operator(operator.mobility.clone(), covariance)?;
+    let solution = Method::Robust.solve(&corrected, model, options.effort, None)?;
+    findings.extend(solution.findings);
+    let measured: Vec<Option<f64>> = seen
+        .iter()
+        .map(|seen| measured_ratio(&setup, seen, Count::Plain))
+        .collect();
+    let given = best_of(&corrected, solution.drive, &seen);
+    let structured = &learned.estimators.structured;
+    let scan_reason = scan(&learned.nis, structured);
+    findings.retain(|finding| finding.code != "scan-due");
+    findings.extend(scan_reason.as_deref().map(scan_due));
+    let fields = learned.nis.iter().zip(&measured);
+    let correction = Correction {
+        iteration: seen.len(),
+        estimator: learned.chosen,
+        predicted: given.predicted,
+        scan_due: scan_reason.is_some(),
+        scan_reason,
+        fields: fields
+            .map(|(&nis, &min_ratio)| TakenField { nis, min_ratio })
+            .collect(),
+        best_measured: given.best_measured.map(|best| best + 1),
+        kept: given.kept,
+        gains: gains(&setup, structured),
+        common_shift: structured.common,
+    };
+    let calibration = learned.calibration([own, model], &corrected, before, &correction);
+    let weights = weights_of(&corrected, scene, &given.drive)?;
+    let weights = Weights {
+        options: options.to_json(&drift),
+        correction: Some(correction),
+        findings: findings.into(),
+        ..weights
+    };
+    Ok((weights, calibration))
+}
+
+/// The weights file of a drive that keeps `setup`.
+fn weights_of(setup: &Setup, scene: &Scene, drive: &Drive) -> Result<Weights> {
+    let unit = setup.operator.unit;
+    let field = Field::new(&setup.operator, &setup.zones, drive);
+    let points = PointIndices::of_field(&field, &setup.zones, &setup.limits, drive, unit)?;
+    let area = setup
+        .nodes()
+        .and_then(|nodes| field.area_from(nodes, &setup.zones))
+        .map(|area| AreaIndices::of_area(&area, &setup.zones, &setup.limits));
+    Ok(Weights {
+        format: WEIGHTS_FORMAT.into(),
+        version: WEIGHTS_VERSION,
+        created_by: CREATED_BY.into(),
+        source: Vec::new(),
+        options: Default::default(),
+        frequency_hz: scene.frequency_hz,
+        method: "robust".into(),
+        scene: scene.name(),
+        weights: weight_list(&setup.operator.references, drive, unit),
+        modes_used: setup.modes.len(),
+        actuators_used: drive.iter().filter(|weight| weight.norm() > 0.0).count(),
+        feasible: points.min_ratio == 1.0,
+        ceiling: None,
+        kappa: Some(setup.problem.score(drive).kappa).filter(|kappa| kappa.is_finite()),
+        endurance: None,
+        modal: None,
+        indices: Indices { points, area },
+        stress: None,
+        touch: None,
+        sweep: None,
+        correction: None,
+        findings: Default::default(),
+        other_tones: Vec::new(),
+    })
+}
+
+/// The reason that a new scan is due; `None` where it is not.
+fn scan(nis: &[f64], structured: &Structured) -> Option<String> {
+    let beyond = |nis: &f64| *nis > tolerances::SCAN_NIS;
+    if nis.len() > 2 && nis[nis.len() - 2..].iter().all(beyond) {
+        return Some(format!(
+            "the last two fields were not what the correction foretold (NIS {:.1} and {:.1})",
+            nis[nis.len() - 2],
+            nis[nis.len() - 1]
+        ));
+    }
+    (structured.scales.unexplained >= tolerances::SCAN_UNEXPLAINED && nis.len() > 1).then(|| {
+        format!(
+            "gains and natural frequencies leave {:.0} % of the mobility unexplained",
+            100.0 * structured.scales.unexplained
+        )
+    })
+}
+
+fn gains(setup: &Setup, structured: &Structured) -> Vec<ChannelGain> {
+    let gain = |(i, &reference): (usize, &Dof)| ChannelGain {
+        reference,
+        re: 1.0 + structured.gains[i].re,
+        im: structured.gains[i].im,
+        std: structured.gain_std[i],
+        odd: structured.odd.contains(&i),
+    };
+    setup
+        .operator
+        .references
+        .iter()
+        .enumerate()
+        .map(gain)
+        .collect()
+}

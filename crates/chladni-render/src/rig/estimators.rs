@@ -1,0 +1,85 @@
+//! The two estimators that keep an operator each: the structured update (gains and poles,
+//! then an operator update on what they leave) and the operator Kalman update alone.
+
+use super::calibration::Estimator;
+use super::kalman::KalmanOperator;
+use super::parts::Parts;
+use super::seen::Seen;
+use super::structured::Structured;
+use crate::tolerances;
+use chladni_frf::Result;
+use ndarray::{Array1, Axis};
+use num_complex::Complex64;
+
+/// The two estimators after some fields.
+pub(super) struct Estimators {
+    pub(super) structured: Structured,
+    /// The structured operator, updated on what it leaves.
+    pub(super) remainder: KalmanOperator,
+    pub(super) kalman: KalmanOperator,
+}
+
+impl Estimators {
+    pub(super) fn operator(&self, estimator: Estimator) -> &KalmanOperator {
+        match estimator {
+            Estimator::Structured => &self.remainder,
+            Estimator::Kalman => &self.kalman,
+        }
+    }
+}
+
+/// Both estimators from all fields so far; `first` is the model with its error bars.
+pub(super) fn estimate(
+    parts: &Parts,
+    first: &KalmanOperator,
+    seen: &[Seen],
+    before: Option<&Structured>,
+) -> Result<Estimators> {
+    let structured = parts.update(seen, before)?;
+    let share = Complex64::from(tolerances::DESIGN_SHARE);
+    let mut remainder = KalmanOperator {
+        mobility: structured.mobility.clone(),
+        covariance: &structured.covariance + &first.covariance.mapv(|value| value * share),
+    };
+    let mut kalman = first.clone();
+    for seen in seen {
+        for operator in [&mut remainder, &mut kalman] {
+            let velocity = seen.phased(&operator.mobility);
+            operator.update(&seen.drive, &seen.rows, &velocity, seen.noise);
+        }
+    }
+    Ok(Estimators {
+        structured,
+        remainder,
+        kalman,
+    })
+}
+
+fn difference(operator: &KalmanOperator, seen: &Seen) -> Array1<Complex64> {
+    let foretold = operator
+        .mobility
+        .select(Axis(0), &seen.rows)
+        .dot(&seen.drive);
+    seen.phased(&operator.mobility) - foretold
+}
+
+/// Squared error of what an operator foretells of a field.
+pub(super) fn miss(operator: &KalmanOperator, seen: &Seen) -> f64 {
+    difference(operator, seen)
+        .iter()
+        .map(Complex64::norm_sqr)
+        .sum()
+}
+
+/// The same over what its error bars allow.
+pub(super) fn score(operator: &KalmanOperator, seen: &Seen) -> f64 {
+    let through = operator.covariance.dot(&seen.drive);
+    let own: Complex64 = seen
+        .drive
+        .iter()
+        .zip(&through)
+        .map(|(a, g)| a.conj() * g)
+        .sum();
+    let bar = own.re.max(0.0) + seen.noise * seen.noise;
+    miss(operator, seen) / bar / seen.rows.len() as f64
+}

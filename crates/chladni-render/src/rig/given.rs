@@ -1,0 +1,74 @@
+//! The drive to give: the new one, or the best that was measured.
+
+use super::seen::Seen;
+use crate::problem::{chance_above, Drive};
+use crate::setup::Setup;
+
+/// The rule by which a measured response counts as inside its limit.
+#[derive(Clone, Copy)]
+pub(super) enum Count {
+    /// As it was measured.
+    Plain,
+    /// By the chance that it is, given the noise of the field.
+    Expected,
+}
+
+/// Smaller of hot and cold ratio of a field as measured; `None` where it holds too little.
+pub(super) fn measured_ratio(setup: &Setup, seen: &Seen, count: Count) -> Option<f64> {
+    let (rows, limits) = (&setup.problem.rows, &setup.limits);
+    let mut shares = [[0.0; 2]; 2];
+    for (number, row) in setup.judged.iter().enumerate() {
+        let Some(place) = seen.rows.iter().position(|seen| seen == row) else {
+            continue;
+        };
+        let level = rows.levels[number];
+        let speed = seen.velocity[place].norm() / level;
+        let (kind, inside, slack) = match number < rows.hot {
+            true => (0, limits.is_felt(speed), speed - limits.hot_m_per_s),
+            false => (1, limits.is_quiet(speed), limits.cold_m_per_s - speed),
+        };
+        let noise = (seen.noise / level).max(f64::MIN_POSITIVE);
+        shares[kind][0] += match count {
+            Count::Plain => f64::from(u8::from(inside)),
+            Count::Expected => chance_above(slack, noise),
+        };
+        shares[kind][1] += 1.0;
+    }
+    let ratio = |[inside, all]: [f64; 2]| (all > 0.0).then(|| inside / all);
+    Some(ratio(shares[0])?.min(ratio(shares[1])?))
+}
+
+/// The drive to give.
+pub(super) struct Given {
+    pub(super) drive: Drive,
+    /// The smaller of hot and cold ratio to be expected of it.
+    pub(super) predicted: f64,
+    /// The best measured field, from 0.
+    pub(super) best_measured: Option<usize>,
+    /// True where its drive is given again.
+    pub(super) kept: bool,
+}
+
+/// The new drive, or the best measured one where no better is to be expected.
+pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen]) -> Given {
+    let whole = corrected.operator.responses.len();
+    let best = (0..seen.len())
+        .filter(|&k| seen[k].rows.len() == whole)
+        .filter_map(|k| Some((measured_ratio(corrected, &seen[k], Count::Expected)?, k)))
+        .max_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let expected = corrected.problem.expected_ratio(&new);
+    match best {
+        Some((ratio, k)) if ratio >= expected => Given {
+            drive: seen[k].drive.clone(),
+            predicted: ratio,
+            best_measured: Some(k),
+            kept: true,
+        },
+        _ => Given {
+            drive: new,
+            predicted: expected,
+            best_measured: best.map(|(_, k)| k),
+            kept: false,
+        },
+    }
+}

@@ -1,0 +1,184 @@
+//! What all fields together tell of the rig: the operator of the estimator that counts.
+//!
+//! The one counts that foretold the newest field better; of a first field the structured
+//! one, unless its modes want to move by the largest scale.
+
+use super::calibrated::movable_modes;
+use super::calibration::{
+    CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Estimator, CALIBRATION_FORMAT,
+    CALIBRATION_VERSION,
+};
+use super::correction::Correction;
+use super::estimators::{estimate, miss, score, Estimators};
+use super::kalman::KalmanOperator;
+use super::parts::Parts;
+use super::prior::design;
+use super::seen::Seen;
+use crate::scene::Scene;
+use crate::setup::Setup;
+use crate::tolerances;
+use chladni_frf::{ComplexMatrix, Dof, Error, ModalModel, Result, CREATED_BY};
+use num_complex::Complex64;
+
+/// The result of all fields together.
+pub(super) struct Learned {
+    pub(super) estimators: Estimators,
+    /// The estimator that counts.
+    pub(super) chosen: Estimator,
+    /// NIS of each field against what was foretold of it.
+    pub(super) nis: Vec<f64>,
+}
+
+impl Learned {
+    /// Takes in the fields one by one: each is foretold from those before it.
+    pub(super) fn of(
+        model: &ModalModel,
+        setup: &Setup,
+        scene: &Scene,
+        seen: &[Seen],
+    ) -> Result<Self> {
+        let drift = &scene.drift.unwrap_or_default();
+        let all: Vec<usize> = (0..setup.operator.responses.len()).collect();
+        let design = design(model, &setup.operator, scene, drift)?;
+        let parts = Parts::new(model, &setup.operator);
+        let first = KalmanOperator {
+            mobility: setup.operator.mobility.clone(),
+            covariance: design.gram().clone(),
+        };
+        let mut learned: Option<Self> = None;
+        for (count, newest) in (1..).zip(seen) {
+            let whole = newest.rows.len() == all.len();
+            let (mut chosen, mut nis) = (Estimator::Structured, Vec::new());
+            let mut before = None;
+            match learned {
+                Some(known) => {
+                    chosen = known.chosen;
+                    if whole {
+                        let error = |of| miss(known.estimators.operator(of), newest);
+                        let other = error(Estimator::Kalman) < error(Estimator::Structured);
+                        chosen = [Estimator::Structured, Estimator::Kalman][usize::from(other)];
+                    }
+                    nis = known.nis;
+                    nis.push(score(known.estimators.operator(chosen), newest));
+                    before = Some(known.estimators.structured);
+                }
+                None => nis.push(score(&first, newest)),
+            }
+            let estimators = estimate(&parts, &first, &seen[..count], before.as_ref())?;
+            let largest = tolerances::MODE_SCALES[tolerances::MODE_SCALES.len() - 1];
+            if count == 1 && whole && estimators.structured.scales.modes >= largest {
+                chosen = Estimator::Kalman;
+            }
+            learned = Some(Self {
+                estimators,
+                chosen,
+                nis,
+            });
+        }
+        learned.ok_or_else(|| {
+            Error::bad_data("no field to correct by")
+                .field("field")
+                .found("none")
+                .expected("at least one pair of weights and measured field")
+                .help("play the weights, measure the field, and give both")
+        })
+    }
+
+    /// Factor on the covariance: where the newest field was not what was foretold, the
+    /// error bars were too small by that much. Of a first field nothing is known.
+    pub(super) fn inflation(&self) -> f64 {
+        match self.nis.as_slice() {
+            [_, .., newest] => newest.max(1.0),
+            _ => 1.0,
+        }
+    }
+
+    /// The present knowledge of the rig.
+    ///
+    /// * `own`, `model`: the model as it was fitted, and as the calibration before made it
+    pub(super) fn calibration(
+        &self,
+        [own, model]: [&ModalModel; 2],
+        corrected: &Setup,
+        before: Option<&Calibration>,
+        told: &Correction,
+    ) -> Calibration {
+        let frequency_hz = corrected.operator.frequency_hz;
+        let structured = &self.estimators.structured;
+        let holds = self.chosen == Estimator::Structured;
+        let gain_before = |dof| before.map_or(Complex64::ONE, |known| known.gain_of(dof));
+        let mut gains: Vec<ChannelGain> = Vec::new();
+        for gain in &told.gains {
+            let known = gain_before(gain.reference);
+            let factor = match holds || gain.odd {
+                true => known * Complex64::new(gain.re, gain.im),
+                false => known,
+            };
+            gains.push(ChannelGain {
+                re: factor.re,
+                im: factor.im,
+                ..*gain
+            });
+        }
+        let mut dead: Vec<Dof> = before.map_or(Vec::new(), |known| known.dead.clone());
+        dead.extend(
+            gains
+                .iter()
+                .filter(|gain| gain.is_dead())
+                .map(|gain| gain.reference),
+        );
+        let at = |n: usize| [&own.modes[n], &model.modes[n]];
+        let modes = movable_modes(own).into_iter().enumerate().map(|(k, n)| {
+            let [fitted, known] = at(n);
+            let (frequency_hz, loss_factor) = match holds {
+                true => structured.moved_pole(k, known, model.damping, frequency_hz),
+                false => (known.frequency_hz, known.loss_factor),
+            };
+            CalibratedMode {
+                model_hz: fitted.frequency_hz,
+                frequency_hz,
+                loss_factor,
+                std: structured.shift_std[k],
+            }
+        });
+        let operator = CalibratedOperator {
+            frequency_hz,
+            fields: told.iteration
+                + before
+                    .and_then(|known| known.at(frequency_hz))
+                    .map_or(0, |known| known.fields),
+            estimator: self.chosen,
+            responses: corrected.operator.responses.clone(),
+            references: corrected.operator.references.clone(),
+            mobility: ComplexMatrix(corrected.operator.mobility.clone()),
+            covariance: ComplexMatrix(corrected.problem.covariance.gram().clone()),
+        };
+        let mut operators = vec![operator];
+        let elsewhere = |known: &&CalibratedOperator| {
+            let distance = (known.frequency_hz - frequency_hz).abs();
+            distance > tolerances::SAME_FREQUENCY * frequency_hz
+        };
+        operators.extend(
+            before
+                .iter()
+                .flat_map(|known| &known.operators)
+                .filter(elsewhere)
+                .cloned(),
+        );
+        operators.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        Calibration {
+            format: CALIBRATION_FORMAT.into(),
+            version: CALIBRATION_VERSION,
+            created_by: CREATED_BY.into(),
+            source: before.map_or(Vec::new(), |known| known.source.clone()),
+            unit: corrected.operator.unit,
+            fields: told.iteration + before.map_or(0, |known| known.fields),
+            scan_due: told.scan_due,
+            scan_reason: told.scan_reason.clone(),
+            gains,
+            dead,
+            modes: modes.collect(),
+            operators,
+        }
+    }
+}

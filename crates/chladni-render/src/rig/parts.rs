@@ -1,0 +1,195 @@
+//! The mobility of a model over the gains of its channels and the shifts of its poles.
+//!
+//! H(θ) = [Σ_n f_n(δ_n + c)·P_n + R]·diag(1 + g), f_n(δ) = d_n(0)/d_n(δ)
+//! (theory.md, eq. 58),
+//!
+//! with d_n(δ) = ω_n²(1 + jη_n)(1 + δ)² − ω² under structural damping and
+//! ω_n²(1 + δ)² + jη_nω_nω(1 + δ) − ω² under viscous damping,
+//! with a complex gain error g for each channel, a complex shift δ for each mode in the band
+//! and a real shift c of all.
+
+use crate::modal_field::mode_mobility;
+use crate::operator::Operator;
+use crate::problem::Drive;
+use chladni_frf::{Damping, ModalModel, Mode, Trust};
+use ndarray::{Array1, Array2};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// The parts of the mobility that can move.
+pub(crate) struct Parts {
+    /// Of each mode in the band, a and b of its denominator a(1 + δ)² + b(1 + δ) − ω².
+    pub(super) poles: Vec<[Complex64; 2]>,
+    pub(super) omega_squared: f64,
+    /// Share of each of these modes in the mobility.
+    pub(super) modes: Vec<Array2<Complex64>>,
+    /// The mobility as the model has it.
+    pub(super) whole: Array2<Complex64>,
+}
+
+impl Parts {
+    /// Takes the operator of `model` apart.
+    pub(crate) fn new(model: &ModalModel, operator: &Operator) -> Self {
+        let omega = TAU * operator.frequency_hz;
+        let counts = |mode: &&Mode| mode.in_band && mode.trust != Trust::Rejected;
+        let modes: Vec<&Mode> = model.modes.iter().filter(counts).collect();
+        let poles = modes.iter();
+        Self {
+            poles: poles
+                .map(|mode| denominator(mode, model.damping, omega))
+                .collect(),
+            omega_squared: omega * omega,
+            modes: modes
+                .iter()
+                .map(|mode| mode_mobility(model, operator, mode))
+                .collect(),
+            whole: operator.mobility.clone(),
+        }
+    }
+
+    pub(super) fn actuators(&self) -> usize {
+        self.whole.ncols()
+    }
+
+    /// Real unknowns: gains, shifts, common shift.
+    pub(super) fn unknowns(&self) -> usize {
+        2 * self.actuators() + 2 * self.modes.len() + 1
+    }
+
+    /// f_n and its slope at a shift.
+    pub(super) fn factor(&self, n: usize, shift: Complex64) -> (Complex64, Complex64) {
+        let [square, linear] = self.poles[n];
+        let at = 1.0 + shift;
+        let moved = (square * at + linear) * at - self.omega_squared;
+        let factor = (square + linear - self.omega_squared) / moved;
+        (factor, -factor * (2.0 * square * at + linear) / moved)
+    }
+
+    pub(super) fn shift(&self, theta: &Array1<f64>, n: usize) -> Complex64 {
+        let at = 2 * (self.actuators() + n);
+        Complex64::new(theta[at] + theta[theta.len() - 1], theta[at + 1])
+    }
+
+    pub(super) fn gain(&self, theta: &Array1<f64>, i: usize) -> Complex64 {
+        Complex64::new(1.0 + theta[2 * i], theta[2 * i + 1])
+    }
+
+    /// Mobility with the poles of θ, its gains left out.
+    pub(super) fn moved(&self, theta: &Array1<f64>) -> Array2<Complex64> {
+        let mut mobility = self.whole.clone();
+        for (n, part) in self.modes.iter().enumerate() {
+            mobility.scaled_add(self.factor(n, self.shift(theta, n)).0 - 1.0, part);
+        }
+        mobility
+    }
+
+    /// Mobility of θ.
+    pub(super) fn mobility(&self, theta: &Array1<f64>) -> Array2<Complex64> {
+        let mut mobility = self.moved(theta);
+        for (i, mut column) in mobility.columns_mut().into_iter().enumerate() {
+            let gain = self.gain(theta, i);
+            column.mapv_inplace(|value| value * gain);
+        }
+        mobility
+    }
+
+    /// The field of θ at all rows, and its slope over each unknown; axes (row, unknown).
+    pub(super) fn field(
+        &self,
+        theta: &Array1<f64>,
+        drive: &Drive,
+    ) -> (Array1<Complex64>, Array2<Complex64>) {
+        let moved = self.moved(theta);
+        let count = self.actuators();
+        let played: Drive = (0..count).map(|i| drive[i] * self.gain(theta, i)).collect();
+        let mut slope = Array2::zeros((moved.nrows(), self.unknowns()));
+        for i in 0..count {
+            let path = moved.column(i).mapv(|value| value * drive[i]);
+            slope.column_mut(2 * i).assign(&path);
+            slope
+                .column_mut(2 * i + 1)
+                .assign(&path.mapv(|value| value * Complex64::I));
+        }
+        let mut common = Array1::zeros(moved.nrows());
+        for (n, part) in self.modes.iter().enumerate() {
+            let (_, steep) = self.factor(n, self.shift(theta, n));
+            let change = part.dot(&played).mapv(|value| value * steep);
+            let at = 2 * (count + n);
+            slope.column_mut(at).assign(&change);
+            slope
+                .column_mut(at + 1)
+                .assign(&change.mapv(|value| value * Complex64::I));
+            common += &change;
+        }
+        let last = self.unknowns() - 1;
+        slope.column_mut(last).assign(&common);
+        (moved.dot(&played), slope)
+    }
+}
+
+/// a and b of the denominator a(1 + δ)² + b(1 + δ) − ω² of a mode.
+pub(super) fn denominator(mode: &Mode, damping: Damping, omega: f64) -> [Complex64; 2] {
+    let own = TAU * mode.frequency_hz;
+    match damping {
+        Damping::Structural => [
+            own * own * Complex64::new(1.0, mode.loss_factor),
+            Complex64::ZERO,
+        ],
+        Damping::Viscous => [
+            (own * own).into(),
+            Complex64::new(0.0, mode.loss_factor * own * omega),
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::field::rms;
+    use chladni_frf::{Dof, Node};
+    use chladni_plate::{Synthetic, SyntheticShapes};
+
+    #[test]
+    fn a_shift_of_all_poles_is_that_of_the_model_in_both_laws() {
+        for damping in [Damping::Structural, Damping::Viscous] {
+            let mut model = Synthetic {
+                natural_frequency_hz: vec![80.0, 120.0],
+                loss_factor: vec![0.08, 0.05],
+                responses: 5,
+                references: 2,
+                shapes: SyntheticShapes::Real,
+                damping,
+                frequency_hz: Array1::range(10.0, 200.0, 1.0),
+                residual_powers: Vec::new(),
+                ..Synthetic::default()
+            }
+            .build()
+            .unwrap()
+            .truth;
+            let node = |(k, dof): (usize, &Dof)| Node {
+                label: dof.node,
+                xyz_m: [0.01 * k as f64, 0.01 * (k % 2) as f64, 0.0],
+            };
+            model.nodes = model.responses.iter().enumerate().map(node).collect();
+            let operator = |model: &ModalModel| Operator::of_model(model, 100.0, None).unwrap();
+            let parts = Parts::new(&model, &operator(&model));
+            let shift = 1e-5;
+            let mut theta = Array1::zeros(parts.unknowns());
+            theta[parts.unknowns() - 1] = shift;
+            let mut moved = model.clone();
+            for mode in &mut moved.modes {
+                mode.frequency_hz *= 1.0 + shift;
+            }
+            let before = operator(&model).mobility;
+            let change = operator(&moved).mobility - &before;
+            let error = parts.mobility(&theta) - &before - &change;
+            let size = |values: &Array2<Complex64>| rms(&values.iter().copied().collect());
+            assert!(
+                size(&error) < 1e-3 * size(&change),
+                "{damping:?}: {} of {}",
+                size(&error),
+                size(&change)
+            );
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! How wrong a prediction may be before any new field.
+
+use crate::covariance::Covariance;
+use crate::drift::Drift;
+use crate::operator::Operator;
+use crate::scene::Scene;
+use crate::tolerances;
+use chladni_frf::{ModalModel, Result};
+
+/// The drift with at least the error of amplifiers that every rig has.
+fn rig_drift(drift: Drift) -> Drift {
+    Drift {
+        drive_relative: drift.drive_relative.max(tolerances::RIG_DRIVE_ERROR),
+        ..drift
+    }
+}
+
+/// The drift that a prediction has: of a rig that no field has calibrated at least the
+/// usual error of amplifiers.
+///
+/// * `asked`, `scene`: the scene as it was given, and as its calibration makes it
+pub(crate) fn prior_drift(asked: &Scene, scene: &Scene, default: Drift) -> Drift {
+    let drift = scene.drift.unwrap_or(default);
+    match asked.actuators.calibration {
+        Some(_) => drift,
+        None => rig_drift(drift),
+    }
+}
+
+/// Error of a prediction before any new field: what earlier fields have left, or that of
+/// the model under `drift`.
+///
+/// # Errors
+/// Those of the factorisation.
+pub(crate) fn design(
+    model: &ModalModel,
+    operator: &Operator,
+    scene: &Scene,
+    drift: &Drift,
+) -> Result<Covariance> {
+    let learned = scene.learned.as_deref();
+    if let Some(gram) = learned.and_then(|known| known.covariance_of(operator)) {
+        return Covariance::of_gram(gram);
+    }
+    let all: Vec<usize> = (0..operator.responses.len()).collect();
+    Ok(Covariance::of_model(model, operator, &all, drift))
+}

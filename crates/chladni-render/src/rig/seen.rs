@@ -1,0 +1,103 @@
+//! Measured fields as updates of the operator take them.
+
+use super::field::{noise_assumed, LaidField};
+use crate::evaluate::{laid, Laid, On};
+use crate::problem::Drive;
+use crate::scene::Scene;
+use crate::setup::Setup;
+use crate::tolerances;
+use crate::weights::Weights;
+use chladni_frf::{Dof, Error, Finding, MeasuredField, ModalModel, Result};
+use ndarray::{Array1, Array2, Axis};
+use num_complex::Complex64;
+
+/// A measured field as an update takes it.
+#[derive(Debug, Clone)]
+pub(crate) struct Seen {
+    /// The drive that made it.
+    pub(crate) drive: Drive,
+    /// Rows of the operator that were measured.
+    pub(crate) rows: Vec<usize>,
+    /// Velocities there, m/s; magnitudes where phases are unknown.
+    pub(crate) velocity: Array1<Complex64>,
+    /// Root of the mean square of their standard deviations, m/s.
+    pub(crate) noise: f64,
+    /// True where phases are unknown.
+    pub(crate) magnitudes_only: bool,
+}
+
+impl Seen {
+    /// The values with the phases that `mobility` foretells, where they have none.
+    pub(crate) fn phased(&self, mobility: &Array2<Complex64>) -> Array1<Complex64> {
+        if !self.magnitudes_only {
+            return self.velocity.clone();
+        }
+        let foretold = mobility.select(Axis(0), &self.rows).dot(&self.drive);
+        let pairs = self.velocity.iter().zip(&foretold);
+        pairs
+            .map(|(seen, foretold)| {
+                foretold * (seen.norm() / foretold.norm().max(f64::MIN_POSITIVE))
+            })
+            .collect()
+    }
+}
+
+/// The fields laid over the operator, each with its drive.
+pub(super) fn see(
+    setup: &Setup,
+    scene: &Scene,
+    model: &ModalModel,
+    played: &[(Weights, MeasuredField, Option<String>)],
+    dead: &[Dof],
+    findings: &mut Vec<Finding>,
+) -> Result<Vec<Seen>> {
+    let mut assumed = false;
+    let mut all = Vec::with_capacity(played.len());
+    for (weights, field, sha256) in played {
+        let asked = scene.frequency_hz;
+        if (weights.frequency_hz - asked).abs() > tolerances::SAME_FREQUENCY * asked {
+            return Err(Error::bad_data("the weights are for another frequency")
+                .field("frequency_hz")
+                .found(format!("{} Hz", weights.frequency_hz))
+                .expected(format!("{asked} Hz, as the scene"))
+                .help("give weights that were rendered for this scene"));
+        }
+        let Laid {
+            operator, drive, ..
+        } = laid(weights, scene, On::Model(model))?;
+        let mut whole = Drive::zeros(setup.operator.references.len());
+        for (reference, &weight) in operator.references.iter().zip(&drive) {
+            // what was played into a dead channel moved nothing
+            if dead.iter().any(|dead| dead.same_axis(*reference)) {
+                continue;
+            }
+            let place = setup
+                .operator
+                .references
+                .iter()
+                .position(|known| known == reference);
+            let place = place.ok_or_else(|| {
+                Error::bad_data("the weights drive an actuator that the scene does not use")
+                    .field("weights")
+                    .found(reference)
+                    .expected("the actuators of the scene")
+                    .help("use the same actuators in the scene, or render its weights anew")
+            })?;
+            whole[place] = weight;
+        }
+        let field = LaidField::new(field, &setup.operator, sha256.as_deref())?;
+        assumed |= field.noise_assumed;
+        let square = field.std.iter().map(|std| std * std).sum::<f64>() / field.std.len() as f64;
+        all.push(Seen {
+            drive: whole,
+            rows: field.rows,
+            velocity: field.velocity,
+            noise: square.sqrt(),
+            magnitudes_only: field.magnitudes_only,
+        });
+    }
+    if assumed {
+        findings.push(noise_assumed());
+    }
+    Ok(all)
+}

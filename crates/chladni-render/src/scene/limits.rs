@@ -1,0 +1,31 @@
+//! Velocity limits of a scene.
+
+use crate::tolerances;
+
+/// Velocity limits of a scene, m/s peak.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Threshold + limen, or the part of it that a line of a band owes: hot ground moves
+    /// at least so fast.
+    pub hot_m_per_s: f64,
+    /// Threshold.
+    pub threshold_m_per_s: f64,
+    /// Threshold − limen, or the part of it that one of several tones may have: cold
+    /// ground moves at most so fast.
+    pub cold_m_per_s: f64,
+}
+
+impl Limits {
+    /// True where ground that moves at `velocity_m_per_s` is felt.
+    pub fn is_felt(&self, velocity_m_per_s: f64) -> bool {
+        velocity_m_per_s >= self.hot_m_per_s * (1.0 - tolerances::LIMIT)
+    }
+    /// True where ground that moves at `velocity_m_per_s` is quiet.
+    pub fn is_quiet(&self, velocity_m_per_s: f64) -> bool {
+        velocity_m_per_s <= self.cold_m_per_s * (1.0 + tolerances::LIMIT)
+    }
+    /// Hot limit over cold limit, dB.
+    pub fn apart_db(&self) -> f64 {
+        20.0 * (self.hot_m_per_s / self.cold_m_per_s).log10()
+    }
+}

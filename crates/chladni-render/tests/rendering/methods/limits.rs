@@ -1,0 +1,93 @@
+//! Limits of force and voltage, and scenes that they forbid.
+
+use super::rendered::{options, rendered};
+use crate::common::{cell_scene, truth};
+use chladni_render::{render, Method};
+
+#[test]
+fn a_force_limit_is_kept_and_said_to_bind() {
+    for method in Method::ALL {
+        let free = rendered(truth(), &cell_scene([2, 2], 1, ""), method);
+        let limit = 0.3 * free.weights.indices.points.max_force_n.unwrap();
+        let scene = cell_scene([2, 2], 1, &format!("[actuators]\nmax_force_n = {limit}\n"));
+        let limited = rendered(truth(), &scene, method);
+        let force = limited.weights.indices.points.max_force_n.unwrap();
+        assert!(
+            force <= limit * (1.0 + 1e-12),
+            "{method}: {force} N of {limit} N"
+        );
+        if [Method::PressureMatching, Method::Mls].contains(&method) {
+            assert!(
+                limited.weights.findings.iter().any(|w| w.contains("binds")),
+                "{method}: {:?}",
+                limited.weights.findings
+            );
+        }
+    }
+}
+
+#[test]
+fn a_tight_force_limit_is_met_by_a_more_economical_drive() {
+    let free = rendered(truth(), &cell_scene([2, 2], 1, ""), Method::Mls)
+        .weights
+        .indices
+        .points
+        .max_force_n
+        .unwrap();
+    let scene = cell_scene(
+        [2, 2],
+        1,
+        &format!("[actuators]\nmax_force_n = {}\n", 0.6 * free),
+    );
+    let limited = rendered(truth(), &scene, Method::Mls).weights;
+    assert!(
+        limited.indices.points.min_ratio > 0.9,
+        "{:?}",
+        limited.indices.points
+    );
+}
+
+#[test]
+fn an_infeasible_scene_says_what_is_possible() {
+    let scene = cell_scene([2, 2], 1, "[actuators]\nmax_force_n = 1e-5\n");
+    let weights = rendered(truth(), &scene, Method::Robust).weights;
+    assert!(!weights.feasible && weights.kappa.unwrap() < 0.0);
+    let said = weights
+        .findings
+        .iter()
+        .find(|warning| warning.contains("impossible"))
+        .expect("what is possible");
+    assert!(
+        said.contains("% of the hot") && said.contains("4.0 dB"),
+        "{said}"
+    );
+}
+
+#[test]
+fn volts_have_a_limit_of_their_own() {
+    let mut model = truth().clone();
+    model.reference_unit = chladni_frf::ReferenceUnit::Volt;
+    let error = render(
+        &model,
+        &cell_scene([2, 2], 1, "[actuators]\nmax_force_n = 1\n"),
+        &options(Method::Mls),
+    )
+    .unwrap_err();
+    assert!(
+        error.to_string().contains("actuators.max_voltage_v"),
+        "{error}"
+    );
+    let unlimited = rendered(&model, &cell_scene([2, 2], 1, ""), Method::Mls).weights;
+    assert!(unlimited
+        .findings
+        .iter()
+        .any(|w| w.contains("no limit was kept")));
+    assert_eq!(unlimited.indices.points.max_force_n, None);
+    let limited = rendered(
+        &model,
+        &cell_scene([2, 2], 1, "[actuators]\nmax_voltage_v = 0.001\n"),
+        Method::Mls,
+    )
+    .weights;
+    assert!(limited.indices.points.max_voltage_v.unwrap() <= 0.001 * (1.0 + 1e-12));
+}
