@@ -14,7 +14,7 @@ use crate::poles::pole::Given;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
 use crate::shapes::low_rank::low_rank_around;
 use crate::shapes::low_rank::Shapes;
-use crate::shapes::residues::{significant_rank, Residues};
+use crate::shapes::residues::{beyond_chance, significant_rank, Residues};
 use crate::shapes::scale::Scale;
 use chladni_frf::{
     ComplexMatrix, Damping, Finding, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling,
@@ -140,7 +140,35 @@ impl Shaped {
             ranks[n] = significant_rank(&free, n, variance)?;
         }
         let given: Vec<Given> = poles.iter().map(|pole| pole.given.clone()).collect();
-        let shapes = low_rank_around(&free, &ranks, &given)?;
+        // a real term fixes one phase per DOF but one
+        let real = if *real_shapes {
+            given
+                .iter()
+                .flatten()
+                .map(|(shape, _)| shape.nrows())
+                .sum::<usize>()
+                * (responses + references - 1)
+        } else {
+            0
+        };
+        let mut shapes = low_rank_around(&free, &ranks, &given)?;
+        // what weak directions of single poles explain together
+        let full = responses.min(references);
+        let open: Vec<usize> = (0..poles.len())
+            .filter(|&n| given[n].is_none() && ranks[n] < full)
+            .filter(|&n| !(low..=high).contains(&poles[n].omega.powi(2)))
+            .collect();
+        let rounding = limits::RISE_ROUNDING * work.energy() * noise;
+        let beyond = |shapes: &Shapes| {
+            beyond_chance(shapes.rise, shapes.constraints + real, variance, rounding)
+        };
+        if !open.is_empty() && beyond(&shapes) > limits::RISE_SIGMAS {
+            open.iter().for_each(|&n| ranks[n] = full);
+            let fuller = low_rank_around(&free, &ranks, &given)?;
+            if beyond(&fuller) < beyond(&shapes) {
+                shapes = fuller;
+            }
+        }
         // residues of the shapes less the free ones
         let mut change = linear.residues;
         let blocks: Vec<_> = change
@@ -161,17 +189,6 @@ impl Shaped {
         // the low-rank form adds its rise
         let all = (work.lines() * work.columns()) as f64;
         let free_dof = (all - ((poles.len() + powers.len()) * work.columns()) as f64).max(1.0);
-        // a real term fixes one phase per DOF but one
-        let real = if *real_shapes {
-            given
-                .iter()
-                .flatten()
-                .map(|(shape, _)| shape.nrows())
-                .sum::<usize>()
-                * (responses + references - 1)
-        } else {
-            0
-        };
         let constraints = shapes.constraints + real;
         let chi2_per_dof = if variance > 0.0 {
             (linear.sse * noise + shapes.rise) / (variance * (free_dof + 0.5 * constraints as f64))

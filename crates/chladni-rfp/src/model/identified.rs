@@ -124,6 +124,11 @@ impl Identified {
                 pole.move_to(*to, self.damping);
             }
         }
+        for lambda in structured.added {
+            let mut pole = structural_pole(lambda, [lambda.im.powi(2); 2], (Trust::Sure, vec![]));
+            pole.move_to(lambda, self.damping);
+            self.poles.push(pole);
+        }
         for found in structured.poles {
             let mut pole = structural_pole(
                 found.lambda,

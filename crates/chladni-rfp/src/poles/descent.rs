@@ -37,8 +37,9 @@ fn step_cap(work: &Columns, lambda: Complex64) -> f64 {
 }
 
 /// A pole after a step as a model can hold it, with a loss and a natural frequency above
-/// zero: what stands for the world outside would else be left out of the file, and what
-/// it explains with it. A structural pole in the band is told by its lines.
+/// zero, and in the viscous law less than critical damping: what stands for the world
+/// outside would else be left out of the file, and what it explains with it. A structural
+/// pole in the band is told by its lines.
 fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64 {
     if work.law == Damping::Structural && work.in_band(next) {
         return next;
@@ -50,7 +51,13 @@ fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64
             next
         }
     };
-    Complex64::new(kept(next.re, pole.re), kept(next.im, pole.im))
+    let floor = limits::FAR_BELOW * work.range().0;
+    let re = kept(next.re, pole.re).max(floor.min(pole.re));
+    let im = kept(next.im, pole.im);
+    match work.law {
+        Damping::Structural => Complex64::new(re, im),
+        Damping::Viscous => Complex64::new(re, im.min((limits::LOSS_MOST * re).max(pole.im))),
+    }
 }
 
 /// A search under way.

@@ -27,6 +27,8 @@ pub(super) const PROMISED: f64 = 1e-6;
 /// Part of itself that a step leaves of a pole's loss and of the square of its natural
 /// frequency where it would take all of it.
 pub(super) const KEPT: f64 = 0.2;
+/// Largest loss factor that a step gives a viscous pole: critical damping is 2.
+pub(super) const LOSS_MOST: f64 = 1.9;
 
 // first_look.rs
 
@@ -124,7 +126,8 @@ pub(super) const OUTSIDE_LOSS: f64 = 0.02;
 
 // start.rs
 
-/// Place of a pole of no natural frequency: at so much of the x of the first line.
+/// Place of a pole of no natural frequency, and the lowest that a step goes to: at so much
+/// of the x of the first line.
 pub(super) const FAR_BELOW: f64 = 0.01;
 
 // whiteness.rs

@@ -77,14 +77,17 @@ fn beyond_the_band(work: &Columns, tried: &[Complex64]) -> Option<Complex64> {
     if work.law == Damping::Structural {
         return None;
     }
+    places_beyond(work).find(|place| !tried.contains(place))
+}
+
+/// Poles outside the band from which a mode there is sought.
+pub(crate) fn places_beyond(work: &Columns) -> impl Iterator<Item = Complex64> {
     let (low, high) = work.range();
     let places = limits::BELOW
         .map(|f| low * f * f)
         .into_iter()
         .chain(limits::ABOVE.map(|f| high * f * f));
-    places
-        .map(|x| Complex64::new(x, limits::OUTSIDE_LOSS * x))
-        .find(|place| !tried.contains(place))
+    places.map(|x| Complex64::new(x, limits::OUTSIDE_LOSS * x))
 }
 
 /// Poles that the data do not need, and the fit without them: all that stand for no mode

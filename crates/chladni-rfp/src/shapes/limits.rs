@@ -79,6 +79,14 @@ pub(super) const GROWTH_MOST: usize = 12;
 /// Squared distance of two poles, in units of its variance, up to which they count as one
 /// repeated pole: equal poles lie farther apart in one set of a hundred.
 pub(super) const REPEATED_SIGMAS: f64 = 4.6;
+/// Distance of two free poles outside the band, over the sum of their half-bandwidths,
+/// below which they stand for one and its derivative.
+pub(super) const FUSED: f64 = 0.02;
+/// The gain by a pole outside the band, in units of the noise variance beyond that of
+/// every column, that makes it worth its place where the model contradicts the data.
+pub(super) const AROUND_GAIN: f64 = 10.0;
+/// Most poles outside the band that are added beside structured ones.
+pub(super) const AROUND_MOST: usize = 3;
 /// Half-bandwidths beyond the ends of the band within which a pole is sought with those
 /// inside.
 pub(super) const BESIDE_HALF_WIDTHS: f64 = 4.0;

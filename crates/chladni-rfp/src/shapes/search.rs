@@ -15,7 +15,8 @@ use crate::data::layout::DataLayout;
 use crate::data::options::ShapeModel;
 use crate::poles::estimate::{PoleEstimate, UNCERTAIN};
 use crate::poles::prune::threshold;
-use crate::poles::refine::{refine, Refined};
+use crate::poles::refine::refine;
+use crate::poles::settle::places_beyond;
 use crate::shapes::limits;
 use crate::shapes::residues::{beyond_chance, strongest};
 use crate::shapes::step::{Enough, State};
@@ -51,6 +52,8 @@ pub(crate) struct Structured {
     pub replaced: Vec<Complex64>,
     /// All other poles, and where each is once these have their shapes.
     pub others: Vec<[Complex64; 2]>,
+    /// Poles outside the band that are needed besides.
+    pub added: Vec<Complex64>,
     /// Standard deviations of chance by which the sum of squares rises over that of free
     /// residues where the other poles are as many as they are.
     pub beyond_chance: f64,
@@ -214,16 +217,28 @@ fn searched(
     }
     let real = state.real;
     let (poles, state) = merged([target, &whole], state, variance, swapped)?;
-    let (moved, sse) = around(&whole, &state, &outside, &found.refined.powers)?;
     let free = found.refined.projection.residual.iter();
     let free_sse: f64 = free.map(|v| v.norm_sqr()).sum();
     let bound = constraints(state.lambda.len()) + if real { phases } else { 0 };
-    let beyond_chance = beyond_chance(sse - free_sse, bound, variance, rounding);
+    let beyond = |sse: f64| beyond_chance(sse - free_sse, bound, variance, rounding);
+    let around = Around::new(
+        &whole,
+        &state,
+        (&outside, &found.refined.powers),
+        (work.columns() as f64 + limits::AROUND_GAIN) * variance,
+        &|sse| chance(beyond(sse)),
+    )?;
+    let added = around.poles[outside.len()..].to_vec();
     Ok(Search::Found(Structured {
         poles,
         replaced: inside,
-        others: outside.into_iter().zip(moved).map(<[_; 2]>::from).collect(),
-        beyond_chance,
+        others: outside
+            .into_iter()
+            .zip(around.poles)
+            .map(<[_; 2]>::from)
+            .collect(),
+        added,
+        beyond_chance: beyond(around.sse),
         real,
         evidence,
     }))
@@ -391,37 +406,82 @@ fn merged(
     Ok((poles, state))
 }
 
-/// The poles `outside`, whose residues are free, refined on what the others of `state`
-/// leave, and the sum of squares left then. The search lets them follow each FRF by
-/// itself, to first order; here they have one place for all.
-fn around(
-    whole: &Target,
-    state: &State,
-    outside: &[Complex64],
-    powers: &[i32],
-) -> Result<(Vec<Complex64>, f64), LinalgError> {
-    let work = whole.work;
-    let residues = state.residues();
-    let columns = basis(work, &state.lambda, &[]);
-    let gram = matmul_h(columns.view(), columns.view());
-    let energy_of = |residues: &Array2<Complex64>| -> f64 {
-        let along = blocked_matmul(gram.view(), residues.view());
-        let terms = along.iter().zip(residues);
-        terms.map(|(a, r)| (r.conj() * a).re).sum()
+/// True where two poles are so close that their residues are large and cancel.
+fn fused(poles: &[Complex64]) -> bool {
+    let near = |(n, a): (usize, &Complex64)| {
+        let close = |b: &Complex64| (a - b).norm() < limits::FUSED * (a.im + b.im);
+        poles[..n].iter().any(close)
     };
-    let compressed = blocked_matmul_mixed(&residues, whole.back.t());
-    // the part that the compressed data cannot hold
-    let beside = energy_of(&residues) - energy_of(&compressed);
-    let explained = blocked_matmul(columns.view(), compressed.view());
-    let left = work.with_columns(&work.b - &explained);
-    let here = refine(&left, outside, powers, 0, 0.0)?;
-    let there = refine(&left, outside, powers, tol::REFINE_FINE, tol::FINE_STEP)?;
-    let energy = |refined: &Refined| -> f64 {
-        let residual = refined.projection.residual.iter();
-        residual.map(|v| v.norm_sqr()).sum()
-    };
-    let stays_outside = |pole: &Complex64| !work.in_band(*pole) && pole.re > 0.0 && pole.im >= 0.0;
-    let better = energy(&there) < energy(&here) && there.lambda.iter().all(stays_outside);
-    let taken = if better { there } else { here };
-    Ok((taken.lambda.clone(), energy(&taken) + beside.max(0.0)))
+    poles.iter().enumerate().any(near)
+}
+
+/// The poles beside those that have their shapes, with free residues.
+struct Around {
+    poles: Vec<Complex64>,
+    /// Sum of squares that all together leave.
+    sse: f64,
+}
+
+impl Around {
+    /// The poles `outside` refined on what those of `state` leave. The search lets them
+    /// follow each FRF by itself, to first order; here they have one place for all. More
+    /// are added until `holds`, while one takes more than `limit` out of the sum of
+    /// squares.
+    fn new(
+        whole: &Target,
+        state: &State,
+        (outside, powers): (&[Complex64], &[i32]),
+        limit: f64,
+        holds: &dyn Fn(f64) -> bool,
+    ) -> Result<Self, LinalgError> {
+        let work = whole.work;
+        let residues = state.residues();
+        let columns = basis(work, &state.lambda, &[]);
+        let gram = matmul_h(columns.view(), columns.view());
+        let energy = |residues: &Array2<Complex64>| -> f64 {
+            let along = blocked_matmul(gram.view(), residues.view());
+            let terms = along.iter().zip(residues);
+            terms.map(|(a, r)| (r.conj() * a).re).sum()
+        };
+        let compressed = blocked_matmul_mixed(&residues, whole.back.t());
+        // the part that the compressed data cannot hold
+        let beside = (energy(&residues) - energy(&compressed)).max(0.0);
+        let explained = blocked_matmul(columns.view(), compressed.view());
+        let left = work.with_columns(&work.b - &explained);
+        let at = |poles: &[Complex64], steps: usize| -> Result<Self, LinalgError> {
+            let refined = refine(&left, poles, powers, steps, tol::FINE_STEP)?;
+            let residual = refined.projection.residual.iter();
+            Ok(Self {
+                sse: residual.map(|v| v.norm_sqr()).sum::<f64>() + beside,
+                poles: refined.lambda,
+            })
+        };
+        let sound = |around: &Self| {
+            let stays = |pole: &Complex64| !work.in_band(*pole) && pole.re > 0.0 && pole.im > 0.0;
+            around.poles.iter().all(stays) && !fused(&around.poles)
+        };
+        let mut best = at(outside, 0)?;
+        let refined = at(outside, tol::REFINE_FINE)?;
+        if refined.sse < best.sse && sound(&refined) {
+            best = refined;
+        }
+        for _ in 0..limits::AROUND_MOST {
+            if holds(best.sse) || best.poles.len() + state.lambda.len() >= work.lines() / 2 {
+                break;
+            }
+            let one_more = |start: Complex64| {
+                let mut poles = best.poles.clone();
+                poles.push(start);
+                at(&poles, tol::REFINE_FINE).ok().filter(sound)
+            };
+            let places: Vec<Complex64> = places_beyond(work).collect();
+            let tried: Vec<Option<Self>> = places.into_par_iter().map(one_more).collect();
+            let more = tried.into_iter().flatten();
+            match more.min_by(|a, b| a.sse.total_cmp(&b.sse)) {
+                Some(more) if more.sse < best.sse - limit => best = more,
+                _ => break,
+            }
+        }
+        Ok(best)
+    }
 }
