@@ -110,19 +110,17 @@ impl Identified {
     /// Poles replaced by what structured refinement found for them; a mode seen only
     /// there is graded by its error bar.
     pub fn structured(mut self, structured: Structured) -> Self {
-        let (known, others): (Vec<Pole>, Vec<Pole>) = self
-            .poles
+        let (known, others): (Vec<Pole>, Vec<Pole>) = std::mem::take(&mut self.poles)
             .into_iter()
             .partition(|pole| structured.replaced.iter().any(|l| pole.stands_at(*l)));
-        self.poles = others;
-        for pole in &mut self.poles {
-            let moved = structured
-                .others
-                .iter()
-                .find(|[from, _]| pole.stands_at(*from));
-            if let Some([_, to]) = moved {
-                pole.move_to(*to, self.damping);
+        for mut pole in others {
+            let known = |from: &&(Complex64, Option<Complex64>)| pole.stands_at(from.0);
+            match structured.others.iter().find(known) {
+                Some((_, None)) => continue,
+                Some((_, Some(to))) => pole.move_to(*to, self.damping),
+                None => {}
             }
+            self.poles.push(pole);
         }
         for lambda in structured.added {
             let mut pole = structural_pole(lambda, [lambda.im.powi(2); 2], (Trust::Sure, vec![]));

@@ -50,8 +50,9 @@ pub(crate) struct Structured {
     pub poles: Vec<StructuredPole>,
     /// The poles with free residues that they stand for.
     pub replaced: Vec<Complex64>,
-    /// All other poles, and where each is once these have their shapes.
-    pub others: Vec<[Complex64; 2]>,
+    /// All other poles, and the place of each once these have their shapes; `None` where
+    /// its neighbour stands for it.
+    pub others: Vec<(Complex64, Option<Complex64>)>,
     /// Poles outside the band that are needed besides.
     pub added: Vec<Complex64>,
     /// Standard deviations of chance by which the sum of squares rises over that of free
@@ -228,15 +229,21 @@ fn searched(
         (work.columns() as f64 + limits::AROUND_GAIN) * variance,
         &|sse| chance(beyond(sse)),
     )?;
-    let added = around.poles[outside.len()..].to_vec();
+    let mut moved = around.poles.into_iter();
+    let mut others: Vec<(Complex64, Option<Complex64>)> = Vec::new();
+    for (n, &pole) in outside.iter().enumerate() {
+        let to = if fused(&outside, n) {
+            None
+        } else {
+            moved.next()
+        };
+        others.push((pole, to));
+    }
+    let added = moved.collect();
     Ok(Search::Found(Structured {
         poles,
         replaced: inside,
-        others: outside
-            .into_iter()
-            .zip(around.poles)
-            .map(<[_; 2]>::from)
-            .collect(),
+        others,
         added,
         beyond_chance: beyond(around.sse),
         real,
@@ -406,13 +413,11 @@ fn merged(
     Ok((poles, state))
 }
 
-/// True where two poles are so close that their residues are large and cancel.
-fn fused(poles: &[Complex64]) -> bool {
-    let near = |(n, a): (usize, &Complex64)| {
-        let close = |b: &Complex64| (a - b).norm() < limits::FUSED * (a.im + b.im);
-        poles[..n].iter().any(close)
-    };
-    poles.iter().enumerate().any(near)
+/// True where pole `n` is so close to one before it that their residues are large and
+/// cancel.
+fn fused(poles: &[Complex64], n: usize) -> bool {
+    let close = |b: &Complex64| (poles[n] - b).norm() < limits::FUSED * (poles[n].im + b.im);
+    poles[..n].iter().any(close)
 }
 
 /// The poles beside those that have their shapes, with free residues.
@@ -458,10 +463,15 @@ impl Around {
         };
         let sound = |around: &Self| {
             let stays = |pole: &Complex64| !work.in_band(*pole) && pole.re > 0.0 && pole.im > 0.0;
-            around.poles.iter().all(stays) && !fused(&around.poles)
+            let apart = |n: usize| !fused(&around.poles, n);
+            around.poles.iter().all(stays) && (0..around.poles.len()).all(apart)
         };
-        let mut best = at(outside, 0)?;
-        let refined = at(outside, tol::REFINE_FINE)?;
+        let apart: Vec<Complex64> = (0..outside.len())
+            .filter(|&n| !fused(outside, n))
+            .map(|n| outside[n])
+            .collect();
+        let mut best = at(&apart, 0)?;
+        let refined = at(&apart, tol::REFINE_FINE)?;
         if refined.sse < best.sse && sound(&refined) {
             best = refined;
         }
