@@ -83,6 +83,13 @@ pub(super) const SPLIT_WINDOW: (f64, usize) = (4.0, 8);
 /// FRFs looked at: of the DOFs that show the modes best.
 pub(super) const SPLIT_FRFS_MOST: usize = 48;
 
+/// Twins stand nearer than this part of their half-bandwidth.
+pub(super) const TWIN_NEAR: f64 = 0.5;
+/// Their damping differs by less than this factor.
+pub(super) const TWIN_DAMPING: f64 = 1.4;
+/// Fewest modes with a twin: one close pair is none of many.
+pub(super) const TWINS_LEAST: usize = 5;
+
 // window_bias.rs
 
 /// Loss factors that a window could have raised by this much, relative, are worth a word

@@ -4,7 +4,8 @@
 //! R/(λ + ε_l − x) ≈ R/(λ − x) − Rε_l/(λ − x)²: whatever ε_l each FRF has, two poles of
 //! the same place fit it. One shape for all references rules it out where each DOF of one
 //! side was measured under its own conditions (a roving sensor or hammer) and there are
-//! several on the other; with one reference nothing but the second order does.
+//! several on the other; with one reference nothing but the second order does. Where
+//! most modes of such a set come in twins, each is doubted without a look at that order.
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
@@ -28,6 +29,9 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
         let (a, b) = (pole(case, a), pole(case, b));
         (a.re - b.re).abs() < limits::SPLIT_NEAR * a.im.max(b.im)
     };
+    if let Some(checked) = mostly_twins(case, &modes) {
+        return Some(checked);
+    }
     let groups = modes
         .chunk_by(near)
         .filter(|group| group.len() > 1 && group.iter().any(|mode| mode.trust == Trust::Sure));
@@ -61,6 +65,47 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     let concerned = doubted.iter().copied().flatten();
     let finding = Finding::caution("split-modes", words)
         .modes_hz(concerned.map(|mode| mode.frequency_hz))
+        .help("measure another reference, or all points at once");
+    Some(Checked { finding, weak })
+}
+
+/// The modes that have a twin, where one side has one DOF and most modes are so: of the
+/// same damping, and nearer than a part of their half-bandwidth.
+fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
+    if case.data.responses.len().min(case.data.references.len()) > 1 {
+        return None;
+    }
+    let alike = |a: Complex64, b: Complex64| {
+        let near = (a - b).norm() < limits::TWIN_NEAR * a.im.min(b.im);
+        near && a.im.max(b.im) < limits::TWIN_DAMPING * a.im.min(b.im)
+    };
+    let twins: Vec<usize> = (0..modes.len())
+        .filter(|&n| {
+            let own = pole(case, modes[n]);
+            (0..modes.len()).any(|m| m != n && alike(own, pole(case, modes[m])))
+        })
+        .collect();
+    if twins.len() < limits::TWINS_LEAST || 2 * twins.len() < modes.len() {
+        return None;
+    }
+    let is_twin = |mode: &Mode| twins.iter().any(|&n| std::ptr::eq(modes[n], mode));
+    let reason = Reason::new(
+        "split-mode",
+        "one mode that moves between FRFs would look like it and its neighbour",
+    );
+    let weak = (0..case.model.modes.len())
+        .filter(|&n| is_twin(&case.model.modes[n]))
+        .map(|n| (n, reason.clone()))
+        .collect();
+    let words = format!(
+        "{} of {} modes stand within a fraction of their bandwidth beside another one of the \
+         same damping, as one mode does whose frequency differs between measurements (a roving \
+         sensor's mass, temperature)",
+        twins.len(),
+        modes.len()
+    );
+    let finding = Finding::caution("split-modes", words)
+        .modes_hz(twins.iter().map(|&n| modes[n].frequency_hz))
         .help("measure another reference, or all points at once");
     Some(Checked { finding, weak })
 }

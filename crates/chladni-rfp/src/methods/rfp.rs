@@ -304,18 +304,4 @@ mod tests {
         let make = |seed| even(12, 40.0, Damping::Viscous, seed);
         assert_exact("viscous", &judged(&make, 4, &with(RfpWeight::Iv)), 1.2, 2.5);
     }
-
-    #[test]
-    #[ignore = "minutes; the figures of docs/accuracy.md"]
-    fn six_seeds_of_the_hard_cases() {
-        let iv = with(RfpWeight::Iv);
-        for snr_db in [40.0, 20.0] {
-            let outcome = judged(&|seed| abstract_panel(snr_db, seed), 6, &iv);
-            assert_exact(&format!("abstract, {snr_db} dB"), &outcome, 1.1, 2.0);
-            let outcome = judged(&|seed| glass_panel(snr_db, seed), 6, &iv);
-            assert_exact(&format!("glass, {snr_db} dB"), &outcome, 1.1, 3.0);
-        }
-        let hundred = |seed| even(100, 60.0, Damping::Structural, seed);
-        assert_exact("100 modes", &judged(&hundred, 6, &iv), 1.1, 2.0);
-    }
 }

@@ -8,10 +8,12 @@ use crate::data::options::{FitOptions, ShapeModel};
 use crate::data::watch::Watch;
 use crate::model::identified::Identified;
 use crate::model::limits;
-use crate::poles::estimate::PoleEstimate;
+use crate::poles::estimate::{is_faint, PoleEstimate};
 use crate::shapes::search::{structured, Search};
 use chladni_frf::{Damping, Finding};
 use chladni_linalg::LinalgError;
+use ndarray::Axis;
+use num_complex::Complex64;
 
 /// Poles of the law that the data prefer, or that is asked for, structured where that
 /// holds; with what is to be said of it. `again`: the poles in another law.
@@ -78,10 +80,18 @@ fn told(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError>
     if found.measured && found.heaviest_sure() < limits::LAW_ALIKE {
         return Ok(Verdict::Undecidable);
     }
+    // what hardly shows may be what the wrong law has left: no law is given it
+    let all = &found.refined.lambda;
+    let shown: Vec<usize> = (0..all.len())
+        .filter(|&n| !is_faint(&found.grades[n]))
+        .collect();
+    let lambda: Vec<Complex64> = shown.iter().map(|&n| all[n]).collect();
+    let terms = all.len()..found.refined.coefficients.nrows();
+    let rows: Vec<usize> = shown.into_iter().chain(terms).collect();
     let fitted = Fitted {
-        lambda: &found.refined.lambda,
+        lambda: &lambda,
         powers: &found.refined.powers,
-        coefficients: &found.refined.coefficients,
+        coefficients: &found.refined.coefficients.select(Axis(0), &rows),
         variance: found.variance,
         frfs: data.pairs.len(),
     };

@@ -4,6 +4,7 @@
 use crate::damping::structural::basis;
 use crate::damping::viscous::viscous_basis;
 use crate::data::columns::Columns;
+use crate::data::information;
 use crate::data::layout::DataLayout;
 use crate::data::products::real_basis;
 use crate::poles::normal::{Parted, Plain};
@@ -11,7 +12,7 @@ use crate::poles::refine::Projection;
 use crate::shapes::residues::schur_weight;
 use chladni_frf::Damping;
 use chladni_linalg::blocked::blocked_matmul;
-use chladni_linalg::{lstsq, matmul, LinalgError};
+use chladni_linalg::{lstsq, matmul, matmul_h, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
 
@@ -65,7 +66,11 @@ pub(crate) fn linear(
             let mut b = Array2::zeros((2 * lines, work.columns()).f());
             b.slice_mut(s![..lines, ..]).assign(&work.b.mapv(|v| v.re));
             b.slice_mut(s![lines.., ..]).assign(&work.b.mapv(|v| v.im));
-            let solution = lstsq(a.view(), b.view())?;
+            // poles outside the band that have fused share their residue
+            let solution = lstsq(a.view(), b.view()).or_else(|_| {
+                let gram = matmul_h(a.view(), a.view());
+                information::answer(gram.view(), matmul_h(a.view(), b.view()).view())
+            })?;
             let sse = (&b - &matmul(a.view(), solution.view()))
                 .iter()
                 .map(|v| v * v)

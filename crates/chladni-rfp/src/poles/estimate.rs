@@ -64,10 +64,26 @@ pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<G
         .iter()
         .map(|own| (variance * own.re).max(0.0))
         .collect();
-    (
-        refined.lambda.iter().zip(&spread).map(grade_of).collect(),
-        spread,
-    )
+    let mut grades: Vec<Grade> = refined.lambda.iter().zip(&spread).map(grade_of).collect();
+    let relative = |n: usize| spread[n].sqrt() / refined.lambda[n].im;
+    let mut inside: Vec<f64> = (0..spread.len())
+        .filter(|&n| work.in_band(refined.lambda[n]))
+        .map(relative)
+        .collect();
+    inside.sort_by(f64::total_cmp);
+    let usual = inside.get(inside.len() / 2).copied().unwrap_or(f64::MAX);
+    for (n, grade) in grades.iter_mut().enumerate() {
+        let faint = relative(n) > FAINT.max(FAINT_OVER_USUAL * usual);
+        if faint && work.in_band(refined.lambda[n]) && grade.0 == Trust::Sure {
+            *grade = (Trust::Weak, vec![Reason::new("faint", FAINT_SENTENCE)]);
+        }
+    }
+    (grades, spread)
+}
+
+/// True of a mode that is much less certain than all others.
+pub(crate) fn is_faint(grade: &Grade) -> bool {
+    grade.1.iter().any(|reason| reason.code == "faint")
 }
 
 /// The finding where the data show more modes than were asked for; `hz`: of x = 1.
@@ -109,6 +125,16 @@ pub(crate) fn uncertain(half_bandwidths: f64) -> Reason {
     Reason::new("uncertain", UNCERTAIN_SENTENCE)
         .detail(format!("{half_bandwidths:.1} half-bandwidths, one sigma"))
 }
+
+/// The reason of a mode that is much less certain than all others.
+const FAINT_SENTENCE: &str =
+    "hundreds of times less certain than the other modes: it may stand for the background";
+/// Standard deviation of a pole, in half-bandwidths, from which it may be called faint, and
+/// that over the usual one of the band. Modes that random structures did not have stood at
+/// 0.02 to 0.2 where their neighbours stood at 1e-6.
+const FAINT: f64 = 0.01;
+/// See above.
+const FAINT_OVER_USUAL: f64 = 300.0;
 
 /// The reason that a pole of infinite variance is not sure.
 const NOT_TOLD: &str = "the data do not tell it from its neighbours: its error bars are not known";

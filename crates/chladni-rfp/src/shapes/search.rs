@@ -11,6 +11,7 @@
 //! poles).
 
 use crate::damping::structural::basis;
+use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::options::ShapeModel;
 use crate::poles::estimate::{PoleEstimate, UNCERTAIN};
@@ -64,6 +65,16 @@ pub(crate) struct Structured {
     pub evidence: String,
 }
 
+impl Structured {
+    /// True where no pole has come into the band: it would pass for a mode.
+    fn stays_outside(&self, work: &Columns) -> bool {
+        let outside = |pole: &Complex64| !work.in_band(*pole);
+        let before = self.replaced.iter().filter(|pole| outside(pole)).count();
+        let now = self.poles.iter().filter(|pole| outside(&pole.lambda));
+        now.map(|pole| pole.shape.nrows()).sum::<usize>() >= before
+    }
+}
+
 /// The result of the search for structure.
 #[derive(Debug)]
 pub(crate) enum Search {
@@ -105,7 +116,10 @@ fn attempted(
     let beside = |l: &Complex64| (low - l.re).max(l.re - high) < limits::BESIDE_HALF_WIDTHS * l.im;
     if asked == ShapeModel::Auto && lambda.iter().any(|l| beside(l) && !work.in_band(*l)) {
         match searched(data, found, asked, fixed_order, beside)? {
-            Search::Found(structured) if structured.beyond_chance <= limits::STRUCTURE_SIGMAS => {
+            Search::Found(structured)
+                if structured.beyond_chance <= limits::STRUCTURE_SIGMAS
+                    && structured.stays_outside(work) =>
+            {
                 return Ok(Search::Found(structured));
             }
             _ => {}

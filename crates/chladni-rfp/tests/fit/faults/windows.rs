@@ -158,54 +158,6 @@ fn few_lines_per_bandwidth_keep_their_damping_under_every_window() {
         }
     }
 }
-
-/// Table of docs/accuracy.md: mean of found over true damping of a fit that does not know
-/// the window, and of one that does, by lines per bandwidth.
-#[test]
-#[ignore = "a table, no test"]
-fn ratios_of_all_windows() {
-    let seeds = std::env::var("CHLADNI_ROUNDS").map_or(2, |text| text.parse().unwrap());
-    let step_hz = RATE_HZ / RECORD as f64;
-    for window in [
-        Window::Rectangular,
-        Window::Hann,
-        Window::Hamming,
-        Window::Blackman,
-        Window::Flattop,
-        Window::Kaiser { beta: 8.6 },
-        Window::Burst { part: 0.9 },
-    ] {
-        let acting = if let Window::Burst { part } = window {
-            part
-        } else {
-            1.0
-        };
-        for lines in [1.0, 2.0, 4.0] {
-            let modes = [60.0, 130.0, 210.0].map(|hz| (hz, 0.5 * lines * step_hz / hz));
-            let mut sums = [Vec::new(), Vec::new()];
-            for seed in 0..seeds {
-                let frf = random_test_of(&modes, &taper(window), acting, 60 + seed);
-                for (known, sum) in [Window::None, window].into_iter().zip(&mut sums) {
-                    let options = FitOptions {
-                        band_hz: Some([20.0, 250.0]),
-                        window: Some(known),
-                        ..FitOptions::default()
-                    };
-                    sum.extend(damping_ratios_of(&modes, &fitted_with(&frf, &options)));
-                }
-            }
-            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-            let worst = |values: &[f64]| values.iter().map(|r| (r - 1.0).abs()).fold(0.0, f64::max);
-            println!(
-                "{window}, {lines} lines: {:.3} plain, {:.3} known (largest error {:.3})",
-                mean(&sums[0]),
-                mean(&sums[1]),
-                worst(&sums[1])
-            );
-        }
-    }
-}
-
 #[test]
 fn other_methods_take_the_window_off_too() {
     let modes = few_lines();
