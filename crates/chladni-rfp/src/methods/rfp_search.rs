@@ -17,6 +17,7 @@ use crate::poles::scan::usual_loss;
 use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// Reweighted fits after the linear one.
 const REWEIGHTED: usize = 3;
@@ -46,6 +47,18 @@ pub(super) struct Found {
     pub(super) all: usize,
     /// Leading coefficient of the last fraction over the length of all.
     pub(super) leading: f64,
+}
+
+impl Found {
+    fn none(law: Damping) -> Self {
+        Self {
+            law,
+            poles: Vec::new(),
+            turned: 0,
+            all: 0,
+            leading: 1.0,
+        }
+    }
 }
 
 /// The search in one law.
@@ -85,20 +98,20 @@ impl<'a> Search<'a> {
     /// All steps.
     pub(super) fn run(&self) -> Result<Found, LinalgError> {
         let work = &self.work;
-        let mut found = Found {
-            law: self.law,
-            poles: Vec::new(),
-            turned: 0,
-            all: 0,
-            leading: 1.0,
-        };
+        let mut found = Found::none(self.law);
         let windows = windows(
             &self.survey.peaks,
             &self.survey.energy,
             self.options.rfp.bands,
         );
-        for window in &windows {
-            self.search(window, windows.len(), &mut found)?;
+        let parts = windows
+            .par_iter()
+            .map(|window| self.search(window, windows.len()))
+            .collect::<Result<Vec<Found>, LinalgError>>()?;
+        for part in parts {
+            found.turned += part.turned;
+            found.all += part.all;
+            found.poles.extend(part.poles);
         }
         found.poles = without_twins(found.poles);
         match self.options.modes {
@@ -133,7 +146,8 @@ impl<'a> Search<'a> {
     }
 
     /// Poles of one band.
-    fn search(&self, window: &Window, bands: usize, found: &mut Found) -> Result<(), LinalgError> {
+    fn search(&self, window: &Window, bands: usize) -> Result<Found, LinalgError> {
+        let mut found = Found::none(self.law);
         let whole = &self.work;
         let work = whole.rows(window.rows.clone());
         let peaks = &self.survey.peaks;
@@ -165,7 +179,7 @@ impl<'a> Search<'a> {
             (window.core.start == 0 || pole.re + claim >= whole.x[window.core.start])
                 && (window.core.end == last || pole.re - claim < whole.x[window.core.end])
         }));
-        Ok(())
+        Ok(found)
     }
 
     /// Takes out what `work` does not tell from noise, down to the modes asked for.

@@ -14,7 +14,7 @@ use crate::poles::pole::Given;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
 use crate::shapes::low_rank::low_rank_around;
 use crate::shapes::low_rank::Shapes;
-use crate::shapes::residues::{beyond_chance, significant_rank, Residues};
+use crate::shapes::residues::{is_too_much, significant_rank, Residues};
 use crate::shapes::scale::Scale;
 use chladni_frf::{
     ComplexMatrix, Damping, Finding, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling,
@@ -159,15 +159,15 @@ impl Shaped {
             .filter(|&n| !(low..=high).contains(&poles[n].omega.powi(2)))
             .collect();
         let rounding = limits::RISE_ROUNDING * work.energy() * noise;
-        let beyond = |shapes: &Shapes| {
-            beyond_chance(shapes.rise, shapes.constraints + real, variance, rounding)
+        let values = (work.lines() * work.columns()) as f64;
+        let misfits = |shapes: &Shapes| {
+            let constraints = shapes.constraints + real;
+            is_too_much(shapes.rise, constraints, variance, rounding, values)
         };
-        if !open.is_empty() && beyond(&shapes) > limits::RISE_SIGMAS {
-            open.iter().for_each(|&n| ranks[n] = full);
-            let fuller = low_rank_around(&free, &ranks, &given)?;
-            if beyond(&fuller) < beyond(&shapes) {
-                shapes = fuller;
-            }
+        while misfits(&shapes) && open.iter().any(|&n| ranks[n] < full) {
+            open.iter()
+                .for_each(|&n| ranks[n] = (ranks[n] + 1).min(full));
+            shapes = low_rank_around(&free, &ranks, &given)?;
         }
         // residues of the shapes less the free ones
         let mut change = linear.residues;

@@ -8,9 +8,6 @@ pub(super) const SHAPE_MISFIT: f64 = 1.5;
 /// FRFs per block of what is done FRF by FRF.
 pub(super) const BUILD_BLOCK: usize = 1024;
 
-/// Standard deviations of chance beyond which the rise of the sum of squares by low rank
-/// is too much for poles outside the band.
-pub(super) const RISE_SIGMAS: f64 = 4.0;
 /// Part of the data's energy that such a rise loses to rounding.
 pub(super) const RISE_ROUNDING: f64 = 1e-12;
 

@@ -67,6 +67,8 @@ pub(super) const SCALE_KNOWN: f64 = 1.0 - 1e-4;
 
 // search.rs
 
+/// Part of χ² by which a misfit must raise it before poles or ranks are spent on it.
+pub(super) const EXCESS_SEEN: f64 = 0.01;
 /// Standard deviations of χ² by which a structural constraint may raise the sum of
 /// squares: chance passes in all but one of some thousand sets, complex shapes of 10
 /// degrees scatter stand hundreds away.
@@ -85,6 +87,8 @@ pub(super) const FUSED: f64 = 0.02;
 /// The gain by a pole outside the band, in units of the noise variance beyond that of
 /// every column, that makes it worth its place where the model contradicts the data.
 pub(super) const AROUND_GAIN: f64 = 10.0;
+/// Loss factor below which a pole that is added outside the band is one: critical damping.
+pub(super) const LOSS_ADDED: f64 = 2.0;
 /// Most poles outside the band that are added beside structured ones.
 pub(super) const AROUND_MOST: usize = 3;
 /// Half-bandwidths beyond the ends of the band within which a pole is sought with those

@@ -71,6 +71,21 @@ pub(crate) fn beyond_chance(rise: f64, constraints: usize, variance: f64, roundi
         / (2.0 * k).sqrt().max(1.0)
 }
 
+/// True where the model as saved leaves more than chance, and so much more that a reader of
+/// χ² would see it: many data tell a misfit that no error bar knows. `values`: complex
+/// degrees of freedom of the data.
+pub(crate) fn is_too_much(
+    rise: f64,
+    constraints: usize,
+    variance: f64,
+    rounding: f64,
+    values: f64,
+) -> bool {
+    let excess = rise / variance.max(f64::MIN_POSITIVE) - 0.5 * constraints as f64;
+    beyond_chance(rise, constraints, variance, rounding) > limits::STRUCTURE_SIGMAS
+        && excess > limits::EXCESS_SEEN * (values + 0.5 * constraints as f64)
+}
+
 /// Rank that the residues of one pole need: singular values that noise of variance
 /// `variance` in the data cannot make (the largest of pure noise is about σ(√responses +
 /// √references)).

@@ -19,7 +19,7 @@ use crate::poles::prune::threshold;
 use crate::poles::refine::refine;
 use crate::poles::settle::places_beyond;
 use crate::shapes::limits;
-use crate::shapes::residues::{beyond_chance, strongest};
+use crate::shapes::residues::{beyond_chance, is_too_much, strongest};
 use crate::shapes::step::{Enough, State};
 use crate::shapes::target::{free_residues, Target};
 use crate::tolerances as tol;
@@ -56,9 +56,9 @@ pub(crate) struct Structured {
     pub others: Vec<(Complex64, Option<Complex64>)>,
     /// Poles outside the band that are needed besides.
     pub added: Vec<Complex64>,
-    /// Standard deviations of chance by which the sum of squares rises over that of free
-    /// residues where the other poles are as many as they are.
-    pub beyond_chance: f64,
+    /// True where the model as saved, whose other poles have one place each for all FRFs,
+    /// leaves no more than chance.
+    pub borne: bool,
     /// True where shapes are real.
     pub real: bool,
     /// The structure taken and the reason for it, for the result.
@@ -116,10 +116,7 @@ fn attempted(
     let beside = |l: &Complex64| (low - l.re).max(l.re - high) < limits::BESIDE_HALF_WIDTHS * l.im;
     if asked == ShapeModel::Auto && lambda.iter().any(|l| beside(l) && !work.in_band(*l)) {
         match searched(data, found, asked, fixed_order, beside)? {
-            Search::Found(structured)
-                if structured.beyond_chance <= limits::STRUCTURE_SIGMAS
-                    && structured.stays_outside(work) =>
-            {
+            Search::Found(structured) if structured.borne && structured.stays_outside(work) => {
                 return Ok(Search::Found(structured));
             }
             _ => {}
@@ -235,13 +232,14 @@ fn searched(
     let free = found.refined.projection.residual.iter();
     let free_sse: f64 = free.map(|v| v.norm_sqr()).sum();
     let bound = constraints(state.lambda.len()) + if real { phases } else { 0 };
-    let beyond = |sse: f64| beyond_chance(sse - free_sse, bound, variance, rounding);
+    let values = (work.lines() * work.columns()) as f64;
+    let borne = |sse: f64| !is_too_much(sse - free_sse, bound, variance, rounding, values);
     let around = Around::new(
         &whole,
         &state,
         (&outside, &found.refined.powers),
         (work.columns() as f64 + limits::AROUND_GAIN) * variance,
-        &|sse| chance(beyond(sse)),
+        &borne,
     )?;
     let mut moved = around.poles.into_iter();
     let mut others: Vec<(Complex64, Option<Complex64>)> = Vec::new();
@@ -259,7 +257,7 @@ fn searched(
         replaced: inside,
         others,
         added,
-        beyond_chance: beyond(around.sse),
+        borne: borne(around.sse),
         real,
         evidence,
     }))
@@ -496,7 +494,9 @@ impl Around {
             let one_more = |start: Complex64| {
                 let mut poles = best.poles.clone();
                 poles.push(start);
-                at(&poles, tol::REFINE_FINE).ok().filter(sound)
+                let more = at(&poles, tol::REFINE_FINE).ok().filter(sound)?;
+                let added = more.poles[more.poles.len() - 1];
+                (added.im < limits::LOSS_ADDED * added.re).then_some(more)
             };
             let places: Vec<Complex64> = places_beyond(work).collect();
             let tried: Vec<Option<Self>> = places.into_par_iter().map(one_more).collect();
