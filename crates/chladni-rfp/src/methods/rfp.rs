@@ -285,6 +285,18 @@ mod tests {
     }
 
     #[test]
+    fn a_hundred_modes_are_found() {
+        let make = |seed| even(100, 60.0, Damping::Structural, seed);
+        // one error of 100 is beyond 3.5 standard deviations once in 20 sets
+        assert_exact(
+            "100 modes",
+            &judged(&make, 1, &with(RfpWeight::Iv)),
+            1.1,
+            3.5,
+        );
+    }
+
+    #[test]
     fn each_weight_does_better_than_the_one_before() {
         let [linear, sk, iv] = [RfpWeight::Linear, RfpWeight::Sk, RfpWeight::Iv].map(|weight| {
             judged(

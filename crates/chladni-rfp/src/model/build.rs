@@ -159,10 +159,10 @@ impl Shaped {
             .filter(|&n| !(low..=high).contains(&poles[n].omega.powi(2)))
             .collect();
         let rounding = limits::RISE_ROUNDING * work.energy() * noise;
-        let values = (work.lines() * work.columns()) as f64;
+        let held = (work, data.pairs.len());
         let misfits = |shapes: &Shapes| {
             let constraints = shapes.constraints + real;
-            is_too_much(shapes.rise, constraints, variance, rounding, values)
+            is_too_much(shapes.rise, constraints, variance, rounding, held)
         };
         while misfits(&shapes) && open.iter().any(|&n| ranks[n] < full) {
             open.iter()

@@ -7,6 +7,7 @@
 //! correctly; it alternates between all shapes and all participations, each an exact
 //! linear problem. The model file holds the result, and with it the whole fit.
 
+use crate::data::columns::Columns;
 use crate::data::information::covariance;
 use crate::shapes::limits;
 use chladni_linalg::{matmul, matmul_h, svd_thin, LinalgError};
@@ -72,18 +73,23 @@ pub(crate) fn beyond_chance(rise: f64, constraints: usize, variance: f64, roundi
 }
 
 /// True where the model as saved leaves more than chance, and so much more that a reader of
-/// χ² would see it: many data tell a misfit that no error bar knows. `values`: complex
-/// degrees of freedom of the data.
+/// χ² would see it: many data tell a misfit that no error bar knows. `work` holds the data
+/// of `frfs` FRFs.
 pub(crate) fn is_too_much(
     rise: f64,
     constraints: usize,
     variance: f64,
     rounding: f64,
-    values: f64,
+    (work, frfs): (&Columns, usize),
 ) -> bool {
+    let values = (work.lines() * work.columns()) as f64;
+    let seen = match work.columns() < frfs {
+        true => limits::EXCESS_SEEN_COMPRESSED,
+        false => limits::EXCESS_SEEN,
+    };
     let excess = rise / variance.max(f64::MIN_POSITIVE) - 0.5 * constraints as f64;
     beyond_chance(rise, constraints, variance, rounding) > limits::STRUCTURE_SIGMAS
-        && excess > limits::EXCESS_SEEN * (values + 0.5 * constraints as f64)
+        && excess > seen * (values + 0.5 * constraints as f64)
 }
 
 /// Rank that the residues of one pole need: singular values that noise of variance

@@ -232,8 +232,8 @@ fn searched(
     let free = found.refined.projection.residual.iter();
     let free_sse: f64 = free.map(|v| v.norm_sqr()).sum();
     let bound = constraints(state.lambda.len()) + if real { phases } else { 0 };
-    let values = (work.lines() * work.columns()) as f64;
-    let borne = |sse: f64| !is_too_much(sse - free_sse, bound, variance, rounding, values);
+    let held = (work, sides[0] * sides[1]);
+    let borne = |sse: f64| !is_too_much(sse - free_sse, bound, variance, rounding, held);
     let around = Around::new(
         &whole,
         &state,
@@ -496,9 +496,12 @@ impl Around {
                 poles.push(start);
                 let more = at(&poles, tol::REFINE_FINE).ok().filter(sound)?;
                 let added = more.poles[more.poles.len() - 1];
-                (added.im < limits::LOSS_ADDED * added.re).then_some(more)
+                let loss = added.im / added.re;
+                limits::LOSS_ADDED.contains(&loss).then_some(more)
             };
-            let places: Vec<Complex64> = places_beyond(work).collect();
+            // beside a pole that is there, the two stand for it and its derivative
+            let beside = best.poles.iter().map(|pole| pole + 2.0 * pole.im);
+            let places: Vec<Complex64> = places_beyond(work).chain(beside).collect();
             let tried: Vec<Option<Self>> = places.into_par_iter().map(one_more).collect();
             let more = tried.into_iter().flatten();
             match more.min_by(|a, b| a.sse.total_cmp(&b.sse)) {
