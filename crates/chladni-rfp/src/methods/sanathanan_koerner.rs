@@ -83,18 +83,22 @@ mod tests {
     use ndarray::{concatenate, Array1, Axis, ShapeBuilder};
     use std::f64::consts::TAU;
 
-    /// The same steps on the polynomials of the first weight.
-    fn on_one_basis(lines: &Lines, modes: usize, steps: usize) -> Vec<Complex64> {
+    /// The same steps on the polynomials of the first weight: the roots, and the least over
+    /// the largest singular value of the numerators in the last weight.
+    fn on_one_basis(lines: &Lines, modes: usize, steps: usize) -> (Vec<Complex64>, f64) {
         let flat = Denominator::flat(lines.nodes.len());
         let basis = Fraction::new(lines, modes, &flat).unwrap();
         let weighted = |columns: &Array2<f64>, weight: &[Complex64]| {
             Array2::from_shape_fn(columns.dim().f(), |(k, c)| weight[k] * columns[[k, c]])
         };
         let mut inverse: Array1<f64> = Array1::ones(lines.nodes.len());
-        let mut roots = Vec::new();
+        let (mut roots, mut spread) = (Vec::new(), 1.0);
         for _ in 0..=steps {
             let own: Vec<Complex64> = inverse.iter().map(|&u| u.into()).collect();
-            let (q, _) = qr_thin(weighted(&basis.numerators.columns, &own).view()).unwrap();
+            let numerators = weighted(&basis.numerators.columns, &own);
+            let (_, singular, _) = svd_thin(numerators.view()).unwrap();
+            spread = singular[singular.len() - 1] / singular[0];
+            let (q, _) = qr_thin(numerators.view()).unwrap();
             let reduced: Vec<Array2<Complex64>> = (lines.work.b.columns().into_iter())
                 .map(|column| {
                     let values: Vec<Complex64> =
@@ -110,7 +114,7 @@ mod tests {
             roots = basis.roots(lines.plane, &d).unwrap();
             inverse = Denominator::of(&lines.nodes, &damped(&roots)).inverse;
         }
-        roots
+        (roots, spread)
     }
 
     /// True modes, in units of t, that no root comes near.
@@ -141,10 +145,9 @@ mod tests {
         let lines = Lines::new(plane, &work);
         let (order, steps) = (40, 10);
         let anew = sanathanan_koerner(&lines, order, steps).unwrap();
-        let once = on_one_basis(&lines, order, steps);
+        let (once, spread) = on_one_basis(&lines, order, steps);
         let lost = [&anew, &once].map(|roots| missed(plane, &truth, roots));
-        // LAPACK's rounding happens to spare the modes that faer's does not
-        let shown = lost[1] > 2 || cfg!(feature = "system");
-        assert!(lost[0] == 0 && shown, "{lost:?}");
+        // how many modes rounding costs depends on its order; that digits are lost does not
+        assert!(lost[0] == 0 && spread < 1e-6, "{lost:?} {spread:e}");
     }
 }
