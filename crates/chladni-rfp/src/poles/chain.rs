@@ -20,7 +20,7 @@ use crate::poles::first_look::first_look;
 use crate::poles::limits;
 use crate::poles::passes::{basis_of, on_all_lines, Pass, Start};
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
-use crate::poles::prune::{threshold, unphysical};
+use crate::poles::prune::{is_spike, threshold};
 use crate::poles::refine::{refine, removable, Projection, Refined};
 use crate::poles::settle::{keep_strongest, settle};
 use crate::poles::start::{self, pool_size, started};
@@ -150,7 +150,7 @@ fn of_sketch(
     let look = |refined: &Refined| {
         judge_columns(&sketch, &refined.lambda, &refined.projection.residual, hz)
     };
-    let spoilt = spoilt_lines(&sketch, &start.refined)?;
+    let spoilt = spoilt_lines(&sketch, &start.refined, start.variance)?;
     if !spoilt.is_empty() {
         return ended(Doubt::Outliers(
             spoilt.into_iter().map(|row| rows[row]).collect(),
@@ -335,14 +335,20 @@ fn add(data: &DataLayout, pass: &mut Pass, asked: Asked) -> Result<Vec<Complex64
     Ok(at(idle))
 }
 
-/// Single lines that poles narrower than a line stand for, and those like them.
-fn spoilt_lines(work: &Columns, refined: &Refined) -> Result<Vec<usize>, LinalgError> {
-    let physical: Vec<Complex64> = refined
-        .lambda
-        .iter()
-        .copied()
-        .filter(|pole| !unphysical(work, *pole))
-        .collect();
+/// Single lines that poles narrower than a line stand for, where no other line needs
+/// these, and lines like them. `variance`: of the noise.
+fn spoilt_lines(
+    work: &Columns,
+    refined: &Refined,
+    variance: f64,
+) -> Result<Vec<usize>, LinalgError> {
+    let limit = threshold(work.columns(), work.lines()) * variance;
+    let mut physical = Vec::new();
+    for (q, &pole) in refined.lambda.iter().enumerate() {
+        if !is_spike(work, refined, q, limit)? {
+            physical.push(pole);
+        }
+    }
     if physical.len() == refined.lambda.len() {
         return Ok(Vec::new());
     }
