@@ -51,3 +51,6 @@ pub(crate) const STEP_ROUNDING: f64 = 1e-14;
 /// Eigenvalue of a correlation-like information matrix below which a direction is not
 /// known at all: far above rounding, far below the 1e-5 of modes that overlap threefold.
 pub(crate) const UNINFORMED: f64 = 1e-10;
+
+/// Loss factor beyond which a pole is no resonance.
+pub(crate) const BACKGROUND_LOSS: f64 = 0.4;

@@ -55,3 +55,14 @@ pub(super) const CUT_SHARE: f64 = 1e-9;
 /// Least part of its decay that a pole keeps where a window's broadening is taken off
 /// roughly.
 pub(super) const LEAST_DECAY_LEFT: f64 = 0.3;
+
+// saved.rs
+
+/// Levenberg-Marquardt damping at the start, and its change by a step that fails or serves.
+pub(super) const SAVED_DAMPING: f64 = 1e-3;
+/// See above.
+pub(super) const SAVED_DAMPING_UP: f64 = 10.0;
+/// Relative gain of a step below which the next would gain nothing.
+pub(super) const SAVED_SETTLED: f64 = 1e-9;
+/// Half-widths of a pole over which derivatives are differences.
+pub(super) const SAVED_DIFFERENCE: f64 = 1e-4;

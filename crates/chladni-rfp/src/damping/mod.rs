@@ -7,6 +7,7 @@ pub(crate) mod leakage;
 mod limits;
 pub(crate) mod measured_model;
 pub(crate) mod phased;
+pub(crate) mod saved;
 pub(crate) mod structural;
 pub(crate) mod verdict;
 pub(crate) mod viscous;

@@ -5,7 +5,7 @@
 use crate::data::limits;
 use crate::tolerances as tol;
 use chladni_linalg::{
-    eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, LinalgError, Scalar,
+    eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, solve_upper, LinalgError, Scalar,
 };
 use ndarray::{Array2, ArrayView2, Axis};
 
@@ -28,10 +28,29 @@ pub(crate) fn answer<T: Scalar>(
     matrix: ArrayView2<T>,
     right: ArrayView2<T>,
 ) -> Result<Array2<T>, LinalgError> {
-    solve_hermitian(matrix, right).or_else(|_| {
-        let root = Told::by(matrix)?.root;
-        Ok(matmul_h(root.view(), matmul(root.view(), right).view()))
-    })
+    let solved = solve_hermitian(matrix, right).ok();
+    match solved.filter(|answer| answer.iter().all(Scalar::is_finite_value)) {
+        Some(answer) => Ok(answer),
+        None => {
+            let root = Told::by(matrix)?.root;
+            Ok(matmul_h(root.view(), matmul(root.view(), right).view()))
+        }
+    }
+}
+
+/// Coefficients of columns from R and Qᴴb of their QR; columns that are alike share theirs.
+///
+/// # Errors
+/// As [`answer`].
+pub(crate) fn coefficients<T: Scalar>(
+    r: ArrayView2<T>,
+    along: ArrayView2<T>,
+) -> Result<Array2<T>, LinalgError> {
+    let solved = solve_upper(r, along).ok();
+    match solved.filter(|all| all.iter().all(Scalar::is_finite_value)) {
+        Some(solved) => Ok(solved),
+        None => answer(matmul_h(r, r).view(), matmul_h(r, along).view()),
+    }
 }
 
 /// The information in a matrix.

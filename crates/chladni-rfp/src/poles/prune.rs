@@ -23,9 +23,9 @@ pub(crate) fn unphysical(work: &Columns, lambda: Complex64) -> bool {
     work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
 }
 
-/// A pole that one bad line makes: narrower than its line, and without it the sum of
-/// squares over all other lines rises by less than `limit`. A resonance that narrow has
-/// skirts.
+/// A pole that one bad line makes: far narrower than its line, or narrower and without it
+/// the sum of squares over all other lines rises by less than `limit`. A resonance has
+/// skirts: on the next line, of the part that its half-width is of the spacing.
 pub(crate) fn is_spike(
     work: &Columns,
     refined: &Refined,
@@ -36,9 +36,13 @@ pub(crate) fn is_spike(
     if !unphysical(work, pole) {
         return Ok(false);
     }
+    let spacing = work.spacing(pole.re);
+    if pole.im < limits::NARROWEST * spacing {
+        return Ok(true);
+    }
     let projection = &refined.projection;
     let outside = projection.outside_of_others(q)?;
-    let reach = limits::OWN_LINES * work.spacing(pole.re);
+    let reach = limits::OWN_LINES * spacing;
     let rise: f64 = (0..work.lines())
         .filter(|&k| (work.x[k] - pole.re).abs() > reach)
         .map(|k| {

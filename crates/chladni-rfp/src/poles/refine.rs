@@ -11,6 +11,7 @@
 
 use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
+use crate::data::information::coefficients;
 use crate::poles::descent::{Descent, Point};
 use crate::poles::normal::{Normal, Plain};
 use crate::poles::removal::Removable;
@@ -50,9 +51,9 @@ impl Projection {
             sse,
         })
     }
-    /// Residues and residual coefficients, (m, column).
+    /// Residues and residual coefficients, (m, column). Columns that are alike share theirs.
     pub fn coefficients(&self) -> Result<Array2<Complex64>, LinalgError> {
-        solve_upper(self.r.view(), self.qb.view())
+        coefficients(self.r.view(), self.qb.view())
     }
     /// The quantities needed to take columns out.
     pub fn removable(&self) -> Result<Removable, LinalgError> {

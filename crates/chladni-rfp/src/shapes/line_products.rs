@@ -15,6 +15,7 @@ use std::ops::Range;
 
 /// Products over lines of the pole columns F and their derivatives D, what stays free in
 /// every pair taken out: (mode, mode).
+#[derive(Clone)]
 pub(crate) struct LineProducts {
     /// ‖F_n‖² before what stays free was taken out.
     pub whole: Vec<f64>,

@@ -3,6 +3,7 @@
 
 pub(crate) mod acceleration;
 pub(crate) mod alternation;
+mod around;
 pub(crate) mod error_bars;
 pub(crate) mod factor;
 pub(crate) mod growth;

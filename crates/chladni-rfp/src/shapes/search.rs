@@ -10,21 +10,18 @@
 //! Needs every pair of response and reference, and the structural law (complex-analytic
 //! poles).
 
-use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::options::ShapeModel;
 use crate::poles::estimate::{PoleEstimate, UNCERTAIN};
 use crate::poles::prune::threshold;
-use crate::poles::refine::refine;
-use crate::poles::settle::places_beyond;
+use crate::shapes::around::{fused, Around};
 use crate::shapes::limits;
 use crate::shapes::residues::{beyond_chance, is_too_much, strongest};
 use crate::shapes::step::{Enough, State};
 use crate::shapes::target::{free_residues, Target};
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_mixed};
-use chladni_linalg::{matmul_h, LinalgError};
+use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -228,19 +225,48 @@ fn searched(
         state = state.refined(target, Enough::Fine);
     }
     let real = state.real;
-    let (poles, state) = merged([target, &whole], state, variance, swapped)?;
     let free = found.refined.projection.residual.iter();
     let free_sse: f64 = free.map(|v| v.norm_sqr()).sum();
-    let bound = constraints(state.lambda.len()) + if real { phases } else { 0 };
     let held = (work, sides[0] * sides[1]);
-    let borne = |sse: f64| !is_too_much(sse - free_sse, bound, variance, rounding, held);
-    let around = Around::new(
-        &whole,
-        &state,
-        (&outside, &found.refined.powers),
-        (work.columns() as f64 + limits::AROUND_GAIN) * variance,
-        &borne,
-    )?;
+    let as_saved = |state: State| -> Result<Saved, LinalgError> {
+        let (poles, state) = merged([target, &whole], state, variance, swapped)?;
+        let bound = constraints(state.lambda.len()) + if real { phases } else { 0 };
+        let borne = |sse: f64| !is_too_much(sse - free_sse, bound, variance, rounding, held);
+        let around = Around::new(
+            &whole,
+            &state,
+            (&outside, &found.refined.powers),
+            (work.columns() as f64 + limits::AROUND_GAIN) * variance,
+            &borne,
+        )?;
+        Ok(Saved {
+            poles,
+            borne: borne(around.sse),
+            around,
+        })
+    };
+    let mut saved = as_saved(state.clone())?;
+    // what the search took for a mode while poles outside could not have their place
+    let limit = threshold(sides[0] + sides[1], work.lines()) * variance;
+    for n in (0..state.lambda.len()).rev() {
+        let loss = state.lambda[n].im / state.lambda[n].re;
+        if fixed_order || asked != ShapeModel::Auto || loss < tol::BACKGROUND_LOSS {
+            continue;
+        }
+        let Ok(fewer) = state.without(target, n) else {
+            continue;
+        };
+        let fewer = fewer.refined(target, Enough::Fine);
+        let tried = as_saved(fewer.clone())?;
+        if tried.around.sse - saved.around.sse < limit {
+            (state, saved) = (fewer, tried);
+        }
+    }
+    let Saved {
+        poles,
+        around,
+        borne,
+    } = saved;
     let mut moved = around.poles.into_iter();
     let mut others: Vec<(Complex64, Option<Complex64>)> = Vec::new();
     for (n, &pole) in outside.iter().enumerate() {
@@ -257,10 +283,18 @@ fn searched(
         replaced: inside,
         others,
         added,
-        borne: borne(around.sse),
+        borne,
         real,
         evidence,
     }))
+}
+
+/// A structure with the poles beside it.
+struct Saved {
+    poles: Vec<StructuredPole>,
+    around: Around,
+    /// True where it leaves no more than chance.
+    borne: bool,
 }
 
 /// Columns to pairs, (column, eliminated · other). Every pair is there, response by
@@ -348,14 +382,7 @@ fn shed(target: &Target, mut state: State, variance: f64, limit: f64) -> State {
         if (variance * spread[n].iter().sum::<f64>()).sqrt() <= UNCERTAIN * state.lambda[n].im {
             continue;
         }
-        let kept: Vec<usize> = (0..state.lambda.len()).filter(|&m| m != n).collect();
-        let lambda = kept.iter().map(|&m| state.lambda[m]).collect();
-        let Ok(fewer) = State::new(
-            target,
-            lambda,
-            state.participation.select(Axis(0), &kept),
-            state.real,
-        ) else {
+        let Ok(fewer) = state.without(target, n) else {
             continue;
         };
         let fewer = fewer.refined(target, Enough::Fine);
@@ -423,92 +450,4 @@ fn merged(
         })
         .collect();
     Ok((poles, state))
-}
-
-/// True where pole `n` is so close to one before it that their residues are large and
-/// cancel.
-fn fused(poles: &[Complex64], n: usize) -> bool {
-    let close = |b: &Complex64| (poles[n] - b).norm() < limits::FUSED * (poles[n].im + b.im);
-    poles[..n].iter().any(close)
-}
-
-/// The poles beside those that have their shapes, with free residues.
-struct Around {
-    poles: Vec<Complex64>,
-    /// Sum of squares that all together leave.
-    sse: f64,
-}
-
-impl Around {
-    /// The poles `outside` refined on what those of `state` leave. The search lets them
-    /// follow each FRF by itself, to first order; here they have one place for all. More
-    /// are added until `holds`, while one takes more than `limit` out of the sum of
-    /// squares.
-    fn new(
-        whole: &Target,
-        state: &State,
-        (outside, powers): (&[Complex64], &[i32]),
-        limit: f64,
-        holds: &dyn Fn(f64) -> bool,
-    ) -> Result<Self, LinalgError> {
-        let work = whole.work;
-        let residues = state.residues();
-        let columns = basis(work, &state.lambda, &[]);
-        let gram = matmul_h(columns.view(), columns.view());
-        let energy = |residues: &Array2<Complex64>| -> f64 {
-            let along = blocked_matmul(gram.view(), residues.view());
-            let terms = along.iter().zip(residues);
-            terms.map(|(a, r)| (r.conj() * a).re).sum()
-        };
-        let compressed = blocked_matmul_mixed(&residues, whole.back.t());
-        // the part that the compressed data cannot hold
-        let beside = (energy(&residues) - energy(&compressed)).max(0.0);
-        let explained = blocked_matmul(columns.view(), compressed.view());
-        let left = work.with_columns(&work.b - &explained);
-        let at = |poles: &[Complex64], steps: usize| -> Result<Self, LinalgError> {
-            let refined = refine(&left, poles, powers, steps, tol::FINE_STEP)?;
-            let residual = refined.projection.residual.iter();
-            Ok(Self {
-                sse: residual.map(|v| v.norm_sqr()).sum::<f64>() + beside,
-                poles: refined.lambda,
-            })
-        };
-        let sound = |around: &Self| {
-            let stays = |pole: &Complex64| !work.in_band(*pole) && pole.re > 0.0 && pole.im > 0.0;
-            let apart = |n: usize| !fused(&around.poles, n);
-            around.poles.iter().all(stays) && (0..around.poles.len()).all(apart)
-        };
-        let apart: Vec<Complex64> = (0..outside.len())
-            .filter(|&n| !fused(outside, n))
-            .map(|n| outside[n])
-            .collect();
-        let mut best = at(&apart, 0)?;
-        let refined = at(&apart, tol::REFINE_FINE)?;
-        if refined.sse < best.sse && sound(&refined) {
-            best = refined;
-        }
-        for _ in 0..limits::AROUND_MOST {
-            if holds(best.sse) || best.poles.len() + state.lambda.len() >= work.lines() / 2 {
-                break;
-            }
-            let one_more = |start: Complex64| {
-                let mut poles = best.poles.clone();
-                poles.push(start);
-                let more = at(&poles, tol::REFINE_FINE).ok().filter(sound)?;
-                let added = more.poles[more.poles.len() - 1];
-                let loss = added.im / added.re;
-                limits::LOSS_ADDED.contains(&loss).then_some(more)
-            };
-            // beside a pole that is there, the two stand for it and its derivative
-            let beside = best.poles.iter().map(|pole| pole + 2.0 * pole.im);
-            let places: Vec<Complex64> = places_beyond(work).chain(beside).collect();
-            let tried: Vec<Option<Self>> = places.into_par_iter().map(one_more).collect();
-            let more = tried.into_iter().flatten();
-            match more.min_by(|a, b| a.sse.total_cmp(&b.sse)) {
-                Some(more) if more.sse < best.sse - limit => best = more,
-                _ => break,
-            }
-        }
-        Ok(best)
-    }
 }

@@ -13,7 +13,7 @@ use crate::shapes::tangent::{overlapping, pivot, taken, unknowns, Tangent, Unkno
 use crate::shapes::target::{Products, Shapes, Target};
 use crate::tolerances as tol;
 use chladni_linalg::{inverse_hermitian, matmul, LinalgError};
-use ndarray::{Array2, ShapeBuilder};
+use ndarray::{Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -45,6 +45,7 @@ impl Enough {
 }
 
 /// A point of the search.
+#[derive(Clone)]
 pub(crate) struct State {
     /// Poles, rising in Re λ is not required.
     pub lambda: Vec<Complex64>,
@@ -73,6 +74,17 @@ struct Factored {
 }
 
 impl State {
+    /// The same without mode `n`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn without(&self, target: &Target, n: usize) -> Result<Self, LinalgError> {
+        let kept: Vec<usize> = (0..self.lambda.len()).filter(|&m| m != n).collect();
+        let lambda = kept.iter().map(|&m| self.lambda[m]).collect();
+        let participation = self.participation.select(Axis(0), &kept);
+        Self::new(target, lambda, participation, self.real)
+    }
+
     /// Shapes by linear least squares at poles and participations.
     pub fn new(
         target: &Target,

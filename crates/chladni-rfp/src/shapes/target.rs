@@ -105,6 +105,7 @@ impl<'a> Target<'a> {
 
 /// Products over lines at one set of poles: F the pole columns, D their derivatives, B
 /// the compressed data.
+#[derive(Clone)]
 pub(crate) struct Products {
     pub lines: LineProducts,
     /// FᴴB over DᴴB, (2·mode, column).
@@ -112,6 +113,7 @@ pub(crate) struct Products {
 }
 
 /// The best shapes for given participations, and what the data say along and across them.
+#[derive(Clone)]
 pub(crate) struct Shapes {
     /// (mode, own).
     pub shape: Array2<Complex64>,

@@ -1,13 +1,45 @@
 //! Viscous structures with true modes outside the band.
 
 use crate::common::{fitted, missed_and_spurious};
-use chladni_frf::{Damping, ModalModel};
-use chladni_plate::{Synthetic, SyntheticSet};
+use chladni_frf::{Damping, FrfSet, FrfValues, ModalModel};
+use chladni_plate::{cramer_rao_real, CramerRao, Synthetic, SyntheticSet};
 use chladni_rfp::FitOptions;
 use ndarray::Array1;
+use num_complex::Complex64;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
-/// Natural frequencies of the modes below and above the band, Hz.
+/// Natural frequencies of the modes below and above the band of the close modes, Hz.
 const OUTSIDE_HZ: [f64; 4] = [4.6, 569.0, 655.0, 771.0];
+
+/// Seeds of each case: `CHLADNI_SEEDS`, else `few`.
+fn seeds(few: u64) -> u64 {
+    std::env::var("CHLADNI_SEEDS").map_or(few, |count| count.parse().expect("a number"))
+}
+
+/// Twelve responses to (natural frequency, loss factor) in a band of 1601 lines.
+fn set(
+    modes: impl Iterator<Item = (f64, f64)>,
+    damping: Damping,
+    references: usize,
+    snr_db: f64,
+    seed: u64,
+) -> SyntheticSet {
+    let (natural_frequency_hz, loss_factor) = modes.unzip();
+    Synthetic {
+        natural_frequency_hz,
+        loss_factor,
+        responses: 12,
+        references,
+        damping,
+        frequency_hz: Array1::range(9.8, 499.6, 0.30625),
+        snr_db,
+        seed,
+        ..Synthetic::default()
+    }
+    .build()
+    .expect("a set")
+}
 
 /// Seven modes, two of them with a neighbour within half their bandwidth, and those
 /// `outside`.
@@ -32,25 +64,34 @@ fn close_in(
         (311.0 * (1.0 + 0.3 * 0.022), 0.025),
         (424.8, 0.015),
     ];
-    let modes = || {
-        inside
-            .iter()
-            .copied()
-            .chain(outside.iter().map(|f| (*f, 0.02)))
-    };
-    Synthetic {
-        natural_frequency_hz: modes().map(|(f, _)| f).collect(),
-        loss_factor: modes().map(|(_, loss)| loss).collect(),
-        responses: 12,
-        references,
+    let outside = outside.iter().map(|f| (*f, 0.02));
+    set(
+        inside.into_iter().chain(outside),
         damping,
-        frequency_hz: Array1::range(9.8, 499.6, 0.30625),
+        references,
         snr_db,
         seed,
-        ..Synthetic::default()
-    }
-    .build()
-    .expect("a set")
+    )
+}
+
+/// Natural frequencies, Hz, and damping ratios of modes well apart.
+const SEPARATE: [(f64, f64); 8] = [
+    (36.4, 0.018),
+    (68.9, 0.0135),
+    (109.3, 0.009),
+    (124.1, 0.0105),
+    (216.2, 0.0065),
+    (294.1, 0.012),
+    (349.8, 0.0055),
+    (451.7, 0.008),
+];
+
+/// Those, and modes outside the band, at one reference.
+fn separate(snr_db: f64, seed: u64) -> SyntheticSet {
+    let outside = [4.1, 566.0, 622.0, 701.0].map(|f| (f, 0.01));
+    let modes = SEPARATE.into_iter().chain(outside);
+    let damped = modes.map(|(f, ratio)| (f, 2.0 * ratio));
+    set(damped, Damping::Viscous, 1, snr_db, seed)
 }
 
 fn viscous() -> FitOptions {
@@ -88,9 +129,8 @@ fn each_mode_outside_the_band_is_accounted_for_by_itself() {
             let set = close(references, &[outside], snr_db, 3);
             let model = fitted(&set.frf, &viscous());
             let chi2 = model.quality.chi2_per_dof;
-            // a pole below the band is saved with another second column than it was found with
             assert!(
-                (0.95..1.15).contains(&chi2),
+                (0.97..1.03).contains(&chi2),
                 "mode at {outside} Hz, {references} references, {snr_db} dB: χ² {chi2}"
             );
         }
@@ -101,40 +141,193 @@ fn each_mode_outside_the_band_is_accounted_for_by_itself() {
 const SIGMAS_95: f64 = 1.96;
 
 #[test]
-fn both_laws_are_told_and_error_bars_hold_in_each() {
+fn both_laws_are_told() {
     for law in [Damping::Viscous, Damping::Structural] {
-        let (mut held, mut all) = (0, 0);
-        // not reached: at 80 dB the misfit of a viscous pole far below the band shows as a
-        // mode too many in one set of four
-        for (references, snr_db) in [(3, 40.0), (3, 60.0)] {
-            for seed in 1..=4 {
-                let set = close_in(law, references, &OUTSIDE_HZ, snr_db, seed);
+        for snr_db in [40.0, 60.0, 80.0] {
+            for seed in 1..=seeds(2) {
+                let set = close_in(law, 3, &OUTSIDE_HZ, snr_db, seed);
                 let model = fitted(&set.frf, &FitOptions::default());
-                let case = format!("{law:?}, {references} references, {snr_db} dB, seed {seed}");
+                let case = format!("{law:?}, {snr_db} dB, seed {seed}");
                 assert_eq!(model.damping, law, "{case}: {:?}", model.quality);
-                let (missed, spurious) = missed_and_spurious(&set.truth, &model);
-                assert_eq!((missed.len(), spurious.len()), (0, 0), "{case}");
-                assert_eq!(model.in_band_modes().count(), 7, "{case}");
-                let chi2 = model.quality.chi2_per_dof;
-                let most = if law == Damping::Viscous { 2.0 } else { 1.05 };
-                assert!((0.95..most).contains(&chi2), "{case}: χ² {chi2}");
-                for (mode, truth) in model.in_band_modes().zip(set.truth.in_band_modes()) {
-                    let errors = [
-                        (mode.frequency_hz - truth.frequency_hz) / mode.frequency_std_hz,
-                        (mode.loss_factor - truth.loss_factor) / mode.loss_factor_std,
-                    ];
-                    held += errors
-                        .iter()
-                        .filter(|error| error.abs() <= SIGMAS_95)
-                        .count();
-                    all += errors.len();
+                assert_exact(&set, &model, &case);
+            }
+        }
+    }
+}
+
+/// Half-bandwidths that the bound of a frequency has at most where the data show the mode.
+const SEEN: f64 = 0.05;
+
+/// Every mode found that the data show, none too many, and nothing left but noise.
+fn assert_exact(set: &SyntheticSet, model: &ModalModel, case: &str) {
+    let (missed, spurious) = missed_and_spurious(&set.truth, model);
+    let bound = bound_of_all(set);
+    for mode in missed {
+        let place = set.truth.modes.iter().position(|other| other == mode);
+        let std_hz = bound.frequency_std_hz[place.expect("a true mode")];
+        let half_bandwidth = 0.5 * mode.loss_factor * mode.frequency_hz;
+        assert!(
+            std_hz > SEEN * half_bandwidth,
+            "{case}: {} Hz missed",
+            mode.frequency_hz
+        );
+    }
+    assert_eq!(spurious.len(), 0, "{case}");
+    let chi2 = model.quality.chi2_per_dof;
+    assert!((0.97..1.03).contains(&chi2), "{case}: χ² {chi2}");
+}
+
+/// The bound of real shapes with the modes outside the band as unknown as the others.
+fn bound_of_all(set: &SyntheticSet) -> CramerRao {
+    let mut truth = set.truth.clone();
+    truth.modes.iter_mut().for_each(|mode| mode.in_band = true);
+    let axis = &set.frf.frequency_hz;
+    cramer_rao_real(&truth, axis, set.noise_variance, &[]).expect("a bound")
+}
+
+/// Errors of frequencies (0) and loss factors (1) over the bound of real shapes, squared, by
+/// mode; and how many lie within their 95 % intervals, of how many.
+#[derive(Default)]
+struct Errors {
+    squares: BTreeMap<(usize, usize), Vec<f64>>,
+    held: f64,
+    all: f64,
+}
+
+impl Errors {
+    /// Of one more fit.
+    fn add(&mut self, set: &SyntheticSet, model: &ModalModel) {
+        let bound = bound_of_all(set);
+        for mode in model.in_band_modes() {
+            let off =
+                |place: &usize| (set.truth.modes[*place].frequency_hz - mode.frequency_hz).abs();
+            let nearest = (0..set.truth.modes.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+            let place = nearest.expect("a true mode");
+            let truth = &set.truth.modes[place];
+            let errors = [
+                (
+                    mode.frequency_hz - truth.frequency_hz,
+                    mode.frequency_std_hz,
+                    bound.frequency_std_hz[place],
+                ),
+                (
+                    mode.loss_factor - truth.loss_factor,
+                    mode.loss_factor_std,
+                    bound.loss_factor_std[place],
+                ),
+            ];
+            for (which, (error, bar, bound)) in errors.into_iter().enumerate() {
+                self.held += f64::from(error.abs() <= SIGMAS_95 * bar);
+                self.all += 1.0;
+                let squares = self.squares.entry((which, place)).or_default();
+                squares.push((error / bound).powi(2));
+            }
+        }
+    }
+
+    /// Root mean square of frequencies (0) or loss factors (1): median and worst mode.
+    fn over_bound(&self, which: usize) -> (f64, f64) {
+        let own = self.squares.range((which, 0)..(which + 1, 0));
+        let rms = |squares: &Vec<f64>| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+        let mut rms: Vec<f64> = own.map(|(_, squares)| rms(squares)).collect();
+        rms.sort_by(f64::total_cmp);
+        (rms[rms.len() / 2], rms[rms.len() - 1])
+    }
+}
+
+/// A few seeds by default; `CHLADNI_SEEDS=60` holds the fit to the goals: within 1.1 times
+/// the bound in the median and 1.4 times for the worst mode, 92 to 97 % of the intervals.
+#[test]
+fn errors_stand_at_the_bound_and_their_bars_hold() {
+    let seeds = seeds(2);
+    let (median_most, worst_most, held) = match seeds {
+        ..20 => (1.6, 3.5, 0.85..1.0),
+        _ => (1.1, 1.4, 0.92..0.97),
+    };
+    type Make = fn(f64, u64) -> SyntheticSet;
+    let cases: [(&str, Make); 3] = [
+        ("separate", separate),
+        ("close, one reference", |db, seed| {
+            close(1, &OUTSIDE_HZ, db, seed)
+        }),
+        ("close, three references", |db, seed| {
+            close(3, &OUTSIDE_HZ, db, seed)
+        }),
+    ];
+    for (name, make) in cases {
+        for snr_db in [40.0, 60.0, 80.0] {
+            let mut errors = Errors::default();
+            for seed in 1..=seeds {
+                let set = make(snr_db, seed);
+                let model = fitted(&set.frf, &viscous());
+                assert_exact(&set, &model, &format!("{name}, {snr_db} dB, seed {seed}"));
+                errors.add(&set, &model);
+            }
+            let share = errors.held / errors.all;
+            let ratios = [0, 1].map(|which| errors.over_bound(which));
+            println!("{name}, {snr_db} dB: {ratios:.2?} of the bound, {share:.3} held");
+            assert!(held.contains(&share), "{name}, {snr_db} dB: {share} held");
+            for (median, worst) in ratios {
+                assert!(
+                    median <= median_most && worst <= worst_most,
+                    "{name}, {snr_db} dB"
+                );
+            }
+        }
+    }
+}
+
+/// Faults of a measurement chain that turn all residues: degrees, and delays, s.
+const FAULTS: [(f64, f64); 3] = [(0.0, 0.0), (0.5, 0.0), (0.0, 10e-6)];
+
+/// Eight modes with a mean loss factor `loss`, within a factor of two, through a faulty
+/// chain.
+fn through(fault: (f64, f64), law: Damping, loss: f64, snr_db: f64, seed: u64) -> FrfSet {
+    let spread = |n: usize| loss * 2.0f64.powf(((n * 5) % 8) as f64 / 7.0 - 0.5);
+    let modes = SEPARATE
+        .iter()
+        .enumerate()
+        .map(|(n, (f, _))| (*f, spread(n)));
+    let set = set(modes, law, 1, snr_db, seed);
+    let mut frf = set.frf;
+    let axis = frf.frequency_hz.clone();
+    let FrfValues::F64(values) = &mut frf.values else {
+        panic!("simulated values are f64");
+    };
+    for ((_, _, k), value) in values.indexed_iter_mut() {
+        let (degrees, delay_s) = fault;
+        *value *= Complex64::from_polar(1.0, degrees.to_radians() - TAU * axis[k] * delay_s);
+    }
+    frf
+}
+
+/// Of 72 sets by default, of 1080 with `CHLADNI_SEEDS=30`: no wrong verdict, and at loss
+/// factors from 1 % 85 % right at 40 dB, 99 % at 60 dB.
+#[test]
+fn no_phase_and_no_delay_makes_the_law_another() {
+    let seeds = seeds(2);
+    for snr_db in [40.0, 60.0] {
+        let (mut right, mut all) = (0, 0);
+        for loss in [0.01, 0.02, 0.04] {
+            for fault in FAULTS {
+                for (law, seed) in [Damping::Viscous, Damping::Structural]
+                    .into_iter()
+                    .flat_map(|law| (1..=seeds).map(move |seed| (law, seed)))
+                {
+                    let frf = through(fault, law, loss, snr_db, seed);
+                    let model = fitted(&frf, &FitOptions::default());
+                    let findings = &model.quality.findings;
+                    let decided = !findings.iter().any(|f| f.code == "law-undecidable");
+                    let case = format!("{law:?}, loss {loss}, {fault:?}, {snr_db} dB, seed {seed}");
+                    assert!(!decided || model.damping == law, "{case}");
+                    right += u32::from(decided);
+                    all += 1;
                 }
             }
         }
-        let share = f64::from(held as u32) / f64::from(all as u32);
-        assert!(
-            (0.90..0.99).contains(&share),
-            "{law:?}: {held} of {all} intervals hold"
-        );
+        let least = if snr_db < 50.0 { 0.85 } else { 0.99 };
+        let share = f64::from(right) / f64::from(all);
+        println!("{snr_db} dB: {right} of {all} laws told");
+        assert!(share >= least, "{snr_db} dB: {right} of {all}");
     }
 }

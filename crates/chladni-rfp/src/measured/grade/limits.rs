@@ -2,8 +2,6 @@
 //! tests: a pole without any doubt should be one that nobody disputes. Half-bandwidths are
 //! half-power.
 
-/// Loss factor beyond which a pole is no resonance.
-pub(super) const BACKGROUND_LOSS: f64 = 0.4;
 /// Share of model orders and line halves that find a mode.
 pub(super) const FEW_ORDERS: f64 = 0.75;
 /// Rms residual over rms modal part around the peak: the peak is no resonance, and no
@@ -40,6 +38,8 @@ pub(super) const SIDE_LOBE_LINES: f64 = 4.0;
 pub(super) const SIDE_LOBE_DB: f64 = 8.0;
 /// Loss over that of the sure modes around below which a line is a tone.
 pub(super) const TONE: f64 = 0.12;
+/// The same above which a line that misfits is no mode of its own.
+pub(super) const BROAD: f64 = 5.0;
 /// Height over the surroundings of a distinct peak, and of a line that is seen whatever
 /// the grades say, dB.
 pub(super) const DISTINCT_DB: f64 = 10.0;
@@ -63,3 +63,6 @@ pub(super) const OFF_DEGREES: f64 = 45.0;
 pub(super) const HALF_PAIR: f64 = 2.0;
 /// Severe doubts that reject.
 pub(super) const SEVERE: usize = 2;
+/// Rounds in which the sure modes tell what is usual, the first by grades that know of
+/// nothing usual: poles of noise among them would else vouch for each other.
+pub(super) const ROUNDS: usize = 3;

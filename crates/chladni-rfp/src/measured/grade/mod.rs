@@ -9,6 +9,7 @@ use crate::measured::candidates::Origin;
 use crate::measured::evidence::Evidence;
 use crate::measured::record::Record;
 use crate::poles::estimate::Grade;
+use crate::tolerances as tol;
 use chladni_frf::{Reason, Trust};
 pub(crate) use damping_doubt::DampingDoubt;
 use limits::*;
@@ -25,10 +26,16 @@ pub(crate) fn grade_all(all: &[Evidence], record: &Record) -> Vec<Graded> {
         grade(list, q, record.frfs, record.windowed, usual)
     };
     let inside: Vec<Evidence> = all.iter().filter(|e| e.in_band()).cloned().collect();
-    let sure: Vec<bool> = (0..inside.len())
-        .map(|q| grade(&inside, q, Usual::default()).0 .0 == Trust::Sure)
+    let mut graded: Vec<Graded> = (0..inside.len())
+        .map(|q| grade(&inside, q, Usual::default()))
         .collect();
-    let mut graded = (0..inside.len()).map(|q| grade(&inside, q, Usual::beside(q, &inside, &sure)));
+    for _ in 0..ROUNDS {
+        let sure: Vec<bool> = graded.iter().map(|own| own.0 .0 == Trust::Sure).collect();
+        graded = (0..inside.len())
+            .map(|q| grade(&inside, q, Usual::beside(q, &inside, &sure)))
+            .collect();
+    }
+    let mut graded = graded.into_iter();
     all.iter()
         .map(|e| {
             if e.in_band() { graded.next() } else { None }
@@ -40,7 +47,7 @@ pub(crate) fn grade_all(all: &[Evidence], record: &Record) -> Vec<Graded> {
 /// The grade of pole `q` of `all`, by [`RULES`].
 fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) -> Graded {
     let own = &all[q];
-    if own.lambda.im > BACKGROUND_LOSS * own.lambda.re {
+    if own.lambda.im > tol::BACKGROUND_LOSS * own.lambda.re {
         let reason = Reason::new("background", "background: broader than any mode");
         return ((Trust::Rejected, vec![reason]), None);
     }
@@ -124,7 +131,7 @@ mod tests {
         let (trust, reasons) = graded(|_| (), 3, false, &[]);
         assert_eq!((trust, reasons.len()), (Trust::Sure, 0));
         type Doubt = (&'static str, fn(&mut Evidence));
-        let doubts: [Doubt; 17] = [
+        let doubts: [Doubt; 18] = [
             ("model orders and line halves", |e| {
                 e.origin = Origin::Agreed {
                     score: 0.6,
@@ -152,6 +159,7 @@ mod tests {
                 (e.half_width_lines, e.gain_of_skirts) = (0.7, 0.5)
             }),
             ("a tone", |e| e.lambda.im = 0.0001),
+            ("damped far more", |e| (e.lambda.im, e.misfit) = (0.02, 0.3)),
             ("one FRF alone", |e| e.alone_db = Some(25.0)),
             ("no common phase", |e| {
                 e.stand = Some(Complex64::new(0.5, 0.1))

@@ -104,7 +104,7 @@ fn plain(raised: bool) -> Option<String> {
 }
 
 /// Every doubt, in the order in which it is told.
-pub(super) const RULES: [Rule; 21] = [
+pub(super) const RULES: [Rule; 22] = [
     Rule::doubt(
         "few-orders",
         "found by few of the model orders and line halves",
@@ -205,6 +205,14 @@ pub(super) const RULES: [Rule; 21] = [
         "tone",
         "damped far less than the sure modes around it: a tone rather than a mode",
         |Seen { own, usual, .. }| plain(own.lambda.im / own.lambda.re < TONE * usual.loss?),
+    ),
+    Rule::doubt(
+        "broad",
+        "damped far more than the sure modes around it, and without quite the shape of a resonance",
+        |Seen { own, usual, .. }| {
+            let loss = own.lambda.im / own.lambda.re;
+            plain(loss > BROAD * usual.loss? && own.misfit > INDICATIVE)
+        },
     ),
     Rule::severe("no-distinct-peak", "no distinct peak", |seen| {
         let height_db = seen.own.stands_out_db;
