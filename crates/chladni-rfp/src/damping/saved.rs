@@ -33,12 +33,15 @@ pub(crate) fn refined(
     let mut here = Point::at(work, &data, poles, powers)?;
     let mut damping = limits::SAVED_DAMPING;
     for _ in 0..most {
-        let step = here.step(work, damping)?;
-        let next = Point::at(work, &data, here.moved(&step), powers)?;
-        if next.sse >= here.sse {
+        // poles that cannot be told apart any more stay where they are
+        let Ok(step) = here.step(work, damping) else {
+            break;
+        };
+        let next = Point::at(work, &data, here.moved(&step), powers);
+        let Some(next) = next.ok().filter(|next| next.sse < here.sse) else {
             damping *= limits::SAVED_DAMPING_UP;
             continue;
-        }
+        };
         let settled = here.sse - next.sse < limits::SAVED_SETTLED * here.sse;
         (here, damping) = (next, damping / limits::SAVED_DAMPING_UP);
         if settled {

