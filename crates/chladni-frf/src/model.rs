@@ -180,22 +180,29 @@ impl Mode {
     /// MAC.
     ///
     /// A shape that is scaled to 1 at its largest response has that response's error in
-    /// all others, std_i² = σ_i² + |ψ_i/ψ_m|²·σ_m², and none at itself; σ_m is taken as
-    /// the root mean square of the others.
+    /// all others, std_i² = σ_i² + |ψ_i/ψ_m|²·σ_m², and none at itself but rounding; σ_m
+    /// is taken as the root mean square of the others.
     pub fn shape_std_up_to_scale(&self) -> Vec<f64> {
+        /// Part of the other errors that rounding leaves at most: a difference of equal
+        /// squares is known to the root of the last digit, 1e-8.
+        const ROUNDING: f64 = 1e-4;
         let shape = &self.shape.0;
         let std = (0..shape.len().min(self.shape_std.len()))
             .map(|response| self.shape_std_at_known_scale(response));
         let mut std: Vec<f64> = std.collect();
         let largest = (0..std.len()).max_by(|&a, &b| shape[a].norm().total_cmp(&shape[b].norm()));
-        let Some(largest) = largest.filter(|&largest| std[largest] == 0.0) else {
+        let others = std.len().saturating_sub(1).max(1) as f64;
+        let of_others =
+            |std: &[f64]| (std.iter().map(|std| std * std).sum::<f64>() / others).sqrt();
+        let is_scaled = |&largest: &usize| std[largest] <= ROUNDING * of_others(&std);
+        let Some(largest) = largest.filter(is_scaled) else {
             return std;
         };
+        std[largest] = 0.0;
         for (std, value) in std.iter_mut().zip(shape) {
             *std /= (1.0 + (value / shape[largest]).norm_sqr()).sqrt();
         }
-        let others = std.len().saturating_sub(1).max(1) as f64;
-        std[largest] = (std.iter().map(|std| std * std).sum::<f64>() / others).sqrt();
+        std[largest] = of_others(&std);
         std
     }
 }

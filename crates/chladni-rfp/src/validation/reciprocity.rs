@@ -6,6 +6,7 @@ use num_complex::Complex64;
 
 /// Two FRFs that reciprocity makes equal, and how equal they are.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ReciprocalPair {
     /// Response and reference of the first FRF; those of the second change places.
     pub dofs: [Dof; 2],

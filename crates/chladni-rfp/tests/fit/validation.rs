@@ -1,8 +1,9 @@
 //! Yardsticks through the public door, on sets whose figures follow in closed form.
 
-use chladni_frf::FrfValues;
-use chladni_plate::{Synthetic, SyntheticSet};
-use chladni_rfp::{auto_mac, cmif, mac, reconstruction_error};
+use crate::common::fitted;
+use chladni_frf::{FrfValues, ShapeSet};
+use chladni_plate::{simulate, Panel, Synthetic, SyntheticSet};
+use chladni_rfp::{auto_mac, cmif, compare, mac, reconstruction_error, CompareOptions, FitOptions};
 use num_complex::Complex64;
 
 fn clean() -> SyntheticSet {
@@ -95,4 +96,36 @@ fn the_mode_indicator_shows_the_singular_values_of_each_line() {
         );
     }
     assert!(table.row(5).iter().all(|v| v.is_nan()));
+}
+
+/// 24 responses, 10 references, some modes; shapes are scaled to 1 at their largest
+/// response.
+const PANEL: &str = "[responses]\ngrid = [6, 4]\nspacing_m = 0.035\n[references]\nedge_count = \
+                     [3, 2]\nspacing_m = 0.06\n[frf]\nstart_hz = 20.0\nstop_hz = 400.0\nstep_hz = 1.0\n";
+
+#[test]
+fn the_exact_mac_lies_within_the_bar_of_a_fitted_model() {
+    let panel = Panel::from_toml(PANEL, 1 << 30).unwrap();
+    let (mut all, mut within, mut before) = (0, 0, None);
+    for seed in 0..30 {
+        let set = simulate(&panel, Some(seed), Some(40.0)).unwrap();
+        let model = ShapeSet::from(&fitted(&set.frf, &FitOptions::default()));
+        let truth = ShapeSet::from(&set.truth);
+        for other in [Some(truth), before.take()].into_iter().flatten() {
+            for pair in compare(&model, &other, &CompareOptions::default())
+                .unwrap()
+                .pairs
+            {
+                assert_eq!(pair.a, pair.b);
+                all += 1;
+                let error = pair.mac - pair.mac_noise_bias - 1.0;
+                within += usize::from(error.abs() <= 1.96 * pair.mac_std);
+            }
+        }
+        before = Some(model);
+    }
+    let part = within as f64 / all as f64;
+    println!("{within} of {all} pairs");
+    // some 600 pairs, each model in three of them: 95 % less three standard errors
+    assert!((0.92..=1.0).contains(&part), "{within} of {all}");
 }

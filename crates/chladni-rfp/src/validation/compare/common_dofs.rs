@@ -11,6 +11,7 @@ const SPACING_SAMPLES: usize = 400;
 
 /// The rule by which DOFs find their partners.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum PairDofs {
     /// By name where names are shared and stand for the same places, else by place.
     #[default]

@@ -36,6 +36,7 @@ impl UncertainShape {
 /// The MAC of the exact shapes lies within `value − noise_bias` ± 1.96·`std` in 95 % of
 /// cases, where the errors of the values are independent of each other.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct MacEstimate {
     /// |aᴴb|²/((aᴴa)(bᴴb)) of the shapes as they are.
     pub value: f64,

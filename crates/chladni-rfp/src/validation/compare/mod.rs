@@ -40,6 +40,7 @@ impl Default for CompareOptions {
 
 /// A mode of the first set and its partner in the second.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct ModePair {
     /// Number of the mode in the first set, from 1.
     pub a: usize,
@@ -67,6 +68,7 @@ pub struct ModePair {
 
 /// A mode without a partner.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct LoneMode {
     /// Number of the mode in its set, from 1.
     pub mode: usize,
@@ -80,6 +82,7 @@ pub struct LoneMode {
 /// Two sets of modes side by side.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
+#[non_exhaustive]
 pub struct Comparison {
     /// The rule by which DOFs found their partners: by name or by place.
     pub paired_by: PairDofs,

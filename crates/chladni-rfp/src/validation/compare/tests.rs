@@ -130,8 +130,8 @@ fn the_exact_mac_lies_within_its_stated_uncertainty() {
 }
 
 /// The same scaled to 1 at its largest value, as a model without a driving point is, and
-/// with the error bars that this model states.
-fn scaled_to_largest(set: &ShapeSet) -> ShapeSet {
+/// with the error bars that this model states: none there, but `rounding` of the others'.
+fn scaled_to_largest(set: &ShapeSet, rounding: f64) -> ShapeSet {
     let mut out = set.clone();
     for mode in &mut out.modes {
         let size = |k: &usize| mode.shape[*k].norm();
@@ -144,7 +144,7 @@ fn scaled_to_largest(set: &ShapeSet) -> ShapeSet {
             own.hypot((mode.shape[k] / peak).norm() * noise / peak.norm())
         };
         let mut stated: Vec<f64> = (0..mode.shape.len()).map(std).collect();
-        stated[largest] = 0.0;
+        stated[largest] = rounding * stated[0];
         let model = chladni_frf::Mode {
             frequency_hz: mode.frequency_hz,
             frequency_std_hz: 0.0,
@@ -171,8 +171,10 @@ fn the_error_of_the_scale_is_none_of_the_mac() {
     let truth = exact();
     let (mut all, mut within) = (0, 0);
     for seed in 0..150 {
-        let scaled =
-            [2 * seed, 2 * seed + 1].map(|seed| scaled_to_largest(&measured(&truth, 0.03, seed)));
+        // the sum of squares that cancel is rarely nothing
+        let rounding = if seed % 2 == 0 { 0.0 } else { 1e-8 };
+        let scaled = [2 * seed, 2 * seed + 1]
+            .map(|seed| scaled_to_largest(&measured(&truth, 0.03, seed), rounding));
         for pair in compared(&scaled[0], &scaled[1]).pairs {
             all += 1;
             let error = pair.mac - pair.mac_noise_bias - 1.0;

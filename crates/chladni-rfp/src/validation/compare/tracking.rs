@@ -15,6 +15,7 @@ pub enum TrackAgainst {
 
 /// The places of one mode.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ModeTrack {
     /// Its number in each model, from 1; `None` where it was not found.
     pub modes: Vec<Option<usize>>,
@@ -23,6 +24,7 @@ pub struct ModeTrack {
 /// Many sets of modes side by side.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
+#[non_exhaustive]
 pub struct Tracking {
     /// One comparison for each set but the first; its `a` is the first or the one before.
     pub comparisons: Vec<Comparison>,
