@@ -7,6 +7,7 @@ use std::io::{Read, Result, Seek, SeekFrom};
 use std::path::Path;
 
 /// Bytes read at a time: less, and the disk waits for the next request.
+#[cfg(any(target_os = "linux", test))]
 const STRETCH: usize = 1 << 20;
 /// Alignment of places in memory and in the file. A disk that asks for more refuses, and
 /// is read the usual way.
