@@ -27,8 +27,10 @@ const EXAMPLES: &str = "Examples:
   chladni report model.json weights.json -o report.html
   chladni studio measurement.uff                       all of it, live, on a local page";
 
-const PIPES: &str = "Input files may be pipes; one of them may be -, the standard input.
-COMMAND -h: its own options; COMMAND --help: all of them. What a finding means: docs/troubleshooting.md";
+const PIPES: &str = "Input files may be pipes; one of them may be -, the standard input. -o - is the standard output: JSON, CSV or HTML,
+and binary universal files of FRFs. CHLADNI_FRF_KIND and CHLADNI_THREADS stand for --frf-kind and --threads.
+COMMAND -h: its own options; COMMAND --help: all of them.
+Documentation: https://docs.rs/chladni-cli; what a finding means: docs/troubleshooting.md";
 
 /// The verbs.
 #[derive(Debug, Subcommand)]

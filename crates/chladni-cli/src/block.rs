@@ -2,6 +2,7 @@
 
 use crate::asked_model::AskedModel;
 use crate::fit::{distrust, echo_of, parse_band, summary, text};
+use crate::plan::Plan;
 use crate::streaming::{explain_piece, Resume, Stream};
 use chladni_console::input::{expand, model_of, read_frf, Reading};
 use chladni_console::memory::{parse_memory, MEMORY};
@@ -49,7 +50,7 @@ pub struct Reduce {
     #[arg(required = true, value_name = "FRF")]
     files: Vec<PathBuf>,
     /// Partial to write, .part
-    #[arg(short, value_name = "PART")]
+    #[arg(short, long, value_name = "PART")]
     output: PathBuf,
     /// Poles that the first pass led to: run the second
     #[arg(long, value_name = "POLES")]
@@ -79,6 +80,9 @@ pub struct Reduce {
     /// Go on where an interrupted run with the same files, options and output ended
     #[arg(long)]
     resume: bool,
+    /// Say what would be read and written, and end
+    #[arg(long)]
+    dry_run: bool,
     #[command(flatten)]
     reading: Reading,
 }
@@ -90,7 +94,7 @@ pub struct Merge {
     #[arg(required = true, value_name = "PART")]
     files: Vec<PathBuf>,
     /// Partial to write, .part
-    #[arg(short, value_name = "PART")]
+    #[arg(short, long, value_name = "PART")]
     output: PathBuf,
 }
 
@@ -105,7 +109,7 @@ pub struct Solve {
     #[arg(value_name = "PART")]
     file: PathBuf,
     /// Poles file (.poles) of a first pass, model (.json, .h5) of a second
-    #[arg(short, value_name = "POLES|MODEL")]
+    #[arg(short, long, value_name = "POLES|MODEL")]
     output: PathBuf,
     #[command(flatten)]
     asked: AskedModel,
@@ -121,7 +125,7 @@ pub struct Residues {
     #[arg(long, value_name = "MODEL")]
     model: PathBuf,
     /// Model to write, .json or .h5
-    #[arg(short, value_name = "MODEL")]
+    #[arg(short, long, value_name = "MODEL")]
     output: PathBuf,
     #[command(flatten)]
     reading: Reading,
@@ -194,6 +198,16 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
         data = data.share(args.block, blocks)?;
     }
     let stream = Stream::new(data, &files, args.memory, &options, console)?;
+    if args.dry_run {
+        let plan = Plan {
+            files: &files,
+            frf_bytes: stream.bytes(),
+            parts: Some(stream.count()),
+            memory: args.memory,
+            outputs: vec![&args.output],
+        };
+        return Ok(plan.outcome());
+    }
     let mut resume = Resume::new(
         Some(&args.output),
         &files,

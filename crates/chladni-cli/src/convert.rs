@@ -28,7 +28,7 @@ pub struct Args {
     files: Vec<PathBuf>,
     /// File to write: .h5 (exact), .uff (binary), .unv (text), .npz, .mat, .csv; of models
     /// .json, .h5, .mat, .csv (a table of modes), or their shapes as .unv, .uff, .vtu, .pvd
-    #[arg(short, value_name = "OUT")]
+    #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
     reading: Reading,

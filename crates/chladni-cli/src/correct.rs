@@ -36,7 +36,7 @@ pub struct Args {
     #[arg(long, required = true, value_name = "FIELD.csv")]
     field: Vec<PathBuf>,
     /// Weights file to write, .json
-    #[arg(short, value_name = "WEIGHTS")]
+    #[arg(short, long, value_name = "WEIGHTS")]
     output: Option<PathBuf>,
     /// Calibration file to write, .json: gains, dead channels, natural frequencies and the
     /// mobility at this frequency, for the next scene. One that the scene names is where it

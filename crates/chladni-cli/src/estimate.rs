@@ -30,7 +30,7 @@ pub struct Args {
     files: Vec<PathBuf>,
     /// FRF file to write: .h5 (exact, with variances), .uff (binary), .unv (text), .npz
     /// or .csv
-    #[arg(short, value_name = "FRF")]
+    #[arg(short, long, value_name = "FRF")]
     output: PathBuf,
     /// Averaged blocks with the noise at the responses (h1), at the references (h2), at
     /// both (hv); local rational (lrm) or polynomial (lpm) fits to the transform of the

@@ -6,6 +6,7 @@ pub use text::text;
 
 use crate::asked_model::AskedModel;
 use crate::explain::explain;
+use crate::plan::Plan;
 use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
 use chladni_console::input::{expand, read_frf, Reading};
@@ -36,7 +37,7 @@ pub struct Args {
     #[arg(required = true, value_name = "FRF")]
     files: Vec<PathBuf>,
     /// Model file to write, .json or .h5
-    #[arg(short, value_name = "MODEL")]
+    #[arg(short, long, value_name = "MODEL")]
     output: Option<PathBuf>,
     /// Band to fit, Hz [default: all lines]
     #[arg(long, value_name = "LO:HI", value_parser = parse_band, allow_hyphen_values = true)]
@@ -71,6 +72,9 @@ pub struct Args {
     /// read part by part)
     #[arg(long, requires = "output")]
     resume: bool,
+    /// Say what would be read and written, and in which way, and end
+    #[arg(long)]
+    dry_run: bool,
     /// What the polynomials of rfp are fitted by: the equation error of 1985 (linear),
     /// divided by the denominator of the step before (sk), and from there to the likeliest
     /// poles by instrumental variables (iv) or Gauss-Newton steps (gn) [default: iv]
@@ -133,7 +137,23 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .map(|path| Output::new(path, MODEL, &files, console))
         .transpose()?;
     let mut options = args.fit_options()?;
-    if too_large(frf_bytes(&files)?, args.memory) {
+    let frf_bytes = frf_bytes(&files)?;
+    let in_parts = too_large(frf_bytes, args.memory);
+    if args.dry_run {
+        let parts = match in_parts {
+            true => Some(stream(args, &files, &options, console)?.count()),
+            false => None,
+        };
+        let plan = Plan {
+            files: &files,
+            frf_bytes,
+            parts,
+            memory: args.memory,
+            outputs: args.output.as_deref().into_iter().collect(),
+        };
+        return Ok(plan.outcome());
+    }
+    if in_parts {
         let (model, resume) = streamed(args, &files, &options, console)?;
         let outcome = written(args, model, output.as_ref(), console)?;
         resume.done();
@@ -221,13 +241,13 @@ fn next_step(args: &Args, model: &ModalModel) -> Option<String> {
 /// Code of the finding that most of the data are left unexplained.
 const MOSTLY_UNEXPLAINED: &str = "mostly-unexplained";
 
-/// Fits a set larger than memory part by part.
-fn streamed(
+/// The parts of a set larger than memory.
+fn stream<'a>(
     args: &Args,
     files: &[PathBuf],
-    options: &FitOptions,
-    console: &Console,
-) -> Result<(ModalModel, Resume)> {
+    options: &'a FitOptions,
+    console: &'a Console,
+) -> Result<Stream<'a>> {
     let whole = |field: &str, found: &str| {
         Err(Error::new(
             ErrorKind::Usage,
@@ -245,13 +265,18 @@ fn streamed(
     if let Some(scene) = &args.scene {
         return whole("--scene", &scene.display().to_string());
     }
-    let stream = Stream::new(
-        FrfParts::open(files, &args.reading.options())?,
-        files,
-        args.memory,
-        options,
-        console,
-    )?;
+    let data = FrfParts::open(files, &args.reading.options())?;
+    Stream::new(data, files, args.memory, options, console)
+}
+
+/// Fits a set larger than memory part by part.
+fn streamed(
+    args: &Args,
+    files: &[PathBuf],
+    options: &FitOptions,
+    console: &Console,
+) -> Result<(ModalModel, Resume)> {
+    let stream = stream(args, files, options, console)?;
     let mut echo = echo_of(options);
     args.reading.echo(&mut echo);
     let mut resume = Resume::new(

@@ -16,6 +16,7 @@ mod explain;
 mod fit;
 mod indices;
 mod info;
+mod plan;
 mod play;
 mod render;
 mod report;

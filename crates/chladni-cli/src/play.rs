@@ -46,7 +46,7 @@ pub struct Args {
     #[arg(long, value_name = "WEIGHTS")]
     weights: Option<PathBuf>,
     /// Signal to write: .wav (with a .json beside it), .csv or .npz
-    #[arg(short, value_name = "DRIVE")]
+    #[arg(short, long, value_name = "DRIVE")]
     output: Option<PathBuf>,
     /// How the drive comes and goes, in place of the scene's `ramps`
     #[arg(long, value_name = "RAMPS", value_parser = PossibleValuesParser::new(Ramps::ALL.map(Ramps::as_str)))]

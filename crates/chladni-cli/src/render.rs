@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
     /// Weights file to write, .json
-    #[arg(short, value_name = "WEIGHTS")]
+    #[arg(short, long, value_name = "WEIGHTS")]
     output: Option<PathBuf>,
     /// How the weights are found
     #[arg(long, value_name = "METHOD", default_value = "default", value_parser = PossibleValuesParser::new(MethodChoice::names())

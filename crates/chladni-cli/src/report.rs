@@ -39,7 +39,12 @@ pub struct Args {
     #[arg(required = true, value_name = "MODEL|WEIGHTS|TABLE")]
     files: Vec<PathBuf>,
     /// Page to write
-    #[arg(short, value_name = "report.html", required_unless_present = "charts")]
+    #[arg(
+        short,
+        long,
+        value_name = "report.html",
+        required_unless_present = "charts"
+    )]
     output: Option<PathBuf>,
     /// FRFs that the model was fitted to, where they lie elsewhere now
     #[arg(long, value_name = "FRF", num_args = 1..)]
@@ -285,11 +290,7 @@ fn sort(files: &[PathBuf]) -> Result<(Option<PathBuf>, Vec<WeightsFile>, Vec<Tab
                     .expected("one model and any number of weights")
                     .help("make one report for each model"))
             }
-            FileFormat::Uff
-            | FileFormat::Csv
-            | FileFormat::Matlab
-            | FileFormat::Numpy
-            | FileFormat::Wav => {
+            _ => {
                 return Err(Error::bad_data("neither a model nor weights")
                     .file(file)
                     .found("measured data")

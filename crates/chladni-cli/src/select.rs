@@ -39,7 +39,7 @@ pub struct Args {
     #[arg(value_name = "SELECTION.toml")]
     selection: PathBuf,
     /// Model file to write, .json or .h5
-    #[arg(short, value_name = "MODEL")]
+    #[arg(short, long, value_name = "MODEL")]
     output: PathBuf,
     /// FRFs that the model was fitted to, for `add`, where they lie elsewhere now
     #[arg(long, value_name = "FRF", num_args = 1..)]

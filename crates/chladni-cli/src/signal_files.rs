@@ -1,7 +1,7 @@
 //! A drive signal and the file beside it.
 
 use chladni_console::output::Output;
-use chladni_console::{unbroken, Console};
+use chladni_console::{bytes_to_stdout, is_standard_output, unbroken, Console};
 use chladni_frf::Result;
 use chladni_io::{write_atomically, write_npz, NamedArray};
 use chladni_render::{SampleFormat, Signal};
@@ -36,6 +36,9 @@ impl SignalFiles {
             _claims: Vec::new(),
         };
         Output::new(path, extensions, inputs, console)?;
+        if is_standard_output(path) {
+            return Ok(files);
+        }
         if files.is("wav") {
             let sidecar = path.with_extension("json");
             Output::new(&sidecar, &["json"], inputs, console)?;
@@ -46,8 +49,11 @@ impl SignalFiles {
         Ok(files)
     }
 
-    /// True for this extension.
+    /// True for this extension; the standard output takes a table.
     pub fn is(&self, extension: &str) -> bool {
+        if is_standard_output(&self.path) {
+            return extension == "csv";
+        }
         self.path
             .extension()
             .is_some_and(|found| found.eq_ignore_ascii_case(extension))
@@ -86,6 +92,9 @@ impl SignalFiles {
     }
 
     fn write_bytes(&self, path: &Path, bytes: &[u8]) -> Result<()> {
+        if is_standard_output(path) {
+            return bytes_to_stdout(bytes);
+        }
         unbroken(|| write_atomically(path, self.force, |out| out.write_all(bytes)))
     }
 

@@ -1,6 +1,7 @@
 //! `chladni simulate`: FRFs of a virtual panel and the model behind them, or the field that
 //! weights make on it.
 
+use crate::plan::Plan;
 use chladni_console::input::{read_weights, source};
 use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, FRF, MODEL, TABLE};
@@ -29,7 +30,7 @@ pub struct Args {
     panel: PathBuf,
     /// FRF file to write: .h5 (exact), .uff (binary), .unv (text) or .csv; with --play the
     /// field, .csv
-    #[arg(short, value_name = "FRF")]
+    #[arg(short, long, value_name = "FRF")]
     output: PathBuf,
     /// Play these weights on the panel and write the field at its responses, as a scanner
     /// would, for `evaluate --field` and `correct`
@@ -47,6 +48,9 @@ pub struct Args {
     /// Refuse at once what needs more memory: bytes, or with K, M, G, T (powers of 1024)
     #[arg(long, value_name = "SIZE", default_value = MEMORY, value_parser = parse_memory)]
     memory: u64,
+    /// Say how large the result would be, and end
+    #[arg(long)]
+    dry_run: bool,
 }
 
 fn parse_snr(text: &str) -> std::result::Result<f64, String> {
@@ -54,6 +58,13 @@ fn parse_snr(text: &str) -> std::result::Result<f64, String> {
         Ok(value) if value.is_finite() || value == f64::INFINITY => Ok(value),
         _ => Err("not a number of decibels".into()),
     }
+}
+
+/// Bytes of the FRFs of a panel.
+fn frf_bytes(panel: &Panel) -> u64 {
+    let layout = panel.layout();
+    let pairs = layout.response_dofs.len() * layout.reference_dofs.len();
+    (pairs * panel.frf.frequency_hz().len() * size_of::<Complex64>()) as u64
 }
 
 /// Runs the command.
@@ -87,6 +98,20 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .map(|path| Output::new(path, MODEL, inputs, console))
         .transpose()?;
     let panel = Panel::read(&args.panel, args.memory)?;
+    if args.dry_run {
+        let plan = Plan {
+            files: inputs,
+            frf_bytes: frf_bytes(&panel),
+            parts: None,
+            memory: args.memory,
+            outputs: [Some(&args.output), args.truth.as_ref()]
+                .into_iter()
+                .flatten()
+                .map(PathBuf::as_path)
+                .collect(),
+        };
+        return Ok(plan.outcome());
+    }
     let sources = vec![source(&args.panel)?];
 
     console.stage("simulating the panel");

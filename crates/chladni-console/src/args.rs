@@ -15,9 +15,12 @@ pub struct Common {
     /// Say more: every dataset, rejected modes, time of each stage
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
+    /// No colours; NO_COLOR in the environment says the same
+    #[arg(long, global = true)]
+    pub no_color: bool,
     /// Threads to compute with; the result is the same for any number [default: all
     /// cores]
-    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, value_name = "N", env = "CHLADNI_THREADS", hide_env_values = true, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Overwrite existing output files
     #[arg(long, global = true)]

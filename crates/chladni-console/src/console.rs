@@ -37,7 +37,8 @@ impl Console {
             verbose: common.verbose > 0,
             force: common.force,
             progress: Progress::new(common.progress, common.quiet),
-            colour: std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+            colour: !common.no_color
+                && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
                 && std::io::stderr().is_terminal(),
             findings: Mutex::default(),
         }

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 #[command(next_help_heading = "Reading FRFs")]
 pub struct Reading {
     /// What the FRFs are; needed where the file does not say
-    #[arg(long, value_name = "KIND", value_parser = PossibleValuesParser::new(["mobility", "receptance", "accelerance"])
+    #[arg(long, value_name = "KIND", env = "CHLADNI_FRF_KIND", hide_env_values = true, value_parser = PossibleValuesParser::new(["mobility", "receptance", "accelerance"])
         .try_map(|text| text.parse::<FrfKind>()))]
     pub frf_kind: Option<FrfKind>,
     /// Sign in e^(±jωt) of the data
@@ -335,11 +335,6 @@ pub fn source(path: &Path) -> Result<Source> {
 /// Those of reading; a weights file.
 pub fn model_of(file: &Path) -> Result<Option<ModalModel>> {
     match detect_format(file)? {
-        FileFormat::Uff
-        | FileFormat::Csv
-        | FileFormat::Matlab
-        | FileFormat::Numpy
-        | FileFormat::Wav => Ok(None),
         FileFormat::Model => chladni_io::read_model(file).map(Some),
         FileFormat::Hdf5 => match chladni_io::read_model(file) {
             Ok(model) => Ok(Some(model)),
@@ -353,6 +348,7 @@ pub fn model_of(file: &Path) -> Result<Option<ModalModel>> {
         .found("a weights file")
         .expected("FRFs or a model")
         .help("give the data or the model that the weights belong to")),
+        _ => Ok(None),
     }
 }
 

@@ -1,5 +1,7 @@
 //! The common part of the programs of Chladni: options, messages, progress, outputs that
 //! are refused before the work, and exit codes.
+//!
+//! A part of Chladni for its programs: what is public here may change with any version.
 
 mod args;
 mod console;
@@ -24,4 +26,4 @@ pub use console::Console;
 pub use interrupt::unbroken;
 pub use outcome::Outcome;
 pub use start::{refused_threads, start};
-pub use stdout::print_line;
+pub use stdout::{bytes_to_stdout, is_standard_output, print_line};

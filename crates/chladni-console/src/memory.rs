@@ -27,6 +27,11 @@ pub fn parse_memory(text: &str) -> std::result::Result<u64, String> {
     }
 }
 
+/// A size for people.
+pub fn in_mebibytes(bytes: u64) -> String {
+    format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

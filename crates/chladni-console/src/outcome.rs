@@ -2,7 +2,7 @@
 
 use crate::console::{for_terminal, Console};
 use crate::settings::error_with_options;
-use crate::stdout::{print_error, print_line, to_stdout};
+use crate::stdout::{is_claimed, print_error, print_line, to_stdout};
 use chladni_frf::{Error, ErrorKind, Result};
 use serde_json::{json, Value};
 use std::panic::{self, AssertUnwindSafe};
@@ -102,7 +102,7 @@ pub fn report(result: Result<Outcome>, console: &Console) -> ExitCode {
         next: Some(next), ..
     }) = &printed
     {
-        if !console.json {
+        if !console.json && !is_claimed() {
             console.note(&format!("Next: {next}"));
         }
     }
@@ -130,6 +130,7 @@ fn print(outcome: &Outcome, console: &Console) -> Result<()> {
         return print_line(&with_findings(&outcome.json, console).to_string());
     }
     match &outcome.output {
+        _ if is_claimed() => Ok(()),
         Some(_) if console.quiet => Ok(()),
         _ => to_stdout(&for_terminal(&outcome.text)),
     }

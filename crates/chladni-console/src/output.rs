@@ -2,11 +2,20 @@
 
 use crate::console::Console;
 use crate::interrupt::unbroken;
+use crate::stdout::{bytes_to_stdout, claim, is_standard_output};
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_io::refuse_output_among_inputs;
 use chladni_io::try_place;
 use chladni_text::door::Claim;
+use std::fs;
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
+
+/// Formats of results on the standard output: of those that a command writes, the first.
+/// FRFs go on as binary universal files, bit by bit.
+const STREAMED: [&str; 6] = ["json", "uff", "part", "poles", "csv", "html"];
+/// Those of them that no terminal can show.
+const BINARY: [&str; 3] = ["uff", "part", "poles"];
 
 /// Extensions of FRF files.
 pub const FRF: &[&str] = &[
@@ -55,6 +64,16 @@ pub fn make_folder(folder: &Path) -> Result<()> {
     if folder.is_dir() {
         return Ok(());
     }
+    if is_standard_output(folder) {
+        return Err(Error::new(
+            ErrorKind::Usage,
+            "several files cannot go to the standard output",
+        )
+        .field("-o")
+        .found("-")
+        .expected("the name of a folder")
+        .help("choose a folder with -o"));
+    }
     std::fs::create_dir(folder).map_err(|error| {
         Error::new(
             ErrorKind::CannotCreate,
@@ -72,11 +91,13 @@ pub fn make_folder(folder: &Path) -> Result<()> {
     })
 }
 
-/// A place that a result may be written to.
+/// A place that a result may be written to: a file, or the standard output as `-`.
 pub struct Output<'a> {
     path: &'a Path,
     force: bool,
-    _claim: Claim,
+    /// Extension of the format on the standard output.
+    streamed: Option<&'static str>,
+    _claim: Option<Claim>,
 }
 
 impl<'a> Output<'a> {
@@ -92,6 +113,14 @@ impl<'a> Output<'a> {
         inputs: &[PathBuf],
         console: &Console,
     ) -> Result<Self> {
+        if is_standard_output(path) {
+            return Ok(Self {
+                path,
+                force: false,
+                streamed: Some(format_of_stream(extensions, console)?),
+                _claim: None,
+            });
+        }
         let extension = path
             .extension()
             .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
@@ -118,7 +147,8 @@ impl<'a> Output<'a> {
         Ok(Self {
             path,
             force: console.force,
-            _claim: Claim::new(path)?,
+            streamed: None,
+            _claim: Some(Claim::new(path)?),
         })
     }
 
@@ -128,7 +158,61 @@ impl<'a> Output<'a> {
     /// # Errors
     /// Those of `write`.
     pub fn write<T>(&self, write: impl FnOnce(&Path, bool) -> Result<T>) -> Result<T> {
-        unbroken(|| write(self.path, self.force))
+        let Some(extension) = self.streamed else {
+            return unbroken(|| write(self.path, self.force));
+        };
+        // whole before its first byte goes out
+        let (made, bytes) = unbroken(|| {
+            let folder = tempfile::tempdir().map_err(|error| not_kept(&error))?;
+            let file = folder.path().join(format!("stdout.{extension}"));
+            let made = write(&file, false)?;
+            Ok((made, fs::read(&file).map_err(|error| not_kept(&error))?))
+        })?;
+        bytes_to_stdout(&bytes)?;
+        Ok(made)
+    }
+}
+
+fn not_kept(error: &io::Error) -> Error {
+    Error::new(
+        ErrorKind::Io,
+        format!("cannot make the result for the standard output: {error}"),
+    )
+    .found(format!("the folder {}", std::env::temp_dir().display()))
+    .expected("a folder for temporary files with room for the result")
+    .help("name another with TMPDIR, or give a file with -o")
+}
+
+/// Takes the standard output for a result, in the one of `extensions` that is streamed.
+fn format_of_stream(extensions: &[&str], console: &Console) -> Result<&'static str> {
+    let refuse = |message: &str, found: &str, expected: &str| {
+        Err(Error::new(ErrorKind::Usage, message)
+            .field("-o")
+            .found(found)
+            .expected(expected)
+            .help("give the name of a file with -o"))
+    };
+    let known = STREAMED.into_iter().find(|one| extensions.contains(one));
+    let Some(extension) = known else {
+        return refuse("this result needs a file", "-", "the name of a file");
+    };
+    if console.json {
+        return refuse(
+            "the standard output carries the result or the object of --json",
+            "both",
+            "one of them",
+        );
+    }
+    if BINARY.contains(&extension) && io::stdout().is_terminal() {
+        return refuse(
+            "the result is binary, and the standard output a terminal",
+            "a terminal",
+            "a pipe or a file",
+        );
+    }
+    match claim() {
+        true => Ok(extension),
+        false => refuse("two outputs are one file", "- twice", "- once at most"),
     }
 }
 

@@ -17,7 +17,7 @@ pub fn start<C: Parser>(
     common: impl Fn(&C) -> &Common,
     run: impl FnOnce(&C, &Console) -> Result<Outcome>,
 ) -> ExitCode {
-    let json = usage::asks_for_json(std::env::args_os());
+    let json = usage::asks_for("--json");
     interrupt::install(json);
     // before the arguments: some options read a file
     let _kept = KeptInputs::of_run();

@@ -5,15 +5,15 @@ use crate::input::DofFile;
 use crate::stdout::print_error;
 use chladni_frf::{Error, ErrorKind};
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
-use clap::{Arg, ArgMatches, Command, Parser};
-use std::ffi::OsString;
+use clap::{Arg, ArgMatches, ColorChoice, Command, Parser};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// True where `--json` stands among the arguments, however wrong the others are.
-pub fn asks_for_json(args: impl Iterator<Item = OsString>) -> bool {
-    args.take_while(|arg| arg != "--")
-        .any(|arg| arg == "--json")
+/// True where `option` stands among the arguments, however wrong the others are.
+pub fn asks_for(option: &str) -> bool {
+    std::env::args_os()
+        .take_while(|arg| arg != "--")
+        .any(|arg| arg == option)
 }
 
 /// The reason that there is nothing to run.
@@ -26,7 +26,12 @@ pub enum Answer {
 
 /// The arguments of this process.
 pub fn parse<C: Parser>() -> Result<C, Answer> {
+    let colours = match asks_for("--no-color") {
+        true => ColorChoice::Never,
+        false => ColorChoice::Auto,
+    };
     let matches = purpose_first(C::command())
+        .color(colours)
         .try_get_matches()
         .map_err(Answer::Clap)?;
     one_standard_input(&matches).map_err(Answer::Refused)?;
@@ -61,6 +66,9 @@ fn purpose_first(command: Command) -> Command {
         .mut_subcommands(purpose_first)
 }
 
+/// Options that name a file to write.
+const WRITTEN: [&str; 4] = ["output", "truth", "wav", "calibration"];
+
 /// Refuses a second file that is the standard input: it can be read once.
 fn one_standard_input(matches: &ArgMatches) -> Result<(), Error> {
     let Some((_, matches)) = matches.subcommand() else {
@@ -68,6 +76,7 @@ fn one_standard_input(matches: &ArgMatches) -> Result<(), Error> {
     };
     let files = matches
         .ids()
+        .filter(|id| !WRITTEN.contains(&id.as_str()))
         .filter_map(|id| matches.try_get_many::<PathBuf>(id.as_str()).ok().flatten())
         .flatten();
     let lists = matches

@@ -90,7 +90,7 @@ fn run(what: &Bench, console: &Console) -> Result<Outcome> {
 #[derive(Debug, clap::Args)]
 struct Place {
     /// Folder to write into
-    #[arg(short, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Fewer cases and seeds: within a minute on two cores
     #[arg(long)]

@@ -23,10 +23,6 @@ use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The built-in panel.
-const PANEL: &str = include_str!("../../../../fixtures/panel.toml");
-/// More memory than the built-in panel needs.
-const MEMORY_BYTES: u64 = 2 << 30;
 /// Cells of the scenes, each hot in one of them.
 const SCENES: usize = 4;
 /// Least share of hot ground that is felt, and of cold ground that is quiet.
@@ -51,7 +47,7 @@ for a chart of speed against accuracy, and writes panel.h5, truth.json, model.js
 report.html. Exit 1 where the known truth is missed or a scene is not met.")]
 pub struct Args {
     /// Folder to write into
-    #[arg(short, value_name = "DIR", default_value = "chladni-demo")]
+    #[arg(short, long, value_name = "DIR", default_value = "chladni-demo")]
     output: PathBuf,
 }
 
@@ -78,7 +74,8 @@ struct Judged {
 /// Those of writing; anything else is a bug.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = Files::new(&args.output, console)?;
-    let panel = Panel::from_toml(PANEL, MEMORY_BYTES)?;
+    // fixtures/panel.toml
+    let panel = Panel::default();
     let (frf, truth) = measure(&files, &panel, console)?;
     let (model, time_s) = identify(&files, &frf, console)?;
     let scenes: Vec<Judged> = (0..SCENES)

@@ -77,6 +77,17 @@ impl<'a> Stream<'a> {
         })
     }
 
+    /// Number of parts.
+    pub fn count(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Bytes of all parts in memory, about.
+    pub fn bytes(&self) -> u64 {
+        let bytes = |part| self.data.part_bytes(part);
+        self.parts.iter().map(bytes).sum()
+    }
+
     /// Runs `work`, which makes passes, and with it or beside it the checksums of the
     /// files.
     ///

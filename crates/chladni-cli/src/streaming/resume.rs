@@ -4,8 +4,8 @@
 //! One line of JSON that says of which files it is, and with which options they were read
 //! and fitted, then the partial so far.
 
-use chladni_console::unbroken;
-use chladni_frf::{Error, Result, CREATED_BY};
+use chladni_console::{is_standard_output, unbroken};
+use chladni_frf::{Error, ErrorKind, Result, CREATED_BY};
 use chladni_io::{stamp_of, write_atomically};
 use chladni_rfp::pieces::Partial;
 use chladni_text::door::Claim;
@@ -51,7 +51,18 @@ impl Resume {
         goes_on: bool,
     ) -> Result<Self> {
         options.insert("memory".into(), memory.into());
-        let place = output.map(|output| {
+        let place = output.filter(|output| !is_standard_output(output));
+        if goes_on && place.is_none() {
+            return Err(Error::new(
+                ErrorKind::Usage,
+                "what an interrupted run leaves lies beside its output",
+            )
+            .field("--resume")
+            .found("no file with -o")
+            .expected("the name of a file")
+            .help("give the same -o as in the interrupted run"));
+        }
+        let place = place.map(|output| {
             let mut name = OsString::from(output);
             name.push(".resume");
             PathBuf::from(name)

@@ -5,6 +5,7 @@ mod bench;
 mod by_hand;
 mod common;
 mod compare;
+mod conventions;
 mod crash_safety;
 mod demo;
 mod documentation;

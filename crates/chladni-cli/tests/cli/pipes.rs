@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::process::Command;
 
 /// Runs a line of bash in which `chladni` is the program.
-fn bash(folder: &Folder, line: &str) -> Run {
+pub fn bash(folder: &Folder, line: &str) -> Run {
     let script = format!(
         "chladni() {{ \"{}\" \"$@\"; }}; {line}",
         env!("CARGO_BIN_EXE_chladni")
