@@ -70,14 +70,13 @@ pub(crate) fn words(effort: &Effort) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_render::tolerances;
 
     #[test]
     fn settings_turn_one_knob_and_the_method_as_it_is_lies_on_each() {
         let usual = Effort::default();
         assert_eq!(
             SCENE_KNOBS.map(|knob| knob.position(&usual)),
-            [Some(tolerances::ROUNDS as f64), Some(1.0)]
+            [Some(usual.conic_rounds as f64), Some(1.0)]
         );
         for means in settings() {
             let on = SCENE_KNOBS

@@ -26,6 +26,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! | what | types |
+//! |---|---|
+//! | a measurement | [`FrfSet`], [`FrfValues`], [`Dof`], [`FrfKind`], [`Geometry`], [`Estimation`] |
+//! | time records | [`Run`], [`Channel`] |
+//! | a model | [`ModalModel`], [`Mode`], [`Selection`], [`ShapeSet`] |
+//! | a measured field | [`MeasuredField`] |
+//! | what was found | [`Finding`], [`Severity`] |
+//!
+//! Errors are [`Error`], everywhere in Chladni: what was found, what was expected, what to
+//! do, with file, line and field. No features.
+//!
 //! Conventions, kept everywhere: time sign e^{+jωt}, SI units, peak amplitudes, FRF
 //! arrays with the axes (response, reference, line), lines contiguous.
 

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 /// File formats, told apart by content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum FileFormat {
     /// Universal file, text or binary 58.
     Uff,
@@ -108,6 +109,7 @@ pub struct DatasetInfo {
 
 /// Ordinate values of a function, in the precision of the file.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Ordinate {
     /// Real, single precision.
     Real32(Vec<f32>),
@@ -137,6 +139,7 @@ impl Ordinate {
 
 /// Abscissa of a function.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Abscissa {
     /// Start and step.
     Even {
@@ -287,6 +290,7 @@ pub struct ReadOptions {
 
 /// The treatment of a (response, reference) pair that occurs twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Duplicates {
     /// Refuse.
     #[default]

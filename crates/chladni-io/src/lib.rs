@@ -4,14 +4,29 @@
 //! Formats are told apart by content when read and by extension when written; every
 //! result is written beside its place and renamed into it.
 //!
-//! ```no_run
-//! use chladni_io::{read_frf, write_frf, ReadOptions};
-//!
-//! let (frf, sources, warnings) = read_frf(&["scan.uff".into()], &ReadOptions::default())?;
-//! println!("{} responses, from {}", frf.responses.len(), sources[0].file);
-//! write_frf("scan.h5".as_ref(), &frf, false)?;
-//! # Ok::<(), chladni_frf::Error>(())
 //! ```
+//! use chladni_io::{read_frf, write_frf, ReadOptions};
+//! # let folder = tempfile::tempdir()?;
+//! # let (scan, copy) = (folder.path().join("scan.csv"), folder.path().join("scan.h5"));
+//! # std::fs::write(&scan, "# unit = m/s/N\nf,1:+Z:101:+Z re,1:+Z:101:+Z im\n10,1,2\n20,3,4\n")?;
+//!
+//! let (frf, sources, findings) = read_frf(&[scan], &ReadOptions::default())?;
+//! println!("{} responses, from {}", frf.responses.len(), sources[0].file);
+//! write_frf(&copy, &frf, false)?;
+//! # assert_eq!(frf.values.dim(), (1, 1, 2), "{findings:?}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | what | in | out |
+//! |---|---|---|
+//! | FRFs | [`read_frf`], [`FrfParts`] for what memory does not hold | [`write_frf`], [`write_contents`] |
+//! | everything in a file | [`read_document`], [`read_contents`], [`list_document`] | [`write_contents`] |
+//! | models, shapes | [`read_model`], [`read_shape_set`] | [`write_model`], [`model_shapes`] |
+//! | time records | [`runs_of`] | |
+//! | fields of drives | [`read_field`] | [`field_csv`] |
+//!
+//! Errors are [`chladni_frf::Error`]. The feature `system` reads and writes HDF5 by the C
+//! library.
 
 mod arrays;
 mod assemble;

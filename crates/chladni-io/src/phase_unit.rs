@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 /// Unit that phases are written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub enum PhaseUnit {
     /// A 360th of a turn.
     #[serde(rename = "deg")]

@@ -13,6 +13,7 @@ pub(super) const MOST_COMPONENTS: usize = 64;
 
 /// The analysis that the values belong to; the codes of datasets 55 and 2414.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Analysis {
     /// 1: one load, at rest.
     Static,
@@ -112,6 +113,7 @@ pub struct ShapeNumbers {
 
 /// The origin of a shape, and the form in which it is written again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum ShapeForm {
     /// Dataset 55: a node that is left out is at rest.
     #[default]

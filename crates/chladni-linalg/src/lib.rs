@@ -7,6 +7,27 @@
 //! sizes, scaling of the SVD (squares of the entries must not leave the range of f64),
 //! and rank in [`lstsq`].
 //!
+//! ```
+//! use chladni_linalg::{lstsq, svd_thin};
+//! use ndarray::array;
+//!
+//! let a = array![[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]];
+//! let line = lstsq(a.view(), array![[1.0], [3.0], [5.0]].view())?;
+//! assert!((line[[0, 0]] - 1.0).abs() < 1e-12 && (line[[1, 0]] - 2.0).abs() < 1e-12);
+//! let (u, singular, vh) = svd_thin(a.view())?;
+//! assert_eq!((u.dim(), singular.len(), vh.dim()), ((3, 2), 2, (2, 2)));
+//! # Ok::<(), chladni_linalg::LinalgError>(())
+//! ```
+//!
+//! | matrix | functions |
+//! |---|---|
+//! | any | [`matmul`], [`matmul_h`], [`svd_thin`], [`qr_thin`], [`qr_r`], [`lstsq`] |
+//! | square | [`eigenvalues`] |
+//! | Hermitian | [`eigh`], [`cholesky`], [`solve_hermitian`], [`inverse_hermitian`] |
+//! | triangular | [`solve_lower`], [`solve_lower_adjoint`], [`solve_upper`] |
+//!
+//! Real or complex ([`Scalar`]). Errors are [`LinalgError`].
+//!
 //! Every function runs on one thread; parallel work belongs outside, where it is
 //! deterministic.
 
@@ -21,6 +42,7 @@ mod backend;
 #[allow(dead_code)] // the bench needs only its kernels
 #[path = "faer.rs"]
 mod beside;
+#[doc(hidden)] // for the crates of Chladni: no promise
 pub mod blocked;
 mod scalar;
 

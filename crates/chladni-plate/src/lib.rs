@@ -9,6 +9,26 @@
 //! per mode). [`TimeTest`] simulates a whole measurement in time, with its leakage and
 //! windows.
 //!
+//! ```
+//! use chladni_plate::{simulate, Panel};
+//!
+//! let mut panel = Panel::default(); // 268 x 170 x 0.7 mm of glass, free edges
+//! panel.frf.step_hz = 20.0;
+//! let simulation = simulate(&panel, Some(1), Some(40.0))?; // seed, signal-to-noise ratio in dB
+//! assert_eq!(simulation.frf.values.dim(), (77, 34, 50));
+//! assert!((simulation.truth.in_band_modes().next().unwrap().frequency_hz - 54.3).abs() < 0.1);
+//! # Ok::<(), chladni_frf::Error>(())
+//! ```
+//!
+//! | you want | you call | you get |
+//! |---|---|---|
+//! | FRFs of a plate | [`simulate()`] on a [`Panel`] | [`Simulation`] |
+//! | FRFs of chosen modes | [`Synthetic::build`] | [`SyntheticSet`] |
+//! | a measurement in time | [`TimeTest`] | [`TimeSet`] |
+//! | the least possible error | [`cramer_rao()`] | [`CramerRao`] |
+//!
+//! Errors are [`chladni_frf::Error`]; the feature `system` computes with LAPACK.
+//!
 //! # Equations
 //!
 //! Kirchhoff's plate, D ∇⁴w − ρh ω² w = 0 with D = E h³/(12(1−ν²)), solved by the
@@ -41,7 +61,7 @@ mod ritz;
 mod simulate;
 mod synthetic;
 mod time;
-pub mod tolerances;
+mod tolerances;
 
 pub use cramer_rao::{cramer_rao, CramerRao};
 pub use cramer_rao_structured::{cramer_rao_rank_one, cramer_rao_real};

@@ -18,6 +18,7 @@ use std::f64::consts::TAU;
 /// FRFs, and what they are made of.
 #[derive(Debug, Clone)]
 #[must_use]
+#[non_exhaustive]
 pub struct Simulation {
     /// The measurement, with noise.
     pub frf: FrfSet,

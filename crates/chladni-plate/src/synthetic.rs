@@ -23,6 +23,7 @@ const RESIDUAL_STREAM: u64 = (1 << 62) + 1;
 
 /// Kind of the shapes of the modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum SyntheticShapes {
     /// Real Gaussian entries.
     Real,

@@ -35,6 +35,7 @@ const SETTLING_RECORDS: usize = 4;
 
 /// Excitation of the structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Excitation {
     /// One blow at the start of each record, a half sine, the structure at rest before.
     Hammer {

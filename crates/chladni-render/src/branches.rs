@@ -23,7 +23,7 @@ struct Case {
 }
 
 /// A bound, squared, of at most what `root` proved, `bound`; ends below the target, or
-/// after [`tolerances::MOST_CASES`].
+/// after `tolerances::MOST_CASES`.
 ///
 /// * `hot`, `bounded`: the rows of `root`
 /// * `target`: what is sought, squared, once the drive that one more case leans on is

@@ -40,7 +40,7 @@ impl Ceiling {
     /// `None` without force limits.
     ///
     /// * `thorough`: tell cases apart until bound and drive are within
-    ///   [`tolerances::CEILING_CASES_DB`]; some seconds
+    ///   `tolerances::CEILING_CASES_DB`; some seconds
     ///
     /// # Errors
     /// Those of the kernels: a broken promise.

@@ -7,7 +7,7 @@ use crate::tolerances;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effort {
     /// Most drives that `robust` climbs from, the best first; `best` takes
-    /// [`tolerances::MOST_STARTS`] or more.
+    /// three or more.
     pub starts: usize,
     /// Most conic programs in a row for each thing that is sought: κ, then margin, then
     /// peak force or effort.

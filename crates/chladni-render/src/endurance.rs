@@ -20,11 +20,11 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 /// The endurance of a drive in its model. It serves where it serves
-/// [`tolerances::SERVES`] of the hot and of the cold responses.
+/// 95 % of the hot and of the cold responses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Endurance {
     /// Random errors of all natural frequencies, rms, relative, up to which it serves; at
-    /// most [`tolerances::MOST_FREQUENCY_ERROR`].
+    /// most 0.032.
     pub frequency_relative: f64,
     /// Share of responses, the smaller one of hot and cold, that it serves with a light
     /// finger at the worst of a few places in the hot zone.

@@ -26,6 +26,7 @@ pub enum On<'a> {
 /// Performance of given weights on other data.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
+#[non_exhaustive]
 pub struct Evaluation {
     /// Frequency at which they were judged, Hz: the line's, where FRFs were given.
     pub frequency_hz: f64,

@@ -53,7 +53,7 @@ impl Field {
     }
 
     /// Interpolates the complex field between the responses, on a grid of at most
-    /// [`tolerances::AREA_STEP_M`] over what is judged, inside the convex hull of the
+    /// [`crate::AREA_STEP_M`] over what is judged, inside the convex hull of the
     /// responses. `None` where they carry no plane, or lie outside the area.
     pub fn area(&self, zones: &ZoneMap) -> Option<AreaField> {
         self.area_from(&Nodes::new(&self.positions_m)?, zones)

@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 /// A frequency of the sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct SweptFrequency {
     /// Hz.
     pub frequency_hz: f64,
@@ -43,6 +44,7 @@ pub struct SweptFrequency {
 /// A sweep and what it suggests.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[must_use]
+#[non_exhaustive]
 pub struct FrequencySweep {
     /// Rising.
     pub frequencies: Vec<SweptFrequency>,
@@ -51,12 +53,11 @@ pub struct FrequencySweep {
     pub suggested_hz: Option<f64>,
 }
 
-/// Renders `scene` at frequencies from `low_hz` to `high_hz`,
-/// [`tolerances::SWEEP_STEP_HZ`] apart, by `mls` unless another method is asked for.
+/// Renders `scene` at frequencies from `low_hz` to `high_hz`, 2 Hz apart, by `mls` unless
+/// another method is asked for.
 ///
 /// # Errors
-/// As [`crate::render`]; an empty range, or one with more than [`tolerances::MOST_SWEPT`]
-/// frequencies; a scene with several tones.
+/// As [`crate::render`]; an empty range, or one with more than 500 frequencies; a scene with several tones.
 pub fn sweep(
     model: &ModalModel,
     scene: &Scene,

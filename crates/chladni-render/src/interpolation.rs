@@ -83,7 +83,7 @@ impl Nodes {
     }
 }
 
-/// The [`tolerances::NEAREST_RESPONSES`] nodes around a query, and all that lie as far as
+/// The `tolerances::NEAREST_RESPONSES` nodes around a query, and all that lie as far as
 /// the last of them: on a grid many do, and which of them rounding puts first must not
 /// matter.
 fn nearest(nodes: &[Position], query: Position) -> Vec<usize> {

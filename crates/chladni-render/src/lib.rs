@@ -13,6 +13,8 @@
 //! and an error bar ‖L·A‖ of v from the model's own standard deviations, so that no drive
 //! leans on what the model does not know.
 //!
+//! Errors are [`chladni_frf::Error`]; the feature `system` computes with LAPACK.
+//!
 //! ```
 //! use chladni_plate::{simulate, Panel};
 //! use chladni_render::{evaluate, render, On, RenderOptions, Scene};
@@ -28,8 +30,6 @@
 //! let judged = evaluate(&rendering.weights, &scene, On::Frf(&measured.frf)).unwrap();
 //! assert!(judged.indices.points.min_ratio > 0.95);
 //! ```
-
-// The one error type of the workspace is large and rare.
 
 mod band;
 mod branches;
@@ -70,7 +70,7 @@ mod signals;
 mod stress;
 mod threshold;
 mod time;
-pub mod tolerances;
+mod tolerances;
 mod tones;
 mod touch;
 mod weights;
@@ -111,6 +111,7 @@ pub use time::{
     SignalOptions, TimeEvent, TimeFrames, TimeIndices, TimeMeasure, TimeStressRow, TimeTable,
     TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
 };
+pub use tolerances::AREA_STEP_M;
 pub use tones::{Share, Tone};
 pub use touch::{Touch, TouchCriterion, TouchIndices, TouchPlaces, TouchPoints, Touching};
 pub use weights::{StressRow, Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};

@@ -100,7 +100,7 @@ impl<'a> ModalField<'a> {
 
     /// The same with a guess where the model is not mass-scaled: how much every mode
     /// moves the responses for what it moves the actuators
-    /// ([`tolerances::RESPONSES_OVER_ACTUATORS`]).
+    /// (`tolerances::RESPONSES_OVER_ACTUATORS`).
     pub(crate) fn perhaps_touched(&self, finger: &Finger, row: usize) -> Array1<Complex64> {
         self.touched(finger, row)
             .unwrap_or_else(|| self.pressed(finger, row, |mode| self.guessed_scale(mode)))

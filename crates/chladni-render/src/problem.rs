@@ -231,7 +231,7 @@ impl Problem {
         (sums[0] / self.rows.hot as f64).min(sums[1] / self.rows.cold() as f64)
     }
 
-    /// κ at which every row keeps its limit with [`tolerances::CONFIDENCE`], or more
+    /// κ at which every row keeps its limit with `tolerances::CONFIDENCE`, or more
     /// (theory.md, section 10).
     pub(crate) fn kappa_of_confidence(&self) -> f64 {
         let each = (1.0 - tolerances::CONFIDENCE) / self.rows.mobility.nrows() as f64;

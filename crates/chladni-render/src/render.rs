@@ -24,6 +24,7 @@ use std::borrow::Cow;
 /// Weights, and the field that they make in the model.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
+#[non_exhaustive]
 pub struct Rendering {
     /// The content of the weights file.
     pub weights: Weights,

@@ -49,6 +49,7 @@ const CLASSIC: [(f64, f64); 19] = [
 
 /// A threshold over frequency.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Threshold {
     /// 0.2 mm/s peak at any frequency.
     Paper,

@@ -508,9 +508,6 @@ pub const SPOT_STEP_S: f64 = 1e-3;
 /// ask for.
 pub const MOST_EVENTS: usize = 10_000;
 
-/// Longest signal, s.
-pub const LONGEST_SIGNAL_S: f64 = 600.0;
-
 /// Times nearer than this are the same, s: rounding of decimal seconds.
 pub const SAME_TIME_S: f64 = 1e-9;
 

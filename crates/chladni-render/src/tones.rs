@@ -49,7 +49,7 @@ const EXPECTED: &str =
 ///
 /// # Errors
 /// An empty list, a frequency twice, a band without width, more than
-/// [`tolerances::MOST_TONES`] tones.
+/// `tolerances::MOST_TONES` tones.
 pub(crate) fn read_tones(value: &Value) -> Result<Vec<Tone>> {
     let entries: Vec<Vec<f64>> = match value.is_list() {
         false => vec![vec![value.positive()?]],

@@ -6,7 +6,7 @@
 //! larger coordinate, so that corners stay square), with polygons the ordinary distance.
 //! A border counts only where the judged area goes on beyond it; where two hot cells or
 //! polygons touch there is no border. Positions are compared to
-//! [`tolerances::POSITION_M`].
+//! `tolerances::POSITION_M`.
 
 use crate::plane::{
     area_goes_on_beyond, distance, polygon_contains, union_border, Metric, Position, Rectangle,
@@ -31,6 +31,7 @@ pub enum Ground {
 
 /// The kind of ground that a polygon of the scene declares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PolygonKind {
     /// To be felt.
     Hot,
@@ -53,6 +54,7 @@ pub struct ZonePolygon {
 
 /// The layout of the zones.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum ZoneLayout {
     /// Equal cells; those that are not hot are cold.
     Grid {

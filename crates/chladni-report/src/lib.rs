@@ -9,9 +9,25 @@
 //! unit, layers, legend), [`Figure::draw`] makes a [`Drawing`], and that writes itself as
 //! SVG or PNG.
 //!
+//! ```
+//! use chladni_plate::{simulate, Panel};
+//! use chladni_report::{html, ReportInput};
+//! # let mut panel = Panel::default();
+//! # (panel.frf.start_hz, panel.frf.step_hz) = (100.0, 50.0);
+//!
+//! let simulation = simulate(&panel, None, None)?;
+//! let page = html(&ReportInput {
+//!     title: "Panel".into(),
+//!     model: Some(&simulation.truth),
+//!     ..ReportInput::default()
+//! })?;
+//! assert!(page.contains("<html"));
+//! # Ok::<(), chladni_frf::Error>(())
+//! ```
+//!
+//! Errors are [`chladni_frf::Error`]; the feature `system` computes with LAPACK.
+//!
 //! The same input gives the same bytes: no clock, no host, no fonts of the machine.
-
-// the error carries file, line, field and advice; it is built once, where a run ends
 
 mod better_band;
 mod chart;

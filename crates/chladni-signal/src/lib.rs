@@ -1,6 +1,35 @@
 //! FRFs from time records: the estimators H1, H2 and Hv of averaged spectra, local fits to
 //! the transform of a whole record, coherence, and the variance of each line.
 //!
+//! ```
+//! use chladni_frf::{Channel, Run, SignalUnit};
+//! use chladni_signal::{estimate, EstimateOptions};
+//!
+//! # let force: Vec<f64> = (0..4096_u64).map(|n| (n * n % 127) as f64 - 63.0).collect();
+//! # let velocity: Vec<f64> = force.iter().map(|force| 0.5 * force).collect();
+//! let channel = |dof: &str, unit, is_reference, samples| -> Result<_, Box<dyn std::error::Error>> {
+//!     Ok(Channel { dof: dof.parse()?, unit, is_reference, samples })
+//! };
+//! let run = Run {
+//!     file: "run.wav".into(),
+//!     line: 0,
+//!     sample_rate_hz: 1000.0,
+//!     channels: vec![
+//!         channel("101:+Z", SignalUnit::Force, true, force)?,
+//!         channel("1:+Z", SignalUnit::Velocity, false, velocity)?,
+//!     ],
+//! };
+//! let frf = estimate(&[run], &EstimateOptions::default())?.frf; // with coherence and variance
+//! assert!((frf.values.get(0, 0, 100).re - 0.5).abs() < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | you have | you call | you get |
+//! |---|---|---|
+//! | time records as [`Run`]s | [`estimate()`] with [`EstimateOptions`] | [`Estimate`]: an `FrfSet`, how it was made, findings |
+//!
+//! Errors are [`chladni_frf::Error`]; the feature `system` computes with LAPACK.
+//!
 //! The way of the data: channels that were measured together are a [`Run`]; runs with the
 //! same references belong together: one reference alone gives one column of the FRF
 //! matrix, several at once give theirs together (multi-reference). `setting` decides what
@@ -57,6 +86,7 @@ pub const MOST_OVERLAP: f64 = 0.95;
 /// The result of an estimation.
 #[derive(Debug, Clone)]
 #[must_use]
+#[non_exhaustive]
 pub struct Estimate {
     /// FRFs with their coherence (the multiple one where several references act at once)
     /// and their variance, NaN where too few blocks were averaged to say; lines from the

@@ -1,11 +1,14 @@
 //! Inputs that people name and write. Every file is opened by one [`door`]; scenes, panels,
 //! selections and thresholds are read key by key, so that an error names the line, the key,
 //! what stood there and what belongs there.
+//!
+//! A part of Chladni for its other crates: what is public here may change with any version.
 
 pub mod door;
 mod file;
 mod json;
 mod spool;
+#[doc(hidden)]
 pub mod toml_reader;
 mod words;
 

@@ -2,7 +2,7 @@
 //!
 //! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited
 //! magnitude), A becomes the least-squares fit to p; p overshoots by the factor
-//! [`tolerances::MLS_RELAXATION`]. Rows that keep their limits have p_k = h_k·A, so that
+//! `tolerances::MLS_RELAXATION`. Rows that keep their limits have p_k = h_k·A, so that
 //! a step is the fit to the own field of A and the pull of the others alone. All drives
 //! take a step together; after some steps only those go on that serve most.
 

@@ -1,6 +1,6 @@
 //! The least effort that serves the scene (method `min-effort`).
 //!
-//! min √Σ|A_i|² with every response inside its limit by [`tolerances::KAPPA_EFFORT`]
+//! min √Σ|A_i|² with every response inside its limit by `tolerances::KAPPA_EFFORT`
 //! standard deviations, or by most of the largest κ where that is less (theory.md, eq.
 //! 47). For actuators that get hot, or amplifiers that are small; [`super::robust`] holds
 //! better.

@@ -2,14 +2,14 @@
 //!
 //! The largest κ, so that every row keeps its limit under errors of κ standard deviations
 //! of the model, up to the κ at which all responses keep theirs with
-//! [`tolerances::CONFIDENCE`], and the least peak force that keeps most of it; then the
-//! largest margin in dB that a little force gives ([`tolerances::LITTLE_FORCE`]), and
+//! `tolerances::CONFIDENCE`, and the least peak force that keeps most of it; then the
+//! largest margin in dB that a little force gives (`tolerances::LITTLE_FORCE`), and
 //! again the least that keeps most of it (theory.md, eq. 44 to 47). Largest margin alone
 //! is no method: it spends every force that is allowed on the last tenth of a decibel and
 //! falls with the first error of the model.
 //!
 //! Rows interpolated between the responses take part, too. Where κ would fall below
-//! [`tolerances::KAPPA_LEAST`] with all of them, the responses keep that much, and as
+//! `tolerances::KAPPA_LEAST` with all of them, the responses keep that much, and as
 //! much of the ground between them is served as that leaves. The climb starts from `mls`,
 //! and where no drive serves every response, the one of both is taken that serves more.
 

@@ -1,7 +1,7 @@
 //! One-step least squares with a plain ridge (method `tikhonov`), a baseline.
 //!
 //! A = (HᴴH + β·I)⁻¹ Hᴴ v, v = 1 on hot rows and 0 on cold ones, β =
-//! [`tolerances::TIKHONOV`] times the largest eigenvalue of HᴴH. The ridge knows nothing
+//! `tolerances::TIKHONOV` times the largest eigenvalue of HᴴH. The ridge knows nothing
 //! of what the model knows badly: against [`super::pressure_matching`], which differs in
 //! that alone, it gives up good directions with the bad ones.
 

@@ -1,7 +1,7 @@
 //! One-step least squares by a truncated singular value decomposition (method `tsvd`), a
 //! baseline.
 //!
-//! A = Σ_s v_s (u_sᴴ v)/σ_s over the singular values of H above [`tolerances::TSVD`]
+//! A = Σ_s v_s (u_sᴴ v)/σ_s over the singular values of H above `tolerances::TSVD`
 //! times the largest. The sharp edge between kept and dropped directions makes success
 //! jump with the threshold.
 

@@ -1,7 +1,7 @@
 //! Variable span trade-off (method `vast`), a baseline between contrast control and
 //! pressure matching.
 //!
-//! With R_h U = R_c U diag(λ), UᴴR_cU = I, the [`tolerances::VAST_RANK`] directions of
+//! With R_h U = R_c U diag(λ), UᴴR_cU = I, the `tolerances::VAST_RANK` directions of
 //! largest λ carry the target: A = Σ_v u_v (u_vᴴ H_hᴴ 1)/(λ_v + 1) (Lee, Nielsen, Jensen
 //! and Christensen 2018). R_c holds the error of the model, as in contrast control.
 

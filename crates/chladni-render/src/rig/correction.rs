@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Input and result of a correction; `/correction` of a weights file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[must_use]
+#[non_exhaustive]
 pub struct Correction {
     /// Number of fields that were taken in.
     pub iteration: usize,

@@ -18,6 +18,7 @@ use ndarray::Axis;
 /// Performance of a measured field, and what it says of the rig.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
+#[non_exhaustive]
 pub struct FieldEvaluation {
     /// Indices of the measured field.
     pub indices: Indices,

@@ -61,7 +61,7 @@ fn is_near(model: &CausalModel, pole: usize) -> bool {
     (frequency - model.carrier_rad_per_s).abs() < TAU * tolerances::NEAR_MODES_HZ
 }
 
-/// (LᴴL + ε²)⁻¹·LᴴR with ε = [`tolerances::MODAL_RAMP_RIDGE`]·σ_max(L).
+/// (LᴴL + ε²)⁻¹·LᴴR with ε = `tolerances::MODAL_RAMP_RIDGE`·σ_max(L).
 fn regularised(left: &Array2<Complex64>, right: &Array2<Complex64>) -> Result<Array2<Complex64>> {
     let mut gram = matmul_h(left.view(), left.view());
     let (_, singular, _) = svd_thin(gram.view()).map_err(unsolvable)?;

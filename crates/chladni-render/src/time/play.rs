@@ -45,6 +45,7 @@ impl Default for PlayOptions {
 /// A drive over time, and how it does in the model.
 #[derive(Debug, Clone)]
 #[must_use]
+#[non_exhaustive]
 pub struct Played {
     /// One per tone, the first one's frequency first.
     pub(crate) tones: Vec<Tracks>,

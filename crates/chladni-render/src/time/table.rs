@@ -4,6 +4,7 @@ use crate::plane::Position;
 
 /// The measure of ground that does not move steadily.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Measure {
     /// By the energy that touch adds up over [`TimeTable::summation_s`], the older the
     /// less.
@@ -30,6 +31,7 @@ impl Measure {
 
 /// The strength of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Level {
     /// As the steady drive.
     Steady,
@@ -52,6 +54,7 @@ impl Level {
 
 /// The passage of the drive from one pattern to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Ramps {
     /// Every actuator by the same raised cosine.
     Plain,
@@ -77,6 +80,7 @@ impl Ramps {
 
 /// Duration of a ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum RampTime {
     /// The least whole millisecond that keeps every limit.
     Auto,

@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 /// The format of a stored sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SampleFormat {
     /// 32-bit float.
     F32,

@@ -23,6 +23,7 @@ pub struct Touch {
 
 /// Places that fingers touch.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum TouchPlaces {
     /// Anywhere on hot ground.
     Hot,
@@ -34,6 +35,7 @@ pub enum TouchPlaces {
 
 /// The criterion that must hold while fingers touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum TouchCriterion {
     /// The ground felt by each finger, alone on the panel.
     Own,

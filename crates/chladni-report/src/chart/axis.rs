@@ -4,6 +4,7 @@ use crate::text::{fixed, superscript};
 
 /// Linear or logarithmic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Scale {
     /// Equal steps.
     #[default]

@@ -4,6 +4,7 @@ use crate::drawing::{Colour, Drawing, Item, Point, Stroke};
 
 /// Signs for single points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Mark {
     /// Filled disc.
     Dot,

@@ -48,6 +48,7 @@ pub struct Cell {
 /// data coordinates, sizes in px.
 #[allow(missing_docs)] // each variant's sentence names its fields
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Layer {
     /// Curves; a coordinate that is not finite breaks them.
     Lines {

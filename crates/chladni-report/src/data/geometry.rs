@@ -8,7 +8,7 @@ use crate::input::ReportInput;
 use crate::sizes;
 use crate::structure::Structure;
 use chladni_frf::{Dof, FrfSet, ModalModel};
-use chladni_render::{tolerances::AREA_STEP_M, AreaGrid, Position, Rectangle};
+use chladni_render::{AreaGrid, Position, Rectangle, AREA_STEP_M};
 use num_complex::Complex64;
 use serde_json::{json, Value};
 

@@ -49,6 +49,7 @@ impl Colour {
 
 /// A map from numbers to colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ColourMap {
     /// Dark violet over teal to yellow, lightness rising evenly: reads the same in grey.
     Sequential,

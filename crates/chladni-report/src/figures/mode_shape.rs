@@ -7,7 +7,7 @@ use crate::sizes;
 use crate::surface::{contours, Surface};
 use crate::text::fixed;
 use chladni_frf::{Dof, ModalModel, Mode, Trust};
-use chladni_render::tolerances::AREA_STEP_M;
+use chladni_render::AREA_STEP_M;
 use chladni_render::{AreaGrid, Position};
 use ndarray::Array2;
 use num_complex::Complex64;

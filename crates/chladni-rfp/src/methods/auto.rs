@@ -24,6 +24,7 @@ use num_complex::Complex64;
 /// A fit with its history.
 #[derive(Debug, Clone)]
 #[must_use]
+#[non_exhaustive]
 pub struct Fit {
     /// The model, ready to be saved.
     pub model: ModalModel,

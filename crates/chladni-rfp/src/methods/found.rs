@@ -97,6 +97,7 @@ pub enum Stability {
 
 /// A stable (Re s < 0) pole of one order.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct OrderPole {
     /// Order of the denominator.
     pub order: usize,
@@ -111,6 +112,7 @@ pub struct OrderPole {
 /// Data of a stabilization diagram.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[must_use]
+#[non_exhaustive]
 pub struct Stabilization {
     /// Orders, rising.
     pub orders: Vec<usize>,
