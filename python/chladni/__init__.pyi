@@ -12,6 +12,21 @@ Unit: TypeAlias = Literal["N", "V"]
 DampingLaw: TypeAlias = Literal["structural", "viscous"]
 RfpWeight: TypeAlias = Literal["linear", "sk", "iv", "gn"]
 FitMethod: TypeAlias = Literal["auto", "lean", "vf", "lscf", "plscf", "aaa", "rfp", "grfp", "peak", "circle"]
+RenderMethod: TypeAlias = Literal[
+    "default",
+    "fast",
+    "best",
+    "pressure-matching",
+    "mls",
+    "robust",
+    "min-effort",
+    "modal",
+    "tikhonov",
+    "tsvd",
+    "contrast-control",
+    "vast",
+    "time-reversal",
+]
 ShapeModel: TypeAlias = Literal["auto", "free", "rank1", "real"]
 Progress: TypeAlias = bool | Callable[[str], object] | None
 Scene: TypeAlias = str | PathLike[str] | dict[str, Any]
@@ -30,6 +45,28 @@ class ChladniError(ValueError):
     help: str | None
 
 class FrfSet:
+    """
+    FRFs of a structure in SI units of the kind, per N or V.
+
+    Where a reference is also a response (a driving point), shapes are scaled to unit modal
+    mass.
+
+    Parameters
+    ----------
+    frequency_hz : ndarray of float64, shape (line,)
+        Lines, Hz.
+    values : ndarray of complex128 or complex64, shape (response, reference, line)
+        The FRFs.
+    responses, references : list of str, optional
+        Names such as ``"12:+Z"`` (node 12, +Z); without them responses are nodes 1, 2, ...
+        and references the nodes after those.
+    kind : {"mobility", "receptance", "accelerance"}
+        What they are.
+    reference_unit : {"N", "V"}
+        Unit of the references.
+    nodes_m : ndarray of float64, shape (node, 3), optional
+        Positions of nodes 1, 2, ..., m.
+    """
     def __init__(
         self,
         frequency_hz: NDArray[np.float64],
@@ -42,83 +79,168 @@ class FrfSet:
         nodes_m: NDArray[np.float64] | None = None,
     ) -> None: ...
     @property
-    def frequency_hz(self) -> NDArray[np.float64]: ...
+    def frequency_hz(self) -> NDArray[np.float64]:
+        """Lines, Hz: (line,)."""
     @property
-    def values(self) -> NDArray[np.complex128] | NDArray[np.complex64]: ...
+    def values(self) -> NDArray[np.complex128] | NDArray[np.complex64]:
+        """
+        FRFs without a copy, read-only: (response, reference, line), complex128 or
+        complex64.
+        """
     @property
-    def responses(self) -> list[str]: ...
+    def responses(self) -> list[str]:
+        """Names of the response DOFs."""
     @property
-    def references(self) -> list[str]: ...
+    def references(self) -> list[str]:
+        """Names of the reference DOFs."""
     @property
-    def kind(self) -> FrfKind | None: ...
+    def kind(self) -> FrfKind | None:
+        """receptance, mobility or accelerance; None where the file does not say."""
     @property
-    def reference_unit(self) -> Unit: ...
+    def reference_unit(self) -> Unit:
+        """Unit of the references, N or V."""
     @property
-    def nodes_m(self) -> NDArray[np.float64]: ...
+    def nodes_m(self) -> NDArray[np.float64]:
+        """Positions of the nodes, m: (node, 3)."""
     @property
-    def warnings(self) -> list[str]: ...
+    def warnings(self) -> list[str]:
+        """The sentences of cautions and faults about the files."""
     @property
-    def findings(self) -> list[dict[str, Any]]: ...
-    def save(self, path: str | PathLike[str], *, force: bool = False) -> list[str]: ...
+    def findings(self) -> list[dict[str, Any]]:
+        """All findings: dictionaries with code, severity, modes, dofs, values, text and help."""
+    def save(self, path: str | PathLike[str], *, force: bool = False) -> list[str]:
+        """
+        Writes the set; the format follows from the name (.h5, .uff, .unv, .csv, .npz).
+
+        Parameters
+        ----------
+        path : path
+            File to write.
+        force : bool
+            Overwrite it.
+
+        Returns
+        -------
+        list of str
+            What the format cannot hold.
+        """
 
 class Model:
+    """
+    A modal model. Arrays hold the modes of the band (sure and weak) by rising frequency;
+    to_dict() holds all.
+    """
     @property
-    def frequency_hz(self) -> NDArray[np.float64]: ...
+    def frequency_hz(self) -> NDArray[np.float64]:
+        """Undamped natural frequencies, Hz: (mode,)."""
     @property
-    def frequency_std_hz(self) -> NDArray[np.float64]: ...
+    def frequency_std_hz(self) -> NDArray[np.float64]:
+        """Their standard deviations, Hz: (mode,)."""
     @property
-    def loss_factor(self) -> NDArray[np.float64]: ...
+    def loss_factor(self) -> NDArray[np.float64]:
+        """Loss factors: (mode,)."""
     @property
-    def loss_factor_std(self) -> NDArray[np.float64]: ...
+    def loss_factor_std(self) -> NDArray[np.float64]:
+        """Their standard deviations: (mode,)."""
     @property
-    def damping_ratio(self) -> NDArray[np.float64]: ...
+    def damping_ratio(self) -> NDArray[np.float64]:
+        """Damping ratios, half the loss factors: (mode,)."""
     @property
-    def nat_freq(self) -> NDArray[np.float64]: ...
+    def nat_freq(self) -> NDArray[np.float64]:
+        """Natural frequencies, Hz (SDyPy-EMA's name)."""
     @property
-    def nat_xi(self) -> NDArray[np.float64]: ...
+    def nat_xi(self) -> NDArray[np.float64]:
+        """Damping ratios (SDyPy-EMA's name)."""
     @property
-    def shapes(self) -> NDArray[np.complex128]: ...
+    def shapes(self) -> NDArray[np.complex128]:
+        """Mode shapes: (mode, response)."""
     @property
-    def shapes_std(self) -> NDArray[np.float64]: ...
+    def shapes_std(self) -> NDArray[np.float64]:
+        """Standard deviations of the shapes: (mode, response)."""
     @property
-    def participations(self) -> NDArray[np.complex128]: ...
+    def participations(self) -> NDArray[np.complex128]:
+        """Participations: (mode, reference)."""
     @property
-    def trust(self) -> list[Literal["sure", "weak"]]: ...
+    def trust(self) -> list[Literal["sure", "weak"]]:
+        """"sure" or "weak" of each mode."""
     @property
-    def reasons(self) -> list[list[str]]: ...
+    def reasons(self) -> list[list[str]]:
+        """Why a mode is not sure, a list for each."""
     @property
-    def poles(self) -> NDArray[np.complex128]: ...
+    def poles(self) -> NDArray[np.complex128]:
+        """Poles of the viscous law with these frequencies and damping ratios, rad/s: (mode,)."""
     @property
-    def A(self) -> NDArray[np.complex128]: ...
+    def A(self) -> NDArray[np.complex128]:
+        """Residues of the first reference, receptance, (response, mode): SDyPy-EMA's A."""
     @property
-    def band_hz(self) -> tuple[float, float]: ...
+    def band_hz(self) -> tuple[float, float]:
+        """Fitted band, Hz."""
     @property
-    def kind(self) -> FrfKind: ...
+    def kind(self) -> FrfKind:
+        """receptance, mobility or accelerance: the kind of the FRFs that were fitted."""
     @property
-    def scaling(self) -> Literal["unit_modal_mass", "unscaled"]: ...
+    def scaling(self) -> Literal["unit_modal_mass", "unscaled"]:
+        """unit_modal_mass where a driving point or the panel set the scale, else unscaled."""
     @property
-    def points_m(self) -> NDArray[np.float64]: ...
+    def points_m(self) -> NDArray[np.float64]:
+        """Positions of the responses, m, NaN where they are not known: (response, 3)."""
     @property
-    def trusted(self) -> bool: ...
+    def trusted(self) -> bool:
+        """False where no mode is sure, or the data as a whole contradict the model."""
     @property
-    def relative_error(self) -> float: ...
+    def relative_error(self) -> float:
+        """Rms residual over rms data."""
     @property
-    def chi2_per_dof(self) -> float: ...
+    def chi2_per_dof(self) -> float:
+        """χ² per degree of freedom."""
     @property
-    def damping(self) -> DampingLaw: ...
+    def damping(self) -> DampingLaw:
+        """structural or viscous."""
     @property
-    def warnings(self) -> list[str]: ...
+    def warnings(self) -> list[str]:
+        """The sentences of cautions and faults."""
     @property
-    def findings(self) -> list[dict[str, Any]]: ...
+    def findings(self) -> list[dict[str, Any]]:
+        """All findings: dictionaries with code, severity, modes, dofs, values, text and help."""
     @property
-    def responses(self) -> list[str]: ...
+    def responses(self) -> list[str]:
+        """Names of the response DOFs."""
     @property
-    def references(self) -> list[str]: ...
-    def synthesise(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]: ...
-    def FRF_reconstruct(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]: ...
-    def mac(self, other: Model | None = None) -> NDArray[np.float64]: ...
-    def get_poles(self) -> NDArray[np.complex128]: ...
-    def to_dataframe(self) -> Any: ...
+    def references(self) -> list[str]:
+        """Names of the reference DOFs."""
+    def synthesise(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """
+        FRFs of the model, in the kind that it was fitted in.
+
+        Parameters
+        ----------
+        frequency_hz : ndarray of float64, shape (line,)
+            Lines, Hz.
+
+        Returns
+        -------
+        ndarray of complex128, shape (response, reference, line)
+        """
+    def FRF_reconstruct(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """FRFs of the model on the lines given: the name that users of SDyPy-EMA know for `synthesise`."""
+    def mac(self, other: Model | None = None) -> NDArray[np.float64]:
+        """
+        MAC between the shapes of this model and of another at the DOFs that both have, paired by
+        name.
+
+        Parameters
+        ----------
+        other : Model, optional
+            This model itself without one.
+
+        Returns
+        -------
+        ndarray of float64, shape (mode, mode of the other)
+        """
+    def get_poles(self) -> NDArray[np.complex128]:
+        """Poles, rad/s: the name that users of SDyPy-EMA know for `poles`, which are found by `fit` already."""
+    def to_dataframe(self) -> Any:
+        """A pandas DataFrame with a row for each mode of the band."""
     def plot_frf(
         self,
         response: int | str = 0,
@@ -127,12 +249,57 @@ class Model:
         frf: FrfSet | None = None,
         frequency_hz: NDArray[np.float64] | Sequence[float] | None = None,
         ax: Any = None,
-    ) -> Any: ...
-    def plot_shape(self, mode: int = 0, *, ax: Any = None) -> Any: ...
-    def autoMAC(self) -> NDArray[np.float64]: ...
-    def to_json(self) -> str: ...
-    def to_dict(self) -> dict[str, Any]: ...
-    def save(self, path: str | PathLike[str], *, force: bool = False) -> None: ...
+    ) -> Any:
+        """
+        Amplitude of one FRF of the model, and of the measured one where `frf` is given.
+
+        Parameters
+        ----------
+        response, reference : int or str
+            Place or name of the DOFs, such as ``"12:+Z"``.
+        frf : FrfSet, optional
+            The measured FRFs, drawn below the model's.
+        frequency_hz : array_like, optional
+            Lines, Hz; those of `frf`, or 2000 over the band.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure without it.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+    def plot_shape(self, mode: int = 0, *, ax: Any = None) -> Any:
+        """
+        Real part of a mode shape over the plane of the responses, turned to its largest value.
+
+        Parameters
+        ----------
+        mode : int
+            Place of the mode, from 0.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure without it.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+    def autoMAC(self) -> NDArray[np.float64]:
+        """MAC of the shapes with each other: the name that users of SDyPy-EMA know for `mac()`."""
+    def to_json(self) -> str:
+        """The model file's text."""
+    def to_dict(self) -> dict[str, Any]:
+        """Everything the file holds, as a dictionary."""
+    def save(self, path: str | PathLike[str], *, force: bool = False) -> None:
+        """
+        Writes the model.
+
+        Parameters
+        ----------
+        path : path
+            .json or .h5.
+        force : bool
+            Overwrite it.
+        """
     def __len__(self) -> int: ...
 
 class Comparison:
@@ -154,57 +321,132 @@ class Comparison:
     def to_dataframe(self) -> Any: ...
 
 class Partial:
+    """
+    What is left of one or more blocks of FRFs after a pass over them: a few megabytes
+    whatever the size of the blocks. Made by `reduce_block` and `merge`; pickles.
+    """
     @property
-    def frfs(self) -> int: ...
+    def frfs(self) -> int:
+        """Number of FRFs in its blocks."""
     @property
-    def blocks(self) -> int: ...
+    def blocks(self) -> int:
+        """Number of its blocks."""
     @property
-    def poles(self) -> Poles | None: ...
-    def to_bytes(self) -> bytes: ...
+    def poles(self) -> Poles | None:
+        """Poles of the pass; None: of the first pass."""
+    def to_bytes(self) -> bytes:
+        """
+        The bytes of a partial file: the same blocks give the same bytes, whoever reduced
+        and merged them in whatever order.
+        """
     @classmethod
-    def from_bytes(cls, data: bytes | bytearray) -> Partial: ...
+    def from_bytes(cls, data: bytes | bytearray) -> Partial:
+        """
+        Reads the bytes of `to_bytes`; refuses another version and damaged ones.
+
+        Parameters
+        ----------
+        data : bytes
+            What `to_bytes` gave.
+        """
     def __contains__(self, number: int) -> bool: ...
 
 class Poles:
+    """
+    Poles to run the second pass with. Arrays hold those of the band by rising frequency,
+    as far as the first pass tells them. Made by `solve_poles`; pickles.
+    """
     @property
-    def frequency_hz(self) -> NDArray[np.float64]: ...
+    def frequency_hz(self) -> NDArray[np.float64]:
+        """Undamped natural frequencies, Hz: (mode,)."""
     @property
-    def loss_factor(self) -> NDArray[np.float64]: ...
+    def loss_factor(self) -> NDArray[np.float64]:
+        """Loss factors: (mode,)."""
     @property
-    def evidence(self) -> str: ...
-    def to_bytes(self) -> bytes: ...
+    def evidence(self) -> str:
+        """How they were found, in words."""
+    def to_bytes(self) -> bytes:
+        """The bytes of a poles file."""
     @classmethod
-    def from_bytes(cls, data: bytes | bytearray) -> Poles: ...
+    def from_bytes(cls, data: bytes | bytearray) -> Poles:
+        """
+        Reads the bytes of `to_bytes`; refuses another version and damaged ones.
+
+        Parameters
+        ----------
+        data : bytes
+            What `to_bytes` gave.
+        """
 
 class Rendering:
+    """Actuator weights for a scene, and how they do in the model."""
     @property
-    def points_m(self) -> NDArray[np.float64]: ...
+    def points_m(self) -> NDArray[np.float64]:
+        """Place of each response, m: (response, 2)."""
     @property
-    def other_tones(self) -> list[Rendering]: ...
-    def plot_field(self, *, ax: Any = None) -> Any: ...
+    def other_tones(self) -> list[Rendering]:
+        """The same for what sounds with it at other frequencies."""
+    def plot_field(self, *, ax: Any = None) -> Any:
+        """
+        Velocity amplitude at the responses, mm/s peak, that a drive makes in the model.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure without it.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
     @property
-    def weights(self) -> NDArray[np.complex128]: ...
+    def weights(self) -> NDArray[np.complex128]:
+        """Peak phasors of the weights in N or V: (actuator,)."""
     @property
-    def references(self) -> list[str]: ...
+    def references(self) -> list[str]:
+        """Names of the actuators, as the weights."""
     @property
-    def frequency_hz(self) -> float: ...
+    def frequency_hz(self) -> float:
+        """Drive frequency, Hz."""
     @property
-    def velocity_m_per_s(self) -> NDArray[np.complex128]: ...
+    def velocity_m_per_s(self) -> NDArray[np.complex128]:
+        """Velocities along +Z in the model, m/s, peak phasors: (response,)."""
     @property
-    def responses(self) -> list[str]: ...
+    def responses(self) -> list[str]:
+        """Names of the responses, as the velocities."""
     @property
-    def method(self) -> str: ...
+    def method(self) -> str:
+        """The method that ran."""
     @property
-    def feasible(self) -> bool: ...
+    def feasible(self) -> bool:
+        """True where every judged response keeps its limit within the force limits."""
     @property
-    def kappa(self) -> float | None: ...
+    def kappa(self) -> float | None:
+        """
+        Model errors, in standard deviations, under which every judged response keeps its
+        limit.
+        """
     @property
-    def warnings(self) -> list[str]: ...
+    def warnings(self) -> list[str]:
+        """The sentences of cautions and faults."""
     @property
-    def findings(self) -> list[dict[str, Any]]: ...
-    def to_json(self) -> str: ...
-    def to_dict(self) -> dict[str, Any]: ...
-    def save(self, path: str | PathLike[str], *, force: bool = False) -> None: ...
+    def findings(self) -> list[dict[str, Any]]:
+        """All findings: dictionaries with code, severity, modes, dofs, values, text and help."""
+    def to_json(self) -> str:
+        """The weights file's text."""
+    def to_dict(self) -> dict[str, Any]:
+        """Everything the file holds, as a dictionary."""
+    def save(self, path: str | PathLike[str], *, force: bool = False) -> None:
+        """
+        Writes the weights file.
+
+        Parameters
+        ----------
+        path : path
+            .json.
+        force : bool
+            Overwrite it.
+        """
 
 def read(
     paths: str | PathLike[str] | Sequence[str | PathLike[str]],
@@ -309,12 +551,13 @@ def render(
     model: Model,
     scene: Scene,
     *,
-    method: str = "default",
+    method: RenderMethod = "default",
     modes: str = "all",
     actuators: str = "all",
     measured: FrfSet | None = None,
 ) -> Rendering: ...
 class Playing:
+    """A drive over time, and how it does in the model."""
     feasible: bool
     warnings: list[str]
     length_s: float
@@ -330,7 +573,24 @@ class Playing:
         *,
         full_scale: float | None = None,
         channel_map: Sequence[tuple[int, str, float]] | None = None,
-    ) -> NDArray[np.float64]: ...
+    ) -> NDArray[np.float64]:
+        """
+        The drive of each channel.
+
+        Parameters
+        ----------
+        rate_hz : int
+            Frames per second.
+        full_scale : float, optional
+            Largest value, N or V.
+        channel_map : sequence of (int, str, float), optional
+            Rows (channel, reference, gain).
+
+        Returns
+        -------
+        ndarray of float64, shape (frame, channel)
+            N or V.
+        """
     def save(
         self,
         path: str | PathLike[str],
@@ -340,7 +600,25 @@ class Playing:
         full_scale: float | None = None,
         channel_map: Sequence[tuple[int, str, float]] | None = None,
         force: bool = False,
-    ) -> None: ...
+    ) -> None:
+        """
+        Writes what a rig plays: .wav with a .json beside it, .csv or .npz.
+
+        Parameters
+        ----------
+        path : path
+            File to write.
+        rate_hz : int
+            Frames per second.
+        format : {"f32", "i24", "i16"}
+            Samples of a sound file.
+        full_scale : float, optional
+            What a sample of 1 means, N or V; without it the smallest round number above the peak.
+        channel_map : sequence of (int, str, float), optional
+            Rows (channel, reference, gain).
+        force : bool
+            Overwrite the files.
+        """
 
 def play(
     model: Model,
@@ -348,7 +626,7 @@ def play(
     *,
     rendering: Rendering | None = None,
     ramps: Literal["modal", "plain", "program"] | None = None,
-    method: str = "default",
+    method: RenderMethod = "default",
 ) -> Playing: ...
 def correct(
     model: Model,

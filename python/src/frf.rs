@@ -16,16 +16,26 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// FRFs of a structure: values[response, reference, line] on frequency_hz, SI units of
-/// the kind per N or V.
+/// FRFs of a structure in SI units of the kind, per N or V.
 ///
-/// FrfSet(frequency_hz, values, *, responses=None, references=None, kind="mobility",
-/// reference_unit="N", nodes_m=None)
+/// Where a reference is also a response (a driving point), shapes are scaled to unit modal
+/// mass.
 ///
-/// responses, references: names such as "12:+Z" (node 12, +Z); without them responses are
-/// nodes 1, 2, ... and references the nodes after those. Where a reference is also a
-/// response (a driving point), shapes are scaled to unit modal mass. nodes_m: positions
-/// of nodes 1, 2, ..., shape (node, 3), m.
+/// Parameters
+/// ----------
+/// frequency_hz : ndarray of float64, shape (line,)
+///     Lines, Hz.
+/// values : ndarray of complex128 or complex64, shape (response, reference, line)
+///     The FRFs.
+/// responses, references : list of str, optional
+///     Names such as ``"12:+Z"`` (node 12, +Z); without them responses are nodes 1, 2, ...
+///     and references the nodes after those.
+/// kind : {"mobility", "receptance", "accelerance"}
+///     What they are.
+/// reference_unit : {"N", "V"}
+///     Unit of the references.
+/// nodes_m : ndarray of float64, shape (node, 3), optional
+///     Positions of nodes 1, 2, ..., m.
 #[pyclass(frozen, module = "chladni")]
 pub struct FrfSet {
     pub set: chladni_frf::FrfSet,
@@ -230,6 +240,18 @@ impl FrfSet {
     }
 
     /// Writes the set; the format follows from the name (.h5, .uff, .unv, .csv, .npz).
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     File to write.
+    /// force : bool
+    ///     Overwrite it.
+    ///
+    /// Returns
+    /// -------
+    /// list of str
+    ///     What the format cannot hold.
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<Vec<String>> {
         let lost = py
@@ -295,14 +317,33 @@ impl DofList {
 
 /// Reads files, a folder or a pattern as one FRF set.
 ///
-/// frf_kind: needed where the files do not say. time_sign: "-" for data in e^{-jωt}.
-/// reference, response: node of files that hold one reference or one response, one for all
-/// or one for each. dofs: of all FRFs in their order, rows (response, reference) or (file,
-/// response, reference), or a file of them. map: HDF5 or MATLAB names, {"frf": "/data/H"}.
-/// duplicates: a pair that occurs twice is an "error", or its "first", "last" or "mean"
-/// counts. phase_unit: "deg" or "rad", where neither header nor numbers say. snap_df: the
-/// exact line spacing that the printed digits of a universal file stand for. lenient: mask
-/// what cannot be read.
+/// Parameters
+/// ----------
+/// paths : path or sequence of path
+///     Files, a folder, or a pattern.
+/// frf_kind : {"mobility", "receptance", "accelerance"}, optional
+///     Needed where the files do not say.
+/// time_sign : {"+", "-"}
+///     Sign in e^(±jωt) of the data.
+/// reference, response : int or sequence of int, optional
+///     Node of files that hold one reference or one response: one for all, or one for each.
+/// dofs : path or sequence of tuple, optional
+///     DOFs of all FRFs in their order: rows (response, reference) or (file, response,
+///     reference), or a file of them.
+/// map : dict, optional
+///     HDF5 or MATLAB names, such as ``{"frf": "/data/H"}``.
+/// duplicates : {"error", "first", "last", "mean"}
+///     What counts of a pair that occurs twice.
+/// phase_unit : {"deg", "rad"}, optional
+///     Where neither header nor numbers say.
+/// snap_df : bool
+///     Take the exact line spacing that the printed digits of a universal file stand for.
+/// lenient : bool
+///     Mask what cannot be read.
+///
+/// Returns
+/// -------
+/// FrfSet
 #[pyfunction]
 #[pyo3(signature = (paths, *, frf_kind=None, time_sign="+", reference=None, response=None, dofs=None, map=None, duplicates="error", phase_unit=None, snap_df=false, lenient=false))]
 #[allow(clippy::too_many_arguments)] // those of the command line

@@ -236,8 +236,16 @@ impl Model {
             .collect()
     }
 
-    /// FRFs of the model on the lines given, in the kind it was fitted in: (response,
-    /// reference, line).
+    /// FRFs of the model, in the kind that it was fitted in.
+    ///
+    /// Parameters
+    /// ----------
+    /// frequency_hz : ndarray of float64, shape (line,)
+    ///     Lines, Hz.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of complex128, shape (response, reference, line)
     fn synthesise<'py>(
         &self,
         py: Python<'py>,
@@ -247,8 +255,17 @@ impl Model {
         py.detach(|| self.model.synthesise(&lines)).into_pyarray(py)
     }
 
-    /// MAC between the shapes of this model and of another (of itself without one) at the
-    /// DOFs that both have, paired by name: (mode, mode of the other).
+    /// MAC between the shapes of this model and of another at the DOFs that both have, paired by
+    /// name.
+    ///
+    /// Parameters
+    /// ----------
+    /// other : Model, optional
+    ///     This model itself without one.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of float64, shape (mode, mode of the other)
     #[pyo3(signature = (other=None))]
     fn mac<'py>(
         &self,
@@ -271,7 +288,14 @@ impl Model {
             .map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))
     }
 
-    /// Writes the model, .json or .h5.
+    /// Writes the model.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     .json or .h5.
+    /// force : bool
+    ///     Overwrite it.
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         write_model(&path, &self.model, force).map_err(|error| raised(py, &error))
@@ -378,7 +402,16 @@ pub fn compare(
         .map_err(|error| raised(py, &error))
 }
 
-/// Reads a model file, .json or .h5.
+/// Reads a model file.
+///
+/// Parameters
+/// ----------
+/// path : path
+///     .json or .h5.
+///
+/// Returns
+/// -------
+/// Model
 #[pyfunction]
 pub fn load_model(py: Python<'_>, path: PathBuf) -> PyResult<Model> {
     read_model(&path)

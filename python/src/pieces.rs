@@ -44,7 +44,12 @@ impl Partial {
         PyBytes::new(py, &py.detach(|| self.0.to_bytes()))
     }
 
-    /// Reads them; refuses another version and damaged bytes.
+    /// Reads the bytes of `to_bytes`; refuses another version and damaged ones.
+    ///
+    /// Parameters
+    /// ----------
+    /// data : bytes
+    ///     What `to_bytes` gave.
     #[classmethod]
     fn from_bytes(class: &Bound<'_, PyType>, data: Cow<'_, [u8]>) -> PyResult<Self> {
         let py = class.py();
@@ -129,7 +134,12 @@ impl Poles {
         PyBytes::new(py, &py.detach(|| self.0.to_bytes()))
     }
 
-    /// Reads them; refuses another version and damaged bytes.
+    /// Reads the bytes of `to_bytes`; refuses another version and damaged ones.
+    ///
+    /// Parameters
+    /// ----------
+    /// data : bytes
+    ///     What `to_bytes` gave.
     #[classmethod]
     fn from_bytes(class: &Bound<'_, PyType>, data: Cow<'_, [u8]>) -> PyResult<Self> {
         let py = class.py();
@@ -161,13 +171,30 @@ impl Poles {
     }
 }
 
-/// Reduces one block of FRFs to a partial: without poles for the first pass, with them
-/// for the second.
+/// Reduces one block of FRFs to a partial: without poles for the first pass, with them for
+/// the second.
 ///
-/// A block is any part of the FRFs (some responses, some references) with all lines.
-/// number: its own, 0, 1, 2, ...: it fixes the order of sums. band: (low, high) in Hz.
-/// window: of the records that the FRFs were averaged from. Band, window and seed are the
-/// same for all blocks; with poles, they are those of the first pass.
+/// Band, window and seed are the same for all blocks; with poles, they are those of the first
+/// pass.
+///
+/// Parameters
+/// ----------
+/// frf : FrfSet
+///     Any part of the FRFs (some responses, some references) with all lines.
+/// number : int
+///     Its own, 0, 1, 2, ...: it fixes the order of sums.
+/// poles : Poles, optional
+///     What the first pass led to.
+/// band : (float, float), optional
+///     Band, Hz.
+/// window : str, optional
+///     Window of the records that the FRFs were averaged from.
+/// seed : int, optional
+///     Of the random mixtures of FRFs.
+///
+/// Returns
+/// -------
+/// Partial
 #[pyfunction]
 #[pyo3(signature = (frf, number, *, poles=None, band=None, window=None, seed=None))]
 pub fn reduce_block(
@@ -190,8 +217,16 @@ pub fn reduce_block(
         .map_err(|error| unpieced(py, &error, &options))
 }
 
-/// One partial of many (a list, a generator), in whatever order and grouping: the same
-/// blocks give the same bits.
+/// One partial of many, in whatever order and grouping: the same blocks give the same bits.
+///
+/// Parameters
+/// ----------
+/// partials : iterable of Partial
+///     A list or a generator.
+///
+/// Returns
+/// -------
+/// Partial
 #[pyfunction]
 pub fn merge(py: Python<'_>, partials: &Bound<'_, PyAny>) -> PyResult<Partial> {
     let partials: Vec<Py<Partial>> = partials
@@ -240,10 +275,24 @@ pub fn solve_poles(
     }
 }
 
-/// The model of a block's FRFs at the poles of another model: shapes and participations
-/// are fitted, poles and their error bars are taken as they are. For FRFs measured later
-/// or elsewhere, and for asking each block how well it fits (`relative_error`). window:
-/// of the records that the FRFs were averaged from.
+/// The model of a block's FRFs at the poles of another model: shapes and participations are
+/// fitted, poles and their error bars are taken as they are.
+///
+/// For FRFs measured later or elsewhere, and for asking each block how well it fits
+/// (`relative_error`).
+///
+/// Parameters
+/// ----------
+/// frf : FrfSet
+///     The block.
+/// model : Model
+///     Whose poles are taken.
+/// window : str, optional
+///     Window of the records that the FRFs were averaged from.
+///
+/// Returns
+/// -------
+/// Model
 #[pyfunction]
 #[pyo3(signature = (frf, model, *, window=None))]
 pub fn residues_block(

@@ -114,8 +114,21 @@ impl Playing {
         serde_json::json!(self.played.indices).to_string()
     }
 
-    /// The drive of each channel in N or V: (frame, channel). channel_map: rows
-    /// (channel, reference, gain).
+    /// The drive of each channel.
+    ///
+    /// Parameters
+    /// ----------
+    /// rate_hz : int
+    ///     Frames per second.
+    /// full_scale : float, optional
+    ///     Largest value, N or V.
+    /// channel_map : sequence of (int, str, float), optional
+    ///     Rows (channel, reference, gain).
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of float64, shape (frame, channel)
+    ///     N or V.
     #[pyo3(signature = (rate_hz=48_000, *, full_scale=None, channel_map=None))]
     fn drive<'py>(
         &self,
@@ -130,9 +143,20 @@ impl Playing {
 
     /// Writes what a rig plays: .wav with a .json beside it, .csv or .npz.
     ///
-    /// format: f32, i24 or i16. full_scale: what a sample of 1 means, N or V; without it
-    /// the smallest round number above the peak. channel_map: rows (channel, reference,
-    /// gain).
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     File to write.
+    /// rate_hz : int
+    ///     Frames per second.
+    /// format : {"f32", "i24", "i16"}
+    ///     Samples of a sound file.
+    /// full_scale : float, optional
+    ///     What a sample of 1 means, N or V; without it the smallest round number above the peak.
+    /// channel_map : sequence of (int, str, float), optional
+    ///     Rows (channel, reference, gain).
+    /// force : bool
+    ///     Overwrite the files.
     #[pyo3(signature = (path, rate_hz=48_000, *, format="f32", full_scale=None, channel_map=None, force=false))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn save(

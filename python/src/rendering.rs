@@ -117,6 +117,13 @@ impl Rendering {
     }
 
     /// Writes the weights file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     .json.
+    /// force : bool
+    ///     Overwrite it.
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let text = self.to_json(py)?;

@@ -11,8 +11,20 @@ use std::path::PathBuf;
 
 /// Writes the report, one HTML page that needs nothing else.
 ///
-/// model: what it is about. measured: the FRFs it was fitted to, drawn beside it.
-/// renderings: scenes, in order.
+/// Parameters
+/// ----------
+/// path : path
+///     File to write.
+/// model : Model
+///     What it is about.
+/// measured : FrfSet, optional
+///     The FRFs it was fitted to, drawn beside it.
+/// renderings : sequence of Rendering
+///     Scenes, in order.
+/// title : str
+///     Title of the page.
+/// force : bool
+///     Overwrite the file.
 #[pyfunction]
 #[pyo3(signature = (path, model, *, measured=None, renderings=Vec::new(), title="Chladni", force=false))]
 pub fn report(

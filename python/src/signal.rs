@@ -148,8 +148,17 @@ fn window_of(
     }
 }
 
-/// Complex mode indicator function: singular values of the FRF matrix of each line,
-/// falling: (line, singular value).
+/// Complex mode indicator function: singular values of the FRF matrix of each line, falling.
+///
+/// Parameters
+/// ----------
+/// frf : FrfSet
+///     FRFs.
+///
+/// Returns
+/// -------
+/// ndarray of float64, shape (line, singular value)
+///     In the unit of the FRFs.
 #[pyfunction]
 pub fn cmif<'py>(py: Python<'py>, frf: &FrfSet) -> PyResult<Bound<'py, PyArray2<f64>>> {
     py.detach(|| chladni_rfp::cmif(&frf.set))

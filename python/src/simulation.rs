@@ -7,7 +7,22 @@ use chladni_plate::Panel;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// FRFs of a virtual panel and the model behind them, from a panel file (TOML).
+/// FRFs of a virtual panel and the model behind them.
+///
+/// Parameters
+/// ----------
+/// panel : path
+///     Panel file (TOML).
+/// snr_db : float, optional
+///     Noise level, dB, in place of the panel's.
+/// seed : int, optional
+///     Seed of the noise in place of the panel's.
+/// memory_bytes : int
+///     What needs more is refused at once.
+///
+/// Returns
+/// -------
+/// FrfSet, Model
 #[pyfunction]
 #[pyo3(signature = (panel, *, snr_db=None, seed=None, memory_bytes=2 << 30))]
 pub fn simulate(
