@@ -3,9 +3,11 @@
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
 use crate::checks::line_shape::{likely_window, DECIDES};
-use crate::checks::witness::{decades, witness, Correlation};
+use crate::checks::witness::{decades, witness, Correlation, Witness};
+use crate::damping::leakage::Leakage;
+use crate::data::layout::DataLayout;
 use crate::data::options::Window;
-use chladni_frf::{Finding, ModalModel, Mode};
+use chladni_frf::{Finding, ModalModel, Mode, Scaling, Trust};
 use std::f64::consts::PI;
 
 /// The check where the window is known: its effect is in the columns, as long as the
@@ -45,7 +47,8 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         return None;
     }
     let step = case.data.line_spacing_hz();
-    let bias = |mode: &Mode| step / (PI * mode.loss_factor * mode.frequency_hz);
+    let leakage = of_hann(case.data)?;
+    let bias = |mode: &Mode| doubt(&leakage, mode);
     // ... where the error bar does not cover them anyway
     let open =
         |mode: &&Mode| bias(mode) > limits::BIAS.max(2.0 * mode.loss_factor_std / mode.loss_factor);
@@ -63,7 +66,7 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         }
         _ => "the line shapes do not tell".into(),
     };
-    let errors = witness(case).filter(|found| found.gain > limits::SAYS);
+    let errors = witness(case).filter(Witness::decides);
     let evidence = match errors {
         Some(found) => format!(
             "{evidence}; the errors of neighbouring lines are those of FRFs {} (10^{:.0} times as \
@@ -74,19 +77,49 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         None => evidence,
     };
     let words = format!(
-        "error bars assume no window bias: if these FRFs were averaged from windowed records of \
-         random excitation, the loss factors of {} mode(s) are too high by up to 1/(πb) ({:.0} % \
-         at {:.2} Hz, b = {:.1} lines per bandwidth); {evidence}",
+        "the error bars hold what a Hann window may have added: if these FRFs were averaged from \
+         windowed records of random excitation, the loss factors of {} mode(s) are too high by \
+         about 1/(πb) (up to {:.0} % of them are the window's, at {:.2} Hz, b = {:.1} lines per \
+         bandwidth); {evidence}",
         concerned.len(),
         100.0 * bias(worst),
         worst.frequency_hz,
-        1.0 / (PI * bias(worst))
+        worst.loss_factor * worst.frequency_hz / step
     );
     let finding = Finding::note("window-bias", words)
         .modes_hz(concerned.iter().map(|mode| mode.frequency_hz))
         .value("bias_relative", bias(worst))
         .help("say which window was used, or that there was none");
     Some(finding.into())
+}
+
+/// Widens the bars of modes by what a Hann window would have added to their damping, and to
+/// their mass scale with it.
+pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout) {
+    let Some(leakage) = of_hann(data) else { return };
+    let stands = |mode: &&mut Mode| mode.in_band && mode.trust != Trust::Rejected;
+    for mode in model.modes.iter_mut().filter(stands) {
+        let doubt = doubt(&leakage, mode);
+        mode.loss_factor_std = mode.loss_factor_std.hypot(doubt * mode.loss_factor);
+        if model.scaling != Scaling::UnitModalMass {
+            continue;
+        }
+        let of_shape = limits::SCALE_OF_DAMPING * doubt;
+        let values = mode.shape.0.iter().zip(&mut mode.shape_std);
+        values.for_each(|(value, std)| *std = std.hypot(of_shape * value.norm()));
+    }
+}
+
+/// Effect of a Hann window on records as long as the lines tell; decays are in 1/s.
+fn of_hann(data: &DataLayout) -> Option<Leakage> {
+    let record_s = 1.0 / data.line_spacing_hz();
+    Some(Leakage::new(Window::Hann.kernel()?, record_s, 0))
+}
+
+/// Part of a loss factor that a window would have added.
+fn doubt(leakage: &Leakage, mode: &Mode) -> f64 {
+    let seen = PI * mode.loss_factor * mode.frequency_hz;
+    1.0 - leakage.unbroadened(seen) / seen
 }
 
 /// True where damping may be biased and nobody said by which window.

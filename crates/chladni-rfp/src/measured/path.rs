@@ -140,6 +140,7 @@ fn on_columns(
     let work = work.select(&rows);
     let (frfs, one_reference) = (data.pairs.len(), data.references.len() == 1);
     let scales = back.as_ref().map(|back| back.diag().to_owned());
+    let leaks = data.errors.as_ref().is_some_and(|errors| errors.leaks());
     let record = Record {
         work: &work,
         noise: &noise,
@@ -148,6 +149,7 @@ fn on_columns(
         scales,
         one_reference,
         windowed,
+        leaks,
         hz,
     };
 
@@ -189,7 +191,9 @@ fn on_columns(
 
     let work = work.reweighted(&weights);
     let lambda: Vec<Complex64> = evidence.iter().map(|e| e.lambda).collect();
-    let refined = refine(&work, &lambda, &POWERS, 0, tol::FINE_STEP)?;
+    // poles of resolved modes are those of their own lines, unless errors are largest there
+    let steps = if leaks { tol::REFINE_FINE } else { 0 };
+    let refined = refine(&work, &lambda, &POWERS, steps, tol::FINE_STEP)?;
     let variance = evidence
         .iter()
         .map(|e| (e.deviation * e.lambda.im).powi(2))
