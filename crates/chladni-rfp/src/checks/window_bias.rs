@@ -47,8 +47,7 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         return None;
     }
     let step = case.data.line_spacing_hz();
-    let leakage = of_hann(case.data)?;
-    let bias = |mode: &Mode| doubt(&leakage, mode);
+    let bias = |mode: &Mode| step / (PI * mode.loss_factor * mode.frequency_hz);
     // ... where the error bar does not cover them anyway
     let open =
         |mode: &&Mode| bias(mode) > limits::BIAS.max(2.0 * mode.loss_factor_std / mode.loss_factor);
@@ -79,12 +78,11 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     let words = format!(
         "the error bars hold what a Hann window may have added: if these FRFs were averaged from \
          windowed records of random excitation, the loss factors of {} mode(s) are too high by \
-         about 1/(πb) (up to {:.0} % of them are the window's, at {:.2} Hz, b = {:.1} lines per \
-         bandwidth); {evidence}",
+         up to 1/(πb) ({:.0} % at {:.2} Hz, b = {:.1} lines per bandwidth); {evidence}",
         concerned.len(),
         100.0 * bias(worst),
         worst.frequency_hz,
-        worst.loss_factor * worst.frequency_hz / step
+        1.0 / (PI * bias(worst))
     );
     let finding = Finding::note("window-bias", words)
         .modes_hz(concerned.iter().map(|mode| mode.frequency_hz))

@@ -17,7 +17,7 @@ use crate::measured::impulse::{padding_factor, windowed};
 use crate::measured::record::Record;
 use crate::measured::search::{Finished, Search};
 use crate::poles::estimate::{more_than_asked, Grade};
-use crate::poles::refine::{refine, Refined};
+use crate::poles::refine::{refine, refine_inside, Refined};
 use crate::poles::sections::split;
 use crate::tolerances as tol;
 use chladni_frf::{Finding, Trust};
@@ -192,8 +192,10 @@ fn on_columns(
     let work = work.reweighted(&weights);
     let lambda: Vec<Complex64> = evidence.iter().map(|e| e.lambda).collect();
     // poles of resolved modes are those of their own lines, unless errors are largest there
-    let steps = if leaks { tol::REFINE_FINE } else { 0 };
-    let refined = refine(&work, &lambda, &POWERS, steps, tol::FINE_STEP)?;
+    let refined = match leaks {
+        true => refine_inside(&work, &lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?,
+        false => refine(&work, &lambda, &POWERS, 0, tol::FINE_STEP)?,
+    };
     let variance = evidence
         .iter()
         .map(|e| (e.deviation * e.lambda.im).powi(2))
