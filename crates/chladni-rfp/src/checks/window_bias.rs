@@ -47,10 +47,12 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         return None;
     }
     let step = case.data.line_spacing_hz();
-    let bias = |mode: &Mode| step / (PI * mode.loss_factor * mode.frequency_hz);
-    // ... where the error bar does not cover them anyway
-    let open =
-        |mode: &&Mode| bias(mode) > limits::BIAS.max(2.0 * mode.loss_factor_std / mode.loss_factor);
+    let bias = |mode: &Mode| first_order(step, mode);
+    // ... where the error bar does not hold them anyway
+    let leakage = of_hann(case.data)?;
+    let open = |mode: &&Mode| {
+        doubt(&leakage, mode) > limits::BIAS.max(mode.loss_factor_std / mode.loss_factor)
+    };
     let concerned: Vec<&Mode> = case.sure_modes().into_iter().filter(open).collect();
     let worst = *concerned
         .iter()
@@ -126,9 +128,21 @@ pub(crate) fn is_open(model: &ModalModel) -> bool {
     findings.any(|finding| finding.code == "window-bias")
 }
 
+/// Relative excess of damping under a Hann window, to first order: 1/(πb).
+fn first_order(step_hz: f64, mode: &Mode) -> f64 {
+    step_hz / (PI * mode.loss_factor * mode.frequency_hz)
+}
+
 /// The window that line shapes and the errors of neighbouring lines both speak of, each by
 /// itself clearly: neither alone corrects anything.
 pub(crate) fn decided(case: &Case) -> Option<(Window, Finding)> {
+    // only where broadening stands clear of the error bars; else these hold it
+    let step = case.data.line_spacing_hz();
+    let clear = |mode: &&Mode| {
+        let doubt = 2.0 * mode.loss_factor_std / mode.loss_factor;
+        first_order(step, mode) > limits::BIAS.max(doubt)
+    };
+    case.sure_modes().into_iter().find(clear)?;
     let (window, of_shapes, modes) = likely_window(case)?;
     let errors = witness(case)?;
     let agree = window == Window::Hann && errors.likeliest == Correlation::Hann;
