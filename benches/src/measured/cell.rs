@@ -1,6 +1,7 @@
 //! The ways to measure that are simulated.
 
 use chladni_frf::BlockWindow;
+use chladni_rfp::Correlation;
 
 /// Length of a record, s: lines 0.5 Hz apart.
 pub(super) const RECORD_S: f64 = 2.0;
@@ -14,6 +15,8 @@ pub enum MeasuredForce {
     Burst(f64),
     /// A blow at the start of each record, the structure at rest before.
     Hammer,
+    /// Sine by sine: FRFs with independent noise on every line, no records.
+    Sines,
 }
 
 /// One way to measure.
@@ -36,6 +39,17 @@ pub struct MeasuredCell {
 }
 
 impl MeasuredCell {
+    /// What errors of neighbouring lines of its averaged FRFs share.
+    pub fn correlation(&self) -> Correlation {
+        match (self.force, self.window) {
+            (MeasuredForce::Random | MeasuredForce::Burst(_), BlockWindow::Hann) => {
+                Correlation::Hann
+            }
+            (_, BlockWindow::Exponential { .. }) => Correlation::Exponential,
+            _ => Correlation::White,
+        }
+    }
+
     /// Blocks that are averaged.
     pub fn averages(&self) -> usize {
         let hop = 1.0 - self.overlap;
@@ -48,8 +62,12 @@ impl MeasuredCell {
             MeasuredForce::Random => "random".into(),
             MeasuredForce::Burst(part) => format!("burst {part}"),
             MeasuredForce::Hammer => "hammer".into(),
+            MeasuredForce::Sines => "sines".into(),
         };
-        let mut name = format!("{force} {} {}", self.window.name(), self.averages());
+        let mut name = match self.force {
+            MeasuredForce::Sines => force,
+            _ => format!("{force} {} {}", self.window.name(), self.averages()),
+        };
         if self.overlap > 0.0 {
             name += &format!(" x {:.2}", self.overlap);
         }
@@ -96,6 +114,12 @@ const EXPONENTIAL: MeasuredCell = MeasuredCell {
         rate_per_s: 3.0 / RECORD_S,
     },
     ..HAMMER
+};
+
+const SINES: MeasuredCell = MeasuredCell {
+    force: MeasuredForce::Sines,
+    records: 1,
+    ..RECTANGULAR
 };
 
 const fn at(lines_per_bandwidth: f64, cell: MeasuredCell) -> MeasuredCell {
@@ -145,6 +169,9 @@ pub const MEASURED_CELLS: &[MeasuredCell] = &[
     at(2.0, HAMMER),
     at(1.0, EXPONENTIAL),
     at(4.0, EXPONENTIAL),
+    at(1.0, SINES),
+    at(2.0, SINES),
+    at(4.0, SINES),
     dropping(12.0, at(2.0, HANN)),
     dropping(12.0, at(4.0, HANN)),
     dropping(30.0, at(4.0, HANN)),

@@ -2,8 +2,8 @@
 
 use super::cell::{MeasuredCell, MeasuredForce, RECORD_S};
 use super::simulation::{simulated, TrueMode, BAND_HZ, RECORD};
-use chladni_frf::{Estimator, FrfSet, Mode, Result, Run, Trust};
-use chladni_rfp::{fit, FitOptions, Window};
+use chladni_frf::{BlockWindow, Estimator, FrfSet, Mode, Result, Trust};
+use chladni_rfp::{error_witness, fit, Correlation, FitOptions, Window};
 use chladni_signal::{estimate, EstimateOptions};
 use serde::{Deserialize, Serialize};
 
@@ -14,19 +14,22 @@ pub enum MeasuredWay {
     Told,
     /// H1, and a fit of pure resonances.
     Plain,
+    /// H1, and a fit that nobody tells anything.
+    Blind,
     /// The local rational method.
     Lrm,
 }
 
 impl MeasuredWay {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Told, Self::Plain, Self::Lrm];
+    pub const ALL: [Self; 4] = [Self::Told, Self::Plain, Self::Blind, Self::Lrm];
 
     /// As in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Told => "h1",
-            Self::Plain => "h1, window not known",
+            Self::Told => "h1, window told",
+            Self::Plain => "h1, plain fit",
+            Self::Blind => "h1, blind",
             Self::Lrm => "lrm",
         }
     }
@@ -43,9 +46,9 @@ pub struct FoundMode {
     pub loss_error: f64,
     /// ... over its standard deviation.
     pub loss_sigmas: f64,
-    /// Distances of shape values, those of the driving point at 1, over their standard
-    /// deviations: complex values.
-    pub shape_sigmas: [f64; 2],
+    /// Distances of mass-normalised shape values over their standard deviations: complex
+    /// values.
+    pub shape_sigmas: [f64; 3],
 }
 
 /// A fit held against the truth.
@@ -59,6 +62,21 @@ pub struct MeasuredOutcome {
     pub spurious: usize,
     /// Those of them that it calls sure.
     pub spurious_sure: usize,
+    /// What the errors of neighbouring lines were said to share, held against the truth.
+    pub witness: Decision,
+}
+
+/// A decision held against the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Decision {
+    /// Nobody asked.
+    NotAsked,
+    /// Too little evidence.
+    Undecided,
+    /// Right.
+    Right,
+    /// Wrong.
+    Wrong,
 }
 
 /// Distance in half-bandwidths, and lines, within which a mode stands for a true one.
@@ -70,48 +88,78 @@ pub(super) fn outcomes(
     seed: u64,
 ) -> Result<Vec<(MeasuredWay, MeasuredOutcome)>> {
     let test = simulated(cell, seed);
-    let blocks = EstimateOptions {
-        estimator: Some(Estimator::H1),
-        window: Some(cell.window),
-        block: Some(RECORD),
-        overlap: Some(cell.overlap),
+    let h1 = match test.frf {
+        Some(frf) => frf,
+        None => {
+            let blocks = EstimateOptions {
+                estimator: Some(Estimator::H1),
+                window: Some(cell.window),
+                block: Some(RECORD),
+                overlap: Some(cell.overlap),
+            };
+            estimate(&test.runs, &blocks)?.frf
+        }
     };
-    let h1 = estimated(&test.runs, &blocks)?;
-    let told = FitOptions {
+    let blind = FrfSet {
+        estimation: None,
+        variance: None,
+        coherence: None,
+        ..h1.clone()
+    };
+    let own = FitOptions {
         band_hz: Some(BAND_HZ),
         ..FitOptions::default()
     };
     let plain = FitOptions {
         window: Some(Window::None),
         exponential_window_per_s: Some(0.0),
-        ..told.clone()
+        ..own.clone()
     };
-    let mut all = vec![
-        (MeasuredWay::Told, held(&h1, &told, &test.modes)),
-        (MeasuredWay::Plain, held(&h1, &plain, &test.modes)),
-    ];
+    let held = |frf: &FrfSet, options: &FitOptions, truth: Option<Correlation>| {
+        held(frf, options, &test.modes, truth)
+    };
+    let mut all = Vec::new();
+    if cell.force != MeasuredForce::Sines {
+        all.push((MeasuredWay::Told, held(&h1, &own, None)));
+    }
+    let truth = Some(cell.correlation());
+    all.push((MeasuredWay::Plain, held(&h1, &plain, truth)));
+    // α of an exponential window is nothing that a program may guess
+    if !matches!(cell.window, BlockWindow::Exponential { .. }) {
+        all.push((MeasuredWay::Blind, held(&blind, &own, None)));
+    }
     if cell.force == MeasuredForce::Random {
         let local = EstimateOptions {
             estimator: Some(Estimator::Lrm),
-            block: None,
-            window: None,
-            overlap: None,
+            ..EstimateOptions::default()
         };
-        let lrm = estimated(&test.runs, &local)?;
-        all.push((MeasuredWay::Lrm, held(&lrm, &told, &test.modes)));
+        let lrm = estimate(&test.runs, &local)?.frf;
+        let truth = Some(Correlation::White);
+        all.push((MeasuredWay::Lrm, held(&lrm, &own, truth)));
     }
     Ok(all)
 }
 
-fn estimated(runs: &[Run], options: &EstimateOptions) -> Result<FrfSet> {
-    Ok(estimate(runs, options)?.frf)
-}
-
-/// The fit against the truth; one that cannot be made has found nothing.
-fn held(frf: &FrfSet, options: &FitOptions, truth: &[TrueMode]) -> MeasuredOutcome {
-    let modes: Vec<Mode> = match fit(frf, options) {
-        Ok(fit) => fit.model.in_band_modes().cloned().collect(),
-        Err(_) => Vec::new(),
+/// The fit against the truth; one that cannot be made has found nothing. `correlation`: of
+/// the errors of lines, where these are to be asked.
+fn held(
+    frf: &FrfSet,
+    options: &FitOptions,
+    truth: &[TrueMode],
+    correlation: Option<Correlation>,
+) -> MeasuredOutcome {
+    let model = fit(frf, options).ok().map(|fit| fit.model);
+    let modes: Vec<Mode> = model
+        .iter()
+        .flat_map(|model| model.in_band_modes().cloned())
+        .collect();
+    let witness = match (&model, correlation) {
+        (Some(model), Some(truth)) => match error_witness(frf, options, model) {
+            Ok(Some(found)) if found.decides() && found.likeliest == truth => Decision::Right,
+            Ok(Some(found)) if found.decides() => Decision::Wrong,
+            _ => Decision::Undecided,
+        },
+        _ => Decision::NotAsked,
     };
     let mut free: Vec<&Mode> = modes.iter().collect();
     let mut found = Vec::new();
@@ -130,6 +178,7 @@ fn held(frf: &FrfSet, options: &FitOptions, truth: &[TrueMode]) -> MeasuredOutco
         modes: found,
         spurious: free.len(),
         spurious_sure: free.iter().filter(|mode| mode.trust == Trust::Sure).count(),
+        witness,
     }
 }
 
@@ -137,16 +186,14 @@ fn errors(mode: &Mode, own: &TrueMode) -> FoundMode {
     let off_hz = mode.frequency_hz - own.frequency_hz;
     let off_loss = mode.loss_factor - own.loss_factor;
     let at = &mode.shape.0;
-    let shape = |i: usize| {
-        let (ratio, expected) = (at[i] / at[0], own.shape[i] / own.shape[0]);
-        let variance = mode.shape_std[i].powi(2) + ratio.norm_sqr() * mode.shape_std[0].powi(2);
-        (ratio - expected).norm() * at[0].norm() / variance.sqrt().max(f64::MIN_POSITIVE)
-    };
+    let side = (at[0] * own.shape[0]).re.signum();
+    let shape =
+        |i: usize| (at[i] - side * own.shape[i]).norm() / mode.shape_std[i].max(f64::MIN_POSITIVE);
     FoundMode {
         frequency_error: off_hz / (0.5 * own.loss_factor * own.frequency_hz),
         frequency_sigmas: off_hz / mode.frequency_std_hz,
         loss_error: off_loss / own.loss_factor,
         loss_sigmas: off_loss / mode.loss_factor_std,
-        shape_sigmas: [shape(1), shape(2)],
+        shape_sigmas: [shape(0), shape(1), shape(2)],
     }
 }

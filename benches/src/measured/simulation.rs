@@ -6,16 +6,22 @@
 //! force lies 20·lg d dB lower.
 
 use super::cell::{MeasuredCell, MeasuredForce, RECORD_S};
-use chladni_frf::{Channel, Direction, Dof, Run, SignalUnit};
+use chladni_frf::{
+    Channel, Direction, Dof, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Run, SignalUnit,
+};
+use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 use rand_chacha::rand_core::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
-const RATE_HZ: f64 = 512.0;
+/// High enough that what sampling adds to an FRF is smooth in the band: at 512 Hz a fit of
+/// exact FRFs was off by 0.014 % in damping, as much as the local rational method is by
+/// noise; at 1024 Hz by 2e-6 %.
+const RATE_HZ: f64 = 1024.0;
 /// Samples of a record.
-pub(super) const RECORD: usize = 1024;
+pub(super) const RECORD: usize = 2048;
 /// Band that is fitted, Hz.
 pub(super) const BAND_HZ: [f64; 2] = [20.0, 245.0];
 /// Natural frequencies, Hz, before each structure moves its own.
@@ -48,6 +54,8 @@ impl TrueMode {
 /// A test: what was measured, and the truth.
 pub(super) struct Simulated {
     pub runs: Vec<Run>,
+    /// FRFs that need no estimation.
+    pub frf: Option<FrfSet>,
     pub modes: Vec<TrueMode>,
 }
 
@@ -56,6 +64,13 @@ pub(super) fn simulated(cell: &MeasuredCell, seed: u64) -> Simulated {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
     let modes = structure(cell, &mut normal);
+    if cell.force == MeasuredForce::Sines {
+        return Simulated {
+            runs: Vec::new(),
+            frf: Some(sines(&modes, &mut normal)),
+            modes,
+        };
+    }
     let mut channels = responses(cell, &modes, &mut normal);
     let velocities = &channels[1..];
     let power = mean_square(velocities.iter().flatten());
@@ -68,12 +83,47 @@ pub(super) fn simulated(cell: &MeasuredCell, seed: u64) -> Simulated {
     }
     let length = match cell.force {
         MeasuredForce::Random => channels[0].len(),
-        MeasuredForce::Burst(_) | MeasuredForce::Hammer => RECORD,
+        _ => RECORD,
     };
     let runs = (0..channels[0].len() / length)
         .map(|run| as_run(&channels, run * length..(run + 1) * length))
         .collect();
-    Simulated { runs, modes }
+    Simulated {
+        runs,
+        frf: None,
+        modes,
+    }
+}
+
+/// Mobilities with white noise on the lines of a record.
+fn sines(modes: &[TrueMode], normal: &mut impl FnMut() -> f64) -> FrfSet {
+    let lines = (BAND_HZ[1] * RECORD_S) as usize;
+    let frequency_hz = Array1::from_shape_fn(lines, |k| (k + 1) as f64 / RECORD_S);
+    let mut values = Array3::from_shape_fn((RESPONSES, 1, lines), |(i, _, k)| {
+        let jw = Complex64::new(0.0, TAU * frequency_hz[k]);
+        let of_mode = |mode: &TrueMode| {
+            let s = mode.pole();
+            let residue = mode.shape[i] * mode.shape[0] * s / Complex64::new(0.0, 2.0 * s.im);
+            residue / (jw - s) + residue.conj() / (jw - s.conj())
+        };
+        modes.iter().map(of_mode).sum::<Complex64>()
+    });
+    let power = values.iter().map(Complex64::norm_sqr).sum::<f64>() / values.len() as f64;
+    let sigma = (0.5 * power * 10f64.powf(-0.1 * SNR_DB)).sqrt();
+    values.mapv_inplace(|v| v + sigma * Complex64::new(normal(), normal()));
+    let dof = |n: usize| Dof::new(n as u64, Direction::PLUS_Z);
+    FrfSet {
+        frequency_hz,
+        values: FrfValues::F64(values),
+        responses: (1..=RESPONSES).map(dof).collect(),
+        references: vec![dof(1)],
+        kind: Some(FrfKind::Mobility),
+        reference_unit: ReferenceUnit::Newton,
+        coherence: None,
+        variance: None,
+        estimation: None,
+        geometry: Geometry::default(),
+    }
 }
 
 fn mean_square<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
@@ -139,8 +189,11 @@ fn responses(
             }
             channels[0].push(force);
             for (i, channel) in channels[1..].iter_mut().enumerate() {
+                // half of the force that acts now: else every FRF had a constant part, which
+                // no structure has
                 let of_mode = |((mode, state), gain): ((&TrueMode, &Complex64), &Complex64)| {
-                    mode.shape[i] * mode.shape[0] * (gain * state).re / RATE_HZ
+                    let here = gain * (state - 0.5 * force);
+                    mode.shape[i] * mode.shape[0] * here.re / RATE_HZ
                 };
                 channel.push(modes.iter().zip(&states).zip(&gains).map(of_mode).sum());
             }

@@ -1,5 +1,6 @@
 //! A row for each cell and way: bias, error, coverage.
 
+use super::outcome::Decision;
 use super::{MeasuredCell, MeasuredOutcome, MeasuredRow, MeasuredWay};
 use crate::csv;
 use crate::statistics::{mean, quantile, root_mean_square};
@@ -32,6 +33,8 @@ pub struct MeasuredSummary {
     /// Bounds that one value in twenty exceeds, in standard deviations: frequency, loss
     /// factor, shape.
     pub one_in_twenty: [f64; 3],
+    /// Right, wrong and open decisions on what errors of neighbouring lines share.
+    pub decisions: [usize; 3],
 }
 
 /// One for each cell and way, in the order of the rows.
@@ -85,12 +88,14 @@ fn summed(cell: MeasuredCell, way: MeasuredWay, outcomes: &[&MeasuredOutcome]) -
         frequency_rmse: root_mean_square(modes().map(|mode| mode.frequency_error)),
         coverage: [0, 1, 2].map(covered),
         one_in_twenty: [0, 1, 2].map(|n| quantile(&sigmas[n], 0.95)),
+        decisions: [Decision::Right, Decision::Wrong, Decision::Undecided]
+            .map(|decision| outcomes.iter().filter(|o| o.witness == decision).count()),
     }
 }
 
 /// The table as a file.
 pub fn measured_csv(summaries: &[MeasuredSummary]) -> String {
-    const HEADER: [&str; 21] = [
+    const HEADER: [&str; 24] = [
         "case",
         "way",
         "tests",
@@ -112,6 +117,9 @@ pub fn measured_csv(summaries: &[MeasuredSummary]) -> String {
         "frequency_one_in_twenty",
         "loss_one_in_twenty",
         "shape_one_in_twenty",
+        "decisions_right",
+        "decisions_wrong",
+        "decisions_open",
     ];
     let cells = |row: &MeasuredSummary| {
         let cell = &row.cell;
@@ -139,6 +147,7 @@ pub fn measured_csv(summaries: &[MeasuredSummary]) -> String {
             .chain(row.coverage)
             .chain(row.one_in_twenty);
         out.extend(numbers.map(csv::number));
+        out.extend(row.decisions.map(|count| count.to_string()));
         out
     };
     let comment = "tests simulated in time; errors of loss factors are relative, those of \

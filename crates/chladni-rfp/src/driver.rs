@@ -87,13 +87,14 @@ pub fn fit_watched(
     })
 }
 
-/// The fit once more with the window that the first one has found, where it has.
+/// The fit once more with the window that the first one has found; where it has found none,
+/// with bars that hold what one may have added.
 ///
 /// # Errors
 /// Those of [`fit`].
 fn with_window_found(
     frf: &FrfSet,
-    fit: Fit,
+    mut fit: Fit,
     options: FitOptions,
     watch: &Watch,
 ) -> Result<Fit, FitError> {
@@ -107,6 +108,7 @@ fn with_window_found(
         noise_variance: 0.0,
     };
     let Some((window, finding)) = window_bias::decided(&case) else {
+        window_bias::hold(&mut fit.model, &screened);
         return Ok(fit);
     };
     watch.stage("line shape of the window")?;

@@ -129,3 +129,6 @@ pub(super) const ALWAYS_WHITE: f64 = 1e-3;
 
 /// Log-likelihood from which on the errors of neighbouring lines say something.
 pub(super) const SAYS: f64 = 5.0;
+/// Part of a relative error of damping that a mass-normalised shape has, the height of the
+/// peak given: its residue, the square of the shape, is that height times the decay.
+pub(super) const SCALE_OF_DAMPING: f64 = 0.5;

@@ -3,9 +3,11 @@
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
 use crate::checks::line_shape::{likely_window, DECIDES};
-use crate::checks::witness::{decades, witness, Correlation};
+use crate::checks::witness::{decades, witness, Correlation, Witness};
+use crate::damping::leakage::Leakage;
+use crate::data::layout::DataLayout;
 use crate::data::options::Window;
-use chladni_frf::{Finding, ModalModel, Mode};
+use chladni_frf::{Finding, ModalModel, Mode, Scaling, Trust};
 use std::f64::consts::PI;
 
 /// The check where the window is known: its effect is in the columns, as long as the
@@ -45,10 +47,12 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         return None;
     }
     let step = case.data.line_spacing_hz();
-    let bias = |mode: &Mode| step / (PI * mode.loss_factor * mode.frequency_hz);
-    // ... where the error bar does not cover them anyway
-    let open =
-        |mode: &&Mode| bias(mode) > limits::BIAS.max(2.0 * mode.loss_factor_std / mode.loss_factor);
+    let bias = |mode: &Mode| first_order(step, mode);
+    // ... where the error bar does not hold them anyway
+    let leakage = of_hann(case.data)?;
+    let open = |mode: &&Mode| {
+        doubt(&leakage, mode) > limits::BIAS.max(mode.loss_factor_std / mode.loss_factor)
+    };
     let concerned: Vec<&Mode> = case.sure_modes().into_iter().filter(open).collect();
     let worst = *concerned
         .iter()
@@ -63,7 +67,7 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         }
         _ => "the line shapes do not tell".into(),
     };
-    let errors = witness(case).filter(|found| found.gain > limits::SAYS);
+    let errors = witness(case).filter(Witness::decides);
     let evidence = match errors {
         Some(found) => format!(
             "{evidence}; the errors of neighbouring lines are those of FRFs {} (10^{:.0} times as \
@@ -74,9 +78,9 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         None => evidence,
     };
     let words = format!(
-        "error bars assume no window bias: if these FRFs were averaged from windowed records of \
-         random excitation, the loss factors of {} mode(s) are too high by up to 1/(πb) ({:.0} % \
-         at {:.2} Hz, b = {:.1} lines per bandwidth); {evidence}",
+        "the error bars hold what a Hann window may have added: if these FRFs were averaged from \
+         windowed records of random excitation, the loss factors of {} mode(s) are too high by \
+         up to 1/(πb) ({:.0} % at {:.2} Hz, b = {:.1} lines per bandwidth); {evidence}",
         concerned.len(),
         100.0 * bias(worst),
         worst.frequency_hz,
@@ -89,15 +93,56 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     Some(finding.into())
 }
 
+/// Widens the bars of modes by what a Hann window would have added to their damping, and to
+/// their mass scale with it.
+pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout) {
+    let Some(leakage) = of_hann(data) else { return };
+    let stands = |mode: &&mut Mode| mode.in_band && mode.trust != Trust::Rejected;
+    for mode in model.modes.iter_mut().filter(stands) {
+        let doubt = doubt(&leakage, mode);
+        mode.loss_factor_std = mode.loss_factor_std.hypot(doubt * mode.loss_factor);
+        if model.scaling != Scaling::UnitModalMass {
+            continue;
+        }
+        let of_shape = limits::SCALE_OF_DAMPING * doubt;
+        let values = mode.shape.0.iter().zip(&mut mode.shape_std);
+        values.for_each(|(value, std)| *std = std.hypot(of_shape * value.norm()));
+    }
+}
+
+/// Effect of a Hann window on records as long as the lines tell; decays are in 1/s.
+fn of_hann(data: &DataLayout) -> Option<Leakage> {
+    let record_s = 1.0 / data.line_spacing_hz();
+    Some(Leakage::new(Window::Hann.kernel()?, record_s, 0))
+}
+
+/// Part of a loss factor that a window would have added.
+fn doubt(leakage: &Leakage, mode: &Mode) -> f64 {
+    let seen = PI * mode.loss_factor * mode.frequency_hz;
+    1.0 - leakage.unbroadened(seen) / seen
+}
+
 /// True where damping may be biased and nobody said by which window.
 pub(crate) fn is_open(model: &ModalModel) -> bool {
     let mut findings = model.quality.findings.iter();
     findings.any(|finding| finding.code == "window-bias")
 }
 
+/// Relative excess of damping under a Hann window, to first order: 1/(πb).
+fn first_order(step_hz: f64, mode: &Mode) -> f64 {
+    step_hz / (PI * mode.loss_factor * mode.frequency_hz)
+}
+
 /// The window that line shapes and the errors of neighbouring lines both speak of, each by
 /// itself clearly: neither alone corrects anything.
 pub(crate) fn decided(case: &Case) -> Option<(Window, Finding)> {
+    // only where broadening stands clear of the error bars; else these hold it
+    let step = case.data.line_spacing_hz();
+    let clear = |mode: &&Mode| {
+        let doubt = 2.0 * mode.loss_factor_std / mode.loss_factor;
+        first_order(step, mode) > limits::BIAS.max(doubt)
+    };
+    case.sure_modes().into_iter().find(clear)?;
     let (window, of_shapes, modes) = likely_window(case)?;
     let errors = witness(case)?;
     let agree = window == Window::Hann && errors.likeliest == Correlation::Hann;

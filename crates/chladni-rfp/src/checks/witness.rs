@@ -10,7 +10,12 @@ use crate::checks::case::Case;
 use crate::checks::limits;
 use crate::checks::moving::without_others;
 use crate::damping::window_kernel::{BLACKMAN, FLATTOP, HANN};
+use crate::data::error::FitError;
+use crate::data::options::FitOptions;
 use crate::data::peaks::running_median;
+use crate::data::screening::Screened;
+use crate::data::window::told;
+use chladni_frf::{FrfSet, ModalModel};
 use chladni_linalg::{cholesky, solve_lower};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
@@ -20,11 +25,14 @@ use std::ops::Range;
 
 /// The cause of correlated errors of neighbouring lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Correlation {
+pub enum Correlation {
     /// Nothing: no window.
     White,
+    /// A Hann window.
     Hann,
+    /// A Blackman window.
     Blackman,
+    /// A flat-top window.
     Flattop,
     /// An exponential window.
     Exponential,
@@ -47,10 +55,40 @@ impl fmt::Display for Correlation {
 
 /// The likeliest correlation of the errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Witness {
+pub struct Witness {
+    /// The cause.
     pub likeliest: Correlation,
     /// Log-likelihood over that of the next.
     pub gain: f64,
+}
+
+impl Witness {
+    /// True where the errors say enough for a finding to name their cause.
+    pub fn decides(&self) -> bool {
+        self.gain > limits::SAYS
+    }
+}
+
+/// The likeliest correlation of what `model` leaves of the FRFs it was fitted to with
+/// `options`; `None` where too few lines hold noise alone.
+///
+/// # Errors
+/// Those of a fit that cannot begin.
+pub fn error_witness(
+    frf: &FrfSet,
+    options: &FitOptions,
+    model: &ModalModel,
+) -> Result<Option<Witness>, FitError> {
+    let options = told(frf, options);
+    let screened = Screened::new(frf, &options)?;
+    Ok(witness(&Case {
+        data: &screened,
+        values: Some(&screened),
+        model,
+        options: &options,
+        white: false,
+        noise_variance: 0.0,
+    }))
 }
 
 /// The likeliest correlation; `None` where the data cannot be asked, or too few lines hold

@@ -102,6 +102,19 @@ impl Leakage {
         1.0 / (z * g.re) - 1.0
     }
 
+    /// The decay (over ω_max) that is read as `seen`: what [`Self::broadening`] undoes.
+    pub fn unbroadened(&self, seen: f64) -> f64 {
+        let (mut low, mut high) = (0.0, seen);
+        for _ in 0..limits::HALVINGS {
+            let middle = 0.5 * (low + high);
+            match middle * (1.0 + self.broadening(middle)) < seen {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        0.5 * (low + high)
+    }
+
     /// A pole of plain columns, in the structural plane, less what a window usually adds to
     /// its decay, 1/T: where a refinement starts.
     pub fn narrowed(&self, lambda: Complex64) -> Complex64 {
@@ -213,6 +226,23 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_broadened_decay_leads_back() {
+        let leakage = Leakage::new(Window::Hann.kernel().unwrap(), RECORD, 1);
+        // half a line to eight lines per half-power bandwidth
+        for lines in [0.5, 1.0, 8.0] {
+            let decay = std::f64::consts::PI * lines / RECORD;
+            let seen = decay * (1.0 + leakage.broadening(decay));
+            assert!(
+                seen > (1.0 + 0.04 / lines) * decay,
+                "{lines}: {}",
+                seen / decay
+            );
+            let back = leakage.unbroadened(seen);
+            assert!((back - decay).abs() < 1e-6 * decay, "{lines}: {back}");
         }
     }
 

@@ -31,6 +31,8 @@ pub(super) const TURN: f64 = 0.3;
 pub(super) const FREQUENCY_SHIFT: f64 = 0.25;
 /// See above.
 pub(super) const LOSS_SHIFT: f64 = 0.28;
+/// Turn of a mass-normalised shape under the wrong law, over η: that of √(1 + jη/2).
+pub(super) const SHAPE_TURN: f64 = 0.25;
 /// Difference of −2 ln likelihood that decides: for two models with as many unknowns each
 /// the wrong one wins by so much with a probability below Φ(−4) = 3e-5.
 pub(super) const DECIDES: f64 = 16.0;
@@ -66,3 +68,17 @@ pub(super) const SAVED_DAMPING_UP: f64 = 10.0;
 pub(super) const SAVED_SETTLED: f64 = 1e-9;
 /// Half-widths of a pole over which derivatives are differences.
 pub(super) const SAVED_DIFFERENCE: f64 = 1e-4;
+
+// block_errors.rs
+
+/// Places of a record at which force and windows are taken: lines up to half as many cycles
+/// from the middle of a band.
+pub(super) const RECORD_POINTS: usize = 64;
+/// Decay after which a response has forgotten its force, nepers (1 %).
+pub(super) const MEMORY_NEPERS: f64 = 4.6;
+/// Records that it is followed back at most.
+pub(super) const MEMORY_RECORDS: f64 = 3.0;
+/// From block to block over the record where nobody says it.
+pub(super) const HOP_ASSUMED: f64 = 0.5;
+/// Halvings of an interval that ends at what is known: to 1e-9 of it.
+pub(super) const HALVINGS: usize = 30;

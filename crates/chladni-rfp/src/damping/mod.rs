@@ -1,6 +1,7 @@
 //! Enters: lines and poles; leaves: columns, derivatives and inner products in one damping
 //! law, and which law holds.
 
+pub(crate) mod block_errors;
 pub(crate) mod columns;
 pub(crate) mod gram;
 pub(crate) mod leakage;

@@ -173,9 +173,19 @@ fn least_turn(laws: &[LawFit; 2]) -> f64 {
 /// Shift of frequency or loss factor under the wrong law, whichever is more, in error
 /// bars.
 pub(crate) fn shift(loss_factor: f64, relative_omega_std: f64, loss_factor_std: f64) -> f64 {
+    let [omega, loss, _] = shifts(loss_factor);
+    (omega / relative_omega_std).max(loss / loss_factor_std)
+}
+
+/// Shifts under the wrong law: of the frequency, relative, of the loss factor, and of the
+/// angle of a mass-normalised shape, rad.
+pub(crate) fn shifts(loss_factor: f64) -> [f64; 3] {
     let square = loss_factor * loss_factor;
-    (limits::FREQUENCY_SHIFT * square / relative_omega_std)
-        .max(limits::LOSS_SHIFT * square * loss_factor / loss_factor_std)
+    [
+        limits::FREQUENCY_SHIFT * square,
+        limits::LOSS_SHIFT * square * loss_factor,
+        limits::SHAPE_TURN * loss_factor,
+    ]
 }
 
 /// The finding where neither free residues nor common shapes decide; `most`: the largest

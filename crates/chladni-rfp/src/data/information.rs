@@ -7,7 +7,8 @@ use crate::tolerances as tol;
 use chladni_linalg::{
     eigh, inverse_hermitian, matmul, matmul_h, solve_hermitian, solve_upper, LinalgError, Scalar,
 };
-use ndarray::{Array2, ArrayView2, Axis};
+use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
+use num_complex::Complex64;
 
 /// Inverse of a Hermitian information matrix. Unknowns that the data do not tell have an
 /// infinite variance and no covariance.
@@ -106,11 +107,29 @@ impl<T: Scalar> Told<T> {
     }
 }
 
+/// Share of an error of each line that stays in the residual: the fit takes the rest
+/// along (leverage; MacKinnon & White 1985, HC3). An error common to all FRFs moves the
+/// poles too, so their derivatives count.
+pub(crate) fn kept_share(q: &Array2<Complex64>, derivative: &Array2<Complex64>) -> Vec<f64> {
+    let energy = |v: ArrayView1<Complex64>| v.iter().map(|c| c.norm_sqr()).sum::<f64>();
+    let columns: Vec<f64> = derivative.columns().into_iter().map(energy).collect();
+    let of_poles = |k: usize| {
+        derivative
+            .row(k)
+            .iter()
+            .zip(&columns)
+            .map(|(d, all)| d.norm_sqr() / all)
+            .sum::<f64>()
+    };
+    (0..q.nrows())
+        .map(|k| (1.0 - energy(q.row(k)) - of_poles(k)).max(limits::LEAST_KEPT))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use ndarray::array;
-    use num_complex::Complex64;
 
     #[test]
     fn what_is_told_keeps_its_variance_beside_what_is_not() {

@@ -1,11 +1,12 @@
 //! The data without their values: lines, FRFs, scale. All that comes after the passes
 //! over the data needs no more.
 
+use crate::damping::block_errors::BlockErrors;
 use crate::damping::leakage::Leakage;
 use crate::data::columns::Columns;
 use crate::data::options::{Effort, Window};
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
-use chladni_frf::{Damping, Dof, Finding, FrfKind, FrfSet, Node, ReferenceUnit};
+use chladni_frf::{Damping, Dof, Estimation, Finding, FrfKind, FrfSet, Node, ReferenceUnit};
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -50,6 +51,8 @@ pub(crate) struct DataLayout {
     pub window: Option<Window>,
     /// Its effect on the columns of poles; `None` where it has none.
     pub leakage: Option<Arc<Leakage>>,
+    /// Errors that neighbouring lines share; `None` where they share none, or nobody knows.
+    pub errors: Option<Arc<BlockErrors>>,
     /// The data left out, in words.
     pub warnings: Vec<Finding>,
     /// Effort spent on finding poles.
@@ -143,6 +146,7 @@ impl DataLayout {
             law: Damping::Structural,
             window: None,
             leakage: None,
+            errors: None,
             warnings: Vec::new(),
             effort,
             energy: Vec::new(),
@@ -165,15 +169,21 @@ impl DataLayout {
     /// line spacing.
     ///
     /// * `record_s`: part of a record that holds samples
-    pub fn windowed(self, window: Option<Window>, record_s: f64) -> Self {
+    pub fn windowed(
+        self,
+        window: Option<Window>,
+        record_s: f64,
+        made: Option<&Estimation>,
+    ) -> Self {
         let kernel = window.and_then(Window::kernel);
-        let leakage = kernel.map(|kernel| {
-            let record = record_s * self.omega_max;
-            Arc::new(Leakage::new(kernel, record, self.kind.omega_power()))
-        });
+        let record = record_s * self.omega_max;
+        let leakage =
+            kernel.map(|kernel| Arc::new(Leakage::new(kernel, record, self.kind.omega_power())));
+        let errors = window.and_then(|window| BlockErrors::new(window, made, record));
         Self {
             window,
             leakage,
+            errors: errors.map(Arc::new),
             ..self
         }
     }

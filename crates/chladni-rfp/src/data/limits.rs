@@ -123,3 +123,7 @@ pub(super) const BETA_MOST: f64 = 40.0;
 
 /// Values and harmonics that a window without a closed form is taken by.
 pub(super) const BY_VALUES: (usize, usize) = (1024, 256);
+
+/// Least share of an error of a line that counts as left in the residual: a line that is all
+/// but interpolated says nothing of its own error.
+pub(super) const LEAST_KEPT: f64 = 0.1;

@@ -5,6 +5,7 @@ use crate::data::limits;
 use crate::tolerances as tol;
 use chladni_frf::{Damping, ModalModel};
 use serde_json::Value;
+use std::f64::consts::TAU;
 use std::fmt;
 use std::str::FromStr;
 
@@ -388,20 +389,40 @@ impl Window {
         Some(match self {
             Self::None => return None,
             Self::Transient => WindowKernel::Transient,
-            Self::Rectangular => WindowKernel::cosines(&[1.0]),
-            Self::Hann => WindowKernel::cosines(&HANN),
-            Self::Hamming => WindowKernel::cosines(&HAMMING),
-            Self::Blackman => WindowKernel::cosines(&BLACKMAN),
-            Self::Flattop => WindowKernel::cosines(&FLATTOP),
-            Self::Kaiser { beta } => {
-                let (values, harmonics) = limits::BY_VALUES;
-                let place = |k: usize| 2.0 * (k as f64 + 0.5) / values as f64 - 1.0;
-                let value = |k: usize| bessel_0(beta * (1.0 - place(k).powi(2)).sqrt());
-                let window: Vec<f64> = (0..values).map(value).collect();
-                WindowKernel::of_values(&window, harmonics)
-            }
             Self::Burst { part } => WindowKernel::Burst { part },
+            Self::Kaiser { .. } => {
+                let (values, harmonics) = limits::BY_VALUES;
+                WindowKernel::of_values(&self.values(values), harmonics)
+            }
+            _ => WindowKernel::cosines(self.cosines()),
         })
+    }
+
+    /// Coefficients c_n of Σ c_n e^{2πjnu}, n ≥ 0; of other windows those of none.
+    fn cosines(self) -> &'static [f64] {
+        match self {
+            Self::Hann => &HANN,
+            Self::Hamming => &HAMMING,
+            Self::Blackman => &BLACKMAN,
+            Self::Flattop => &FLATTOP,
+            _ => &[1.0],
+        }
+    }
+
+    /// Factors on continuous noise at the middles of `points` equal parts of a record.
+    pub(crate) fn values(self, points: usize) -> Vec<f64> {
+        let value = |k: usize| {
+            let u = (k as f64 + 0.5) / points as f64;
+            if let Self::Kaiser { beta } = self {
+                return bessel_0(beta * (1.0 - (2.0 * u - 1.0).powi(2)).sqrt());
+            }
+            let term = |(n, c): (usize, &f64)| {
+                let sides = if n == 0 { 1.0 } else { 2.0 };
+                sides * c * (TAU * n as f64 * u).cos()
+            };
+            self.cosines().iter().enumerate().map(term).sum()
+        };
+        (0..points).map(value).collect()
     }
 }
 

@@ -120,8 +120,11 @@ impl<'a> Screened<'a> {
         let mut head = DataLayout {
             pairs,
             warnings,
-            ..DataLayout::new(frf, kind, lines, [low, high], options.effort)
-                .windowed(options.window, record_s(frf, options)?)
+            ..DataLayout::new(frf, kind, lines, [low, high], options.effort).windowed(
+                options.window,
+                record_s(frf, options)?,
+                frf.estimation.as_ref(),
+            )
         };
         head.energy = if bad.contains(&true) {
             head.pairs

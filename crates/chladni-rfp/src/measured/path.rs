@@ -17,7 +17,7 @@ use crate::measured::impulse::{padding_factor, windowed};
 use crate::measured::record::Record;
 use crate::measured::search::{Finished, Search};
 use crate::poles::estimate::{more_than_asked, Grade};
-use crate::poles::refine::{refine, Refined};
+use crate::poles::refine::{refine, refine_inside, Refined};
 use crate::poles::sections::split;
 use crate::tolerances as tol;
 use chladni_frf::{Finding, Trust};
@@ -140,6 +140,7 @@ fn on_columns(
     let work = work.select(&rows);
     let (frfs, one_reference) = (data.pairs.len(), data.references.len() == 1);
     let scales = back.as_ref().map(|back| back.diag().to_owned());
+    let leaks = data.errors.as_ref().is_some_and(|errors| errors.leaks());
     let record = Record {
         work: &work,
         noise: &noise,
@@ -148,6 +149,7 @@ fn on_columns(
         scales,
         one_reference,
         windowed,
+        leaks,
         hz,
     };
 
@@ -189,7 +191,11 @@ fn on_columns(
 
     let work = work.reweighted(&weights);
     let lambda: Vec<Complex64> = evidence.iter().map(|e| e.lambda).collect();
-    let refined = refine(&work, &lambda, &POWERS, 0, tol::FINE_STEP)?;
+    // poles of resolved modes are those of their own lines, unless errors are largest there
+    let refined = match leaks {
+        true => refine_inside(&work, &lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?,
+        false => refine(&work, &lambda, &POWERS, 0, tol::FINE_STEP)?,
+    };
     let variance = evidence
         .iter()
         .map(|e| (e.deviation * e.lambda.im).powi(2))

@@ -20,6 +20,8 @@ pub(crate) struct Record<'a> {
     pub one_reference: bool,
     /// True where the records went through a window that broadens lines.
     pub windowed: bool,
+    /// True where errors are known to be largest beside modes.
+    pub leaks: bool,
     /// Hz per √x.
     pub hz: f64,
 }

@@ -3,7 +3,7 @@
 
 use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
-use crate::data::information::covariance;
+use crate::data::information::{covariance, kept_share};
 use crate::poles::refine::Refined;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::Array2;
@@ -64,25 +64,3 @@ pub(crate) fn variances(
         .collect();
     Ok((robust, (0..n).map(|q| white * inverse[[q, q]].re).collect()))
 }
-
-/// Share of an error of each line that stays in the residual: the fit takes the rest
-/// along (leverage; MacKinnon & White 1985, HC3). An error common to all FRFs moves the
-/// poles too, so their derivatives count.
-fn kept_share(q: &Array2<Complex64>, derivative: &Array2<Complex64>) -> Vec<f64> {
-    let energy = |v: ndarray::ArrayView1<Complex64>| v.iter().map(|c| c.norm_sqr()).sum::<f64>();
-    let columns: Vec<f64> = derivative.columns().into_iter().map(energy).collect();
-    let of_poles = |k: usize| {
-        derivative
-            .row(k)
-            .iter()
-            .zip(&columns)
-            .map(|(d, all)| d.norm_sqr() / all)
-            .sum::<f64>()
-    };
-    (0..q.nrows())
-        .map(|k| (1.0 - energy(q.row(k)) - of_poles(k)).max(LEAST_KEPT))
-        .collect()
-}
-
-/// A line that is all but interpolated says nothing of its own error.
-const LEAST_KEPT: f64 = 0.1;

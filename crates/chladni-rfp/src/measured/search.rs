@@ -316,13 +316,15 @@ impl<'a> Search<'a> {
             tol::REFINE_FINE,
             tol::FINE_STEP,
         )?;
-        let (resolved, local) = refine_resolved(
-            &self.plain,
-            &self.weighted,
-            &self.residual(),
-            &self.candidates.refined,
-        )?;
-        self.candidates.refined = resolved;
+        let mut local = vec![None; self.candidates.refined.lambda.len()];
+        if !self.record.leaks {
+            (self.candidates.refined, local) = refine_resolved(
+                &self.plain,
+                &self.weighted,
+                &self.residual(),
+                &self.candidates.refined,
+            )?;
+        }
         let refined = &self.candidates.refined;
         let (robust, white) = variances(&self.weighted, refined)?;
         let gains = one_column_gains(&self.weighted, refined, 0)?;

@@ -86,6 +86,7 @@ pub(crate) fn fit_by_method(
         warnings: found.warnings,
         consistent: true,
         real_shapes: false,
+        law_open: false,
     };
     let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);

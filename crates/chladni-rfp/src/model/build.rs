@@ -1,5 +1,6 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
+use crate::damping::verdict::shifts;
 use crate::model::identified::Identified;
 use crate::model::limits;
 use crate::model::residual_energy::{above_rounding, by_sums, Laid};
@@ -12,6 +13,8 @@ use crate::model::modes::{modes, rejected_mode, scale_unknown, scales, unscaled}
 use crate::model::residues::{linear, synthesis, Linear};
 use crate::poles::pole::Given;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
+use crate::shapes::influence::Found;
+use crate::shapes::line_bars::line_bars;
 use crate::shapes::low_rank::low_rank_around;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::residues::{is_too_much, significant_rank, Residues};
@@ -112,7 +115,7 @@ impl Shaped {
     /// A kernel that fails.
     pub fn new(data: &DataLayout, identified: Identified) -> Result<Self, LinalgError> {
         let FreeFit {
-            poles,
+            mut poles,
             mut linear,
             all,
             present,
@@ -207,7 +210,27 @@ impl Shaped {
             noise_of_response,
             real: *real_shapes,
         };
-        let bars = shape_bars(&noisy, &scales);
+        let mut bars = shape_bars(&noisy, &scales);
+        if let Some(errors) = &data.errors {
+            let scales_of_frfs = identified
+                .noise_of_frfs()
+                .map(|noise| noise.mapv(f64::sqrt).to_vec());
+            let found = Found {
+                data,
+                work,
+                scales_of_frfs,
+                powers,
+                poles: &poles,
+                shapes: &shapes,
+                scales: &scales,
+            };
+            for term in line_bars(&found, errors)? {
+                term.put(&mut poles, &mut bars);
+            }
+        }
+        if identified.law_open {
+            hold_both_laws(&mut poles, &shapes, (&scales, scaling), &mut bars);
+        }
         let terms = linear.terms;
         Ok(Self {
             identified,
@@ -418,6 +441,30 @@ impl Shaped {
             .iter()
             .enumerate()
             .for_each(|(p, &value)| add(self.poles.len() + p, value));
+    }
+}
+
+/// Widens bars by what the other damping law would shift.
+fn hold_both_laws(
+    poles: &mut [Pole],
+    shapes: &Shapes,
+    (scales, scaling): (&[Scale], Scaling),
+    bars: &mut ShapeBars,
+) {
+    for pole in poles.iter_mut() {
+        let [omega, loss, _] = shifts(pole.loss_factor);
+        pole.omega_std = pole.omega_std.hypot(omega * pole.omega);
+        pole.loss_factor_std = pole.loss_factor_std.hypot(loss);
+    }
+    if scaling != Scaling::UnitModalMass {
+        return;
+    }
+    for (term, mut row) in bars.shape.rows_mut().into_iter().enumerate() {
+        let [.., turn] = shifts(poles[shapes.owner[term]].loss_factor);
+        let size = scales[term].factor.norm() * turn;
+        row.zip_mut_with(&shapes.shape.row(term), |bar, value| {
+            *bar = bar.hypot(size * value.norm());
+        });
     }
 }
 

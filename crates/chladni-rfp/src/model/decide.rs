@@ -38,7 +38,9 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         Search::Refused(sigmas) => (None, Some(sigmas)),
         Search::Inapplicable => (None, None),
     };
+    let open = found.measured && told == Verdict::Undecidable && options.damping.is_none();
     let mut identified = Identified::new(found);
+    identified.law_open = open;
     let mut warnings = Vec::new();
     let shift = identified.shift_by_other_law();
     match told {

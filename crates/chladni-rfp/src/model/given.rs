@@ -94,6 +94,7 @@ impl GivenPoles {
             warnings: Vec::new(),
             consistent: true,
             real_shapes: false,
+            law_open: false,
         })
     }
 }

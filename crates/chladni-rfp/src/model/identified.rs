@@ -32,6 +32,8 @@ pub(crate) struct Identified {
     pub consistent: bool,
     /// True where shapes and participations given with poles are real.
     pub real_shapes: bool,
+    /// True where the damping law is open and the bars have to hold both.
+    pub law_open: bool,
 }
 
 impl Identified {
@@ -88,6 +90,7 @@ impl Identified {
             warnings,
             consistent,
             real_shapes: false,
+            law_open: false,
         }
     }
 

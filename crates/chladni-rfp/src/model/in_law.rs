@@ -3,7 +3,7 @@
 use crate::damping::columns::in_plane_of;
 use crate::damping::structural::POWERS;
 use crate::poles::estimate::{graded, PoleEstimate};
-use crate::poles::refine::refine;
+use crate::poles::refine::{refine, refine_inside};
 use crate::poles::settle::settle;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
@@ -35,7 +35,10 @@ pub(crate) fn in_law(
     let work = found.work.in_law(law);
     let before = found.refined.projection.sse;
     let steps = tol::REFINE_FINE;
-    let mut refined = refine(&work, &start, &POWERS, steps, tol::FINE_STEP)?;
+    let mut refined = match work.leakage.is_some() && frfs.is_none() {
+        true => refine_inside(&work, &start, &POWERS, steps, tol::FINE_STEP)?,
+        false => refine(&work, &start, &POWERS, steps, tol::FINE_STEP)?,
+    };
     let Some(frfs) = frfs else {
         let of = |n: usize| (found.grades[n].clone(), found.spread[n]);
         let (grades, spread) = there.iter().map(|(n, _)| of(*n)).unzip();

@@ -65,7 +65,7 @@ impl Plan {
         );
         Ok(DataLayout {
             reference_unit: self.reference_unit,
-            ..head.windowed(self.window(), self.record_s)
+            ..head.windowed(self.window(), self.record_s, None)
         })
     }
 

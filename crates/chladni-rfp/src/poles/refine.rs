@@ -196,6 +196,24 @@ pub(crate) fn refine(
     on_orthonormal_basis(descent, last, tolerance)
 }
 
+/// The same for the poles of the band; those outside, which stand for background, keep their
+/// places and do not wander in.
+pub(crate) fn refine_inside(
+    work: &Columns,
+    start: &[Complex64],
+    powers: &[i32],
+    iterations: usize,
+    tolerance: f64,
+) -> Result<Refined, LinalgError> {
+    let moved = refined_poles(work, start, powers, iterations, tolerance)?;
+    let place = |(old, new): (&Complex64, &Complex64)| match work.in_band(*old) {
+        true => *new,
+        false => *old,
+    };
+    let places: Vec<Complex64> = start.iter().zip(&moved).map(place).collect();
+    refine(work, &places, powers, 0, tolerance)
+}
+
 /// The poles alone.
 pub(crate) fn refined_poles(
     work: &Columns,

@@ -123,3 +123,20 @@ pub(super) const CLUSTER_HALF_WIDTHS: f64 = 8.0;
 
 /// DOFs of the eliminated side per block: several for each thread where there are few.
 pub(super) const TARGET_BLOCK: usize = 8;
+
+// line_bars.rs
+
+/// Cycles per record from a mode to the last line whose leakage counts; below half of the
+/// places of a record.
+pub(super) const LEAK_CYCLES: f64 = 28.0;
+/// Cycles per record about a mode on which the residual tells the averages, at least.
+pub(super) const LEAK_SEEN: f64 = 2.0;
+/// Poles whose leakage counts for one mode, the nearest first.
+pub(super) const LEAKING_MOST: usize = 5;
+/// Cycles per record beyond which noise is independent: 1e-4 under a flat top.
+pub(super) const CYCLES_APART: f64 = 8.0;
+/// References whose forces are told apart; more are taken for one, whose errors are larger.
+pub(super) const FORCES_MOST: usize = 4;
+/// Variance beside modes over the one foretold, beyond which the residual is believed and not
+/// the averages that the set names: by chance it varies by a quarter.
+pub(super) const LEAKS_AS_TOLD: f64 = 2.0;

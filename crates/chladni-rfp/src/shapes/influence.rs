@@ -1,0 +1,236 @@
+//! Poles and residues as sums over the errors of lines (theory.md, eq. F4e): to first order
+//! δλ = H⁻¹·Σ_l R̄_l∘(DᴴP⊥E_l) and δR_l = A⁺(E_l − D·R_l∘δλ).
+
+use crate::damping::block_errors::BlockErrors;
+use crate::damping::structural::basis_derivative;
+use crate::data::columns::Columns;
+use crate::data::information::{covariance, kept_share};
+use crate::data::layout::DataLayout;
+use crate::poles::pole::Pole;
+use crate::poles::refine::Projection;
+use crate::shapes::limits;
+use crate::shapes::low_rank::Shapes;
+use crate::shapes::scale::Scale;
+use chladni_linalg::{matmul, matmul_h, solve_upper, LinalgError};
+use ndarray::{s, Array2, Axis};
+use num_complex::Complex64;
+
+/// Poles, shapes and the lines they were found on.
+pub(crate) struct Found<'a> {
+    pub data: &'a DataLayout,
+    pub work: &'a Columns,
+    /// Scale of each FRF, where the columns are scaled FRFs.
+    pub scales_of_frfs: Option<Vec<f64>>,
+    pub powers: &'a [i32],
+    pub poles: &'a [Pole],
+    pub shapes: &'a Shapes,
+    pub scales: &'a [Scale],
+}
+
+/// Poles and residues as sums over errors of lines.
+pub(super) struct Influence<'a> {
+    pub found: &'a Found<'a>,
+    pub errors: &'a BlockErrors,
+    pub lambda: Vec<Complex64>,
+    /// Row n of A⁺ and DᴴP⊥ of pole n, (line, 2n).
+    pub rows: Array2<Complex64>,
+    /// A⁺D, (pole, pole).
+    pub follow: Array2<Complex64>,
+    /// H⁻¹.
+    pub inverse: Array2<Complex64>,
+    /// Residues, (pole, pair), of columns.
+    pub residues: Array2<Complex64>,
+    /// Σ_l R̄_ml·R_nl over FRFs l of each force, weighted as in the fit, (m, n).
+    pub of_forces: Vec<Array2<Complex64>>,
+    /// The same over all, for their noise.
+    pub of_noise: Array2<Complex64>,
+    /// Noise variance of each pair.
+    pub noise: Vec<f64>,
+    /// Force of each pair, and their number.
+    pub force: Vec<usize>,
+    pub forces: usize,
+    /// Pairs of each response.
+    pub of_response: Vec<Vec<usize>>,
+    /// Σ|residual|² of each line over the share that a fit leaves of an error.
+    pub left: Vec<f64>,
+}
+
+impl<'a> Influence<'a> {
+    pub fn new(found: &'a Found<'a>, errors: &'a BlockErrors) -> Result<Self, LinalgError> {
+        let Found {
+            data,
+            work,
+            powers,
+            poles,
+            shapes,
+            ..
+        } = found;
+        let lambda: Vec<Complex64> = poles.iter().map(Pole::lambda).collect();
+        let n = lambda.len();
+        let projection = Projection::new(work, &lambda, powers)?;
+        let unit = Array2::eye(projection.r.nrows());
+        let inverse = solve_upper(projection.r.view(), unit.view())?;
+        let inverse = inverse.slice(s![..n, ..]);
+        let derivative = basis_derivative(work, &lambda);
+        let inside = matmul_h(projection.q.view(), derivative.view());
+        let follow = matmul(inverse, inside.view());
+        let outside = &derivative - &matmul(projection.q.view(), inside.view());
+        let own = matmul(projection.q.view(), inverse.t().mapv(|v| v.conj()).view());
+        let mut rows =
+            ndarray::concatenate(Axis(1), &[own.view(), outside.view()]).expect("the same lines");
+        rows.mapv_inplace(|v| v.conj());
+
+        let scale_of = |l: usize| {
+            found
+                .scales_of_frfs
+                .as_ref()
+                .map_or(1.0, |scales| scales[l])
+        };
+        let weight: Vec<f64> = (0..data.pairs.len())
+            .map(|l| scale_of(l).powi(-2))
+            .collect();
+        let mut residues = Array2::zeros((n, data.pairs.len()));
+        for (term, &owner) in shapes.owner.iter().enumerate() {
+            let unit = poles[owner].residue_unit(work.law);
+            for (l, &(i, j)) in data.pairs.iter().enumerate() {
+                residues[[owner, l]] +=
+                    unit * shapes.shape[[term, i]] * shapes.participation[[term, j]];
+            }
+        }
+        let power = f64::from(data.kind.omega_power());
+        let level = |column: usize| {
+            let mut squares: Vec<f64> = (0..work.lines())
+                .map(|k| {
+                    let weight = work.g[k] / work.x[k].powf(0.5 * power);
+                    projection.residual[[k, column]].norm_sqr() / (weight * weight)
+                })
+                .collect();
+            let middle = squares.len() / 2;
+            *squares.select_nth_unstable_by(middle, f64::total_cmp).1 / std::f64::consts::LN_2
+        };
+        let levels: Vec<f64> = (0..work.columns()).map(level).collect();
+        let usual = levels.iter().sum::<f64>() / levels.len().max(1) as f64;
+        let noise = |l: usize| match found.scales_of_frfs {
+            Some(_) => levels[l] * scale_of(l).powi(2),
+            None => usual,
+        };
+        let noise = (0..data.pairs.len()).map(noise).collect();
+        let forces = match data.references.len() {
+            references @ 1..=limits::FORCES_MOST => references,
+            _ => 1,
+        };
+        let force = data.pairs.iter().map(|&(_, j)| j % forces).collect();
+        let mut of_response = vec![Vec::new(); data.responses.len()];
+        for (l, &(i, _)) in data.pairs.iter().enumerate() {
+            of_response[i].push(l);
+        }
+        let kept = kept_share(&projection.q, &outside);
+        let energy = projection
+            .residual
+            .rows()
+            .into_iter()
+            .map(|row| square(row.iter()));
+        let left = energy
+            .zip(&kept)
+            .map(|(energy, kept)| energy / kept)
+            .collect();
+        let mut influence = Self {
+            found,
+            errors,
+            lambda,
+            follow,
+            inverse: Array2::zeros((0, 0)),
+            residues,
+            of_forces: Vec::new(),
+            of_noise: Array2::zeros((0, 0)),
+            noise,
+            force,
+            forces,
+            of_response,
+            left,
+            rows,
+        };
+        let at = |force: usize, l: usize| match influence.force[l] == force {
+            true => weight[l],
+            false => 0.0,
+        };
+        let of_forces = (0..forces).map(|force| influence.products(|l| at(force, l)));
+        influence.of_forces = of_forces.collect();
+        influence.of_noise = influence.products(|l| influence.noise[l] * weight[l].powi(2));
+        let outside = influence.rows.slice(s![.., n..]);
+        let across = matmul_h(outside, outside).mapv(|v: Complex64| v.conj());
+        influence.inverse = covariance((across * influence.of_all()).view());
+        Ok(influence)
+    }
+
+    /// Σ_l weight·R̄_ml·R_nl over pairs, (m, n).
+    fn products(&self, weight: impl Fn(usize) -> f64) -> Array2<Complex64> {
+        let mut weighted = self.residues.t().to_owned();
+        for (l, mut row) in weighted.rows_mut().into_iter().enumerate() {
+            row.mapv_inplace(|v| v * weight(l));
+        }
+        matmul(self.residues.mapv(|v| v.conj()).view(), weighted.view())
+    }
+
+    /// The products of all forces.
+    pub fn of_all(&self) -> Array2<Complex64> {
+        let none = Array2::zeros(self.of_noise.raw_dim());
+        self.of_forces.iter().fold(none, |sum, one| sum + one)
+    }
+
+    /// Σ_kq row_a(k)·row_b(q)*·r(k, q) over lines, of all rows, for errors of variance 1
+    /// before the weights of lines.
+    pub fn noise_products(&self, correlation: impl Fn(f64) -> Complex64) -> Array2<Complex64> {
+        let work = self.found.work;
+        let y: Vec<f64> = work.x.iter().map(|x| x.sqrt()).collect();
+        let power = f64::from(self.found.data.kind.omega_power());
+        let mut weighted = self.rows.clone();
+        for (k, mut row) in weighted.rows_mut().into_iter().enumerate() {
+            let weight = work.g[k] / work.x[k].powf(0.5 * power);
+            row.mapv_inplace(|v| v * weight);
+        }
+        let mut mixed = Array2::zeros(weighted.raw_dim());
+        let mut known: Vec<(f64, Complex64)> = Vec::new();
+        for k in 0..y.len() {
+            for q in k..y.len() {
+                let cycles = self.errors.cycles(y[q] - y[k]);
+                if cycles > limits::CYCLES_APART {
+                    break;
+                }
+                let near = known.iter().find(|(at, _)| (at - cycles).abs() < 1e-6);
+                let value = near.map(|(_, value)| *value).unwrap_or_else(|| {
+                    let value = correlation(if q == k { 0.0 } else { cycles });
+                    known.push((cycles, value));
+                    value
+                });
+                if value.norm_sqr() == 0.0 {
+                    continue;
+                }
+                mixed.row_mut(k).scaled_add(value, &weighted.row(q));
+                if q != k {
+                    mixed.row_mut(q).scaled_add(value.conj(), &weighted.row(k));
+                }
+            }
+        }
+        matmul(mixed.t(), weighted.mapv(|v| v.conj()).view())
+    }
+
+    /// Lines whose leakage counts for the mode n.
+    pub fn lines_about(&self, n: usize, cycles: f64) -> Vec<usize> {
+        let x = &self.found.work.x;
+        let middle = self.middle(n);
+        let near = |k: &usize| self.errors.cycles((x[*k].sqrt() - middle).abs()) < cycles;
+        (0..x.len()).filter(near).collect()
+    }
+
+    /// ω_n over ω_max.
+    pub fn middle(&self, n: usize) -> f64 {
+        self.lambda[n].re.max(0.0).sqrt()
+    }
+}
+
+/// Σ|v|², never zero.
+pub(super) fn square<'a>(values: impl Iterator<Item = &'a Complex64>) -> f64 {
+    let sum: f64 = values.map(|v| v.norm_sqr()).sum();
+    sum.max(f64::MIN_POSITIVE)
+}

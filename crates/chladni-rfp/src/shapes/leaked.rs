@@ -1,0 +1,155 @@
+//! Moments of what leakage and noise do to poles and residues (theory.md, eq. F4d).
+//!
+//! Leakage is a sum over poles of what each leaks, times its residue, the same in all FRFs of
+//! one force: a few forms of the force, of which every shape takes its part.
+
+use crate::damping::block_errors::{Band, Form, Leak};
+use crate::damping::columns::{leaking_pole, resonance};
+use crate::shapes::influence::Influence;
+use crate::shapes::limits;
+use chladni_linalg::matmul;
+use ndarray::{s, Array2, Axis};
+use num_complex::Complex64;
+
+/// Moments of the errors that a mode's bars are made of: what each pole leaks into its
+/// residue, then errors of poles.
+pub(super) struct Moments {
+    /// Poles that count.
+    pub near: Vec<usize>,
+    /// E d·dᴴ for each force; the errors of poles hold those of noise.
+    pub leaked: Vec<Array2<Complex64>>,
+    /// Variances of Re λ and Im λ of the mode's own pole.
+    pub pole: [f64; 2],
+}
+
+/// What some poles leak into some lines.
+struct Leaking<'a> {
+    band: Band<'a>,
+    /// Of each pole.
+    leaks: Vec<Leak>,
+    /// Its column over 1/(jω − s) on each line.
+    units: Vec<Vec<Complex64>>,
+}
+
+impl Influence<'_> {
+    /// What `poles` leak into `lines` about the mode n; `None` where nothing leaks.
+    fn leaking(&self, n: usize, poles: &[usize], lines: &[usize]) -> Option<Leaking<'_>> {
+        let (work, middle) = (self.found.work, self.middle(n));
+        let y: Vec<f64> = lines.iter().map(|&k| work.x[k].sqrt()).collect();
+        let s: Vec<Complex64> = poles
+            .iter()
+            .map(|&m| leaking_pole(work.law, self.lambda[m]).s)
+            .collect();
+        let slowest = s.iter().map(|s| -s.re).fold(f64::MAX, f64::min);
+        let cycles = y.iter().map(|y| self.errors.cycles(y - middle)).collect();
+        let band = self.errors.band(cycles, slowest)?;
+        let offset = |s: &Complex64| s - Complex64::new(0.0, middle);
+        let leaks = s.iter().map(|s| band.leak(offset(s))).collect();
+        // the column of a pole over 1/(jω − s), with the weight of the line
+        let unit = |(&m, s): (&usize, &Complex64)| -> Vec<Complex64> {
+            let at = |(&k, &y): (&usize, &f64)| {
+                let plain = resonance(work.law, self.lambda[m], work.x[k]);
+                work.g[k] * plain * (Complex64::new(0.0, y) - s)
+            };
+            lines.iter().zip(&y).map(at).collect()
+        };
+        let units = poles.iter().zip(&s).map(unit).collect();
+        Some(Leaking { band, leaks, units })
+    }
+
+    /// 1/M as the residual beside modes tells it.
+    pub fn share_of_leakage(&self) -> f64 {
+        let work = self.found.work;
+        let products = self.of_all();
+        let (mut seen, mut foretold) = (0.0, 0.0);
+        for n in (0..self.lambda.len()).filter(|&n| work.in_band(self.lambda[n])) {
+            let width = self.errors.cycles(self.lambda[n].im / self.middle(n));
+            let lines = self.lines_about(n, width.max(limits::LEAK_SEEN));
+            let Some(leaking) = self.leaking(n, &[n], &lines) else {
+                continue;
+            };
+            for (place, &k) in lines.iter().enumerate() {
+                let mut row = vec![Complex64::ZERO; lines.len()];
+                row[place] = leaking.units[0][place];
+                let form = leaking.band.form(std::iter::once((row, &leaking.leaks[0])));
+                foretold += leaking.band.covariance(&[form])[[0, 0]].re * products[[n, n]].re;
+                seen += self.left[k];
+            }
+        }
+        if foretold > 0.0 {
+            seen / foretold
+        } else {
+            0.0
+        }
+    }
+
+    /// Moments for the mode n where leakage has the variance `share` of that in one block.
+    pub fn moments(&self, n: usize, noise: &Array2<Complex64>, share: f64) -> Moments {
+        let count = self.lambda.len();
+        let distance = |m: usize| self.errors.cycles((self.middle(m) - self.middle(n)).abs());
+        let counts = |m: &usize| {
+            let known = self.inverse[[*m, *m]].re.is_finite() && self.lambda[*m].im > 0.0;
+            known && (*m == n || distance(*m) < limits::LEAK_CYCLES)
+        };
+        let mut near: Vec<usize> = (0..count).filter(counts).collect();
+        near.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+        near.truncate(limits::LEAKING_MOST);
+        let size = near.len();
+        // errors of poles by the noise of all forces
+        let of_noise = &noise.slice(s![count.., count..]) * &self.of_noise;
+        let part = self.inverse.select(Axis(0), &near);
+        let adjoint = part.t().mapv(|v| v.conj());
+        let of_poles = matmul(matmul(part.view(), of_noise.view()).view(), adjoint.view());
+        let mut leaked = vec![Array2::zeros((2 * size, 2 * size)); self.forces];
+        leaked[0].slice_mut(s![size.., size..]).assign(&of_poles);
+        let Some(place) = near.iter().position(|&m| m == n) else {
+            let pole = [f64::INFINITY; 2];
+            return Moments { near, leaked, pole };
+        };
+        let (mut whole, mut twice) = (of_poles[[place, place]].re, Complex64::ZERO);
+        let lines = self.lines_about(n, limits::LEAK_CYCLES);
+        let leaking = self.leaking(n, &near, &lines).filter(|_| share > 0.0);
+        for (force, leaked) in leaked.iter_mut().enumerate() {
+            let Some(leaking) = &leaking else { continue };
+            let forms = self.forms((n, &near), &lines, leaking, &self.of_forces[force]);
+            let straight = leaking.band.covariance(&forms);
+            whole += share * straight[[size + place, size + place]].re;
+            twice += share * leaking.band.mean_square(&forms[size + place]);
+            leaked.scaled_add(share.into(), &straight);
+        }
+        let pole = [0.5 * (whole + twice.re), 0.5 * (whole - twice.re)].map(|v| v.max(0.0));
+        Moments { near, leaked, pole }
+    }
+
+    /// Errors of the residue of n by what each pole leaks, and of the poles; `products`: of
+    /// residues under one force.
+    fn forms(
+        &self,
+        (n, near): (usize, &[usize]),
+        lines: &[usize],
+        leaking: &Leaking,
+        products: &Array2<Complex64>,
+    ) -> Vec<Form> {
+        let count = self.lambda.len();
+        let weights = |a: usize, row: &dyn Fn(usize) -> Complex64| -> Vec<Complex64> {
+            let each = lines.iter().zip(&leaking.units[a]);
+            each.map(|(&k, unit)| row(k) * unit).collect()
+        };
+        let direct = (0..near.len()).map(|a| {
+            let row = |k: usize| self.rows[[k, n]];
+            let part = (weights(a, &row), &leaking.leaks[a]);
+            leaking.band.form(std::iter::once(part))
+        });
+        let of_poles = near.iter().map(|&m| {
+            let part = |a: usize| {
+                let of = |k: usize, q: usize| {
+                    self.inverse[[m, q]] * self.rows[[k, count + q]] * products[[q, near[a]]]
+                };
+                let row = |k: usize| near.iter().map(|&q| of(k, q)).sum();
+                (weights(a, &row), &leaking.leaks[a])
+            };
+            leaking.band.form((0..near.len()).map(part))
+        });
+        direct.chain(of_poles).collect()
+    }
+}

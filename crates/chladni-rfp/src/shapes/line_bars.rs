@@ -1,0 +1,194 @@
+//! Error bars from errors that neighbouring lines, and FRFs measured at once, share
+//! (theory.md, eq. F4e).
+
+use crate::damping::block_errors::BlockErrors;
+use crate::poles::pole::Pole;
+use crate::shapes::error_bars::ShapeBars;
+use crate::shapes::influence::{square, Found, Influence};
+use crate::shapes::leaked::Moments;
+use crate::shapes::limits;
+use chladni_linalg::LinalgError;
+use ndarray::Array2;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// The error bars of a term.
+pub(crate) struct TermBars {
+    term: usize,
+    owner: usize,
+    /// Variances of Re λ and Im λ.
+    pole: [f64; 2],
+    /// Of each response, and of the scale.
+    shape: (Vec<f64>, f64),
+    /// The same for independent errors, where the bars at hand are those of another
+    /// estimator and only the ratio counts.
+    white: Option<([f64; 2], (Vec<f64>, f64))>,
+}
+
+impl TermBars {
+    /// Puts these in place of the bars of independent lines.
+    pub fn put(self, poles: &mut [Pole], bars: &mut ShapeBars) {
+        let pole = &mut poles[self.owner];
+        let per_unit = [0.5 / pole.omega, pole.omega.powi(-2)];
+        let sizes = [&mut pole.omega_std, &mut pole.loss_factor_std];
+        for (side, size) in sizes.into_iter().enumerate() {
+            let white = self.white.as_ref().map(|white| white.0[side].sqrt());
+            replace(
+                size,
+                self.pole[side].sqrt() * per_unit[side],
+                white.map(|v| v * per_unit[side]),
+            );
+        }
+        for (i, new) in self.shape.0.into_iter().enumerate() {
+            let white = self.white.as_ref().map(|white| white.1 .0[i]);
+            replace(&mut bars.shape[[self.term, i]], new, white);
+        }
+        let white = self.white.as_ref().map(|white| white.1 .1);
+        replace(&mut bars.scale[self.term], self.shape.1, white);
+    }
+}
+
+/// A bar that is known stays where the new one is not.
+fn replace(bar: &mut f64, new: f64, white: Option<f64>) {
+    let value = white.map_or(new, |white| *bar * (new / white).max(1.0));
+    if bar.is_finite() && value.is_finite() {
+        *bar = value;
+    }
+}
+
+/// Error bars of the modes of the band.
+///
+/// # Errors
+/// A kernel that fails.
+pub(crate) fn line_bars(found: &Found, errors: &BlockErrors) -> Result<Vec<TermBars>, LinalgError> {
+    let influence = Influence::new(found, errors)?;
+    let correlated = influence.noise_products(|cycles| errors.of_noise(cycles));
+    let independent = |cycles: f64| f64::from(u8::from(cycles == 0.0)).into();
+    let white = influence.noise_products(independent);
+    // a force that drops at resonances leaks more than one of even spectrum
+    let seen = influence.share_of_leakage();
+    let told = errors.blocks().map(|blocks| 1.0 / blocks);
+    let share = told
+        .filter(|told| seen < limits::LEAKS_AS_TOLD * told)
+        .unwrap_or(seen);
+    let of_term = |term: usize| {
+        let owner = found.shapes.owner[term];
+        let told = influence.moments(owner, &correlated, share);
+        let white = found.poles[owner].given.as_ref().map(|_| {
+            let moments = influence.moments(owner, &white, 0.0);
+            let shape = influence.term(term, &moments, &white);
+            (moments.pole, shape)
+        });
+        TermBars {
+            term,
+            owner,
+            shape: influence.term(term, &told, &correlated),
+            pole: told.pole,
+            white,
+        }
+    };
+    let inside = |term: &usize| {
+        found
+            .work
+            .in_band(influence.lambda[found.shapes.owner[*term]])
+    };
+    let terms: Vec<usize> = (0..found.shapes.owner.len()).filter(inside).collect();
+    Ok(terms.into_par_iter().map(of_term).collect())
+}
+
+impl Influence<'_> {
+    /// The parts of `moments` in Σ coefficient·δR_n over pairs, for each force.
+    fn parts(
+        &self,
+        n: usize,
+        near: &[usize],
+        coefficients: impl Iterator<Item = (usize, Complex64)>,
+    ) -> Vec<Vec<Complex64>> {
+        let size = near.len();
+        let mut parts = vec![vec![Complex64::ZERO; 2 * size]; self.forces];
+        for (l, coefficient) in coefficients {
+            for (a, &m) in near.iter().enumerate() {
+                let own = coefficient * self.residues[[m, l]];
+                parts[self.force[l]][a] += own;
+                parts[0][size + a] -= self.follow[[n, m]] * own;
+            }
+        }
+        // errors of poles are those of all forces together
+        let of_poles = parts[0][size..].to_vec();
+        parts[1..]
+            .iter_mut()
+            .for_each(|part| part[size..].copy_from_slice(&of_poles));
+        parts
+    }
+
+    /// Deviations of the shape of a term, and that of its scale.
+    fn term(&self, term: usize, moments: &Moments, noise: &Array2<Complex64>) -> (Vec<f64>, f64) {
+        let Found {
+            data,
+            poles,
+            shapes,
+            scales,
+            work,
+            ..
+        } = self.found;
+        let (n, scale) = (shapes.owner[term], &scales[term]);
+        let unit = poles[n].residue_unit(work.law);
+        let x = shapes.shape.row(term);
+        let l = shapes.participation.row(term).mapv(|v| v * unit);
+        let (x2, l2) = (square(x.iter()), square(l.iter()));
+        // x_i is Σ_j R_ij·L_j*/|L|²; how the scale follows x and L
+        let by_shape = |i: usize| -> Complex64 {
+            let own = scale.response.iter().filter(|(d, _)| *d == i);
+            own.map(|(_, weight)| *weight).sum()
+        };
+        let along: Complex64 = scale.reference.iter().map(|&(j, c)| c / unit * l[j]).sum();
+        let by_participation = |j: usize| -> Complex64 {
+            let own = scale.reference.iter().filter(|(r, _)| *r == j);
+            own.map(|(_, c)| *c / unit).sum::<Complex64>() - along * l[j].conj() / l2
+        };
+        let direct = |p: usize| l[data.pairs[p].1].conj() / l2;
+        let of_scale: Vec<Complex64> = (0..data.pairs.len())
+            .map(|p| {
+                let (i, j) = data.pairs[p];
+                by_shape(i) * direct(p) + by_participation(j) * x[i].conj() / x2
+            })
+            .collect();
+        let spread = |parts: &[Vec<Complex64>]| -> f64 {
+            let of_force = |(part, leaked): (&Vec<Complex64>, &Array2<Complex64>)| -> f64 {
+                let each = leaked.indexed_iter();
+                each.map(|((a, b), v)| (part[a] * v * part[b].conj()).re)
+                    .sum()
+            };
+            parts.iter().zip(&moments.leaked).map(of_force).sum()
+        };
+        let (near, own_noise) = (&moments.near, noise[[n, n]].re);
+        let scale_parts = self.parts(n, near, of_scale.iter().copied().enumerate());
+        let noise_of = |p: usize, coefficient: Complex64| coefficient.norm_sqr() * self.noise[p];
+        let scale_noise: f64 = of_scale
+            .iter()
+            .enumerate()
+            .map(|(p, c)| noise_of(p, *c))
+            .sum();
+        let scale_variance = (spread(&scale_parts) + own_noise * scale_noise).max(0.0);
+        let beyond_first_order = scale.second_order(scale_variance) * scale_variance;
+        let of_response = |i: usize| {
+            let pairs = &self.of_response[i];
+            let mut parts = self.parts(n, near, pairs.iter().map(|&p| (p, direct(p))));
+            for (part, shared) in parts.iter_mut().zip(&scale_parts) {
+                part.iter_mut()
+                    .zip(shared)
+                    .for_each(|(v, s)| *v += x[i] * s);
+            }
+            let own = |&p: &usize| {
+                noise_of(p, direct(p) + x[i] * of_scale[p]) - noise_of(p, x[i] * of_scale[p])
+            };
+            let noise = x[i].norm_sqr() * scale_noise + pairs.iter().map(own).sum::<f64>();
+            let all = spread(&parts) + own_noise * noise + x[i].norm_sqr() * beyond_first_order;
+            scale.factor.norm() * all.max(0.0).sqrt()
+        };
+        (
+            (0..x.len()).map(of_response).collect(),
+            scale_variance.sqrt(),
+        )
+    }
+}
