@@ -28,7 +28,18 @@ def _value(value):
 
 
 def to_toml(scene):
-    """The text of a scene file that holds a dictionary; None counts as absent."""
+    """
+    The text of a scene file that holds a dictionary.
+
+    Parameters
+    ----------
+    scene : dict
+        Tables and keys of a scene file; None counts as absent.
+
+    Returns
+    -------
+    str
+    """
     return "".join(f"{key} = {_value(value)}\n" for key, value in scene.items() if value is not None)
 
 
