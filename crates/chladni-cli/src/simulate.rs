@@ -49,7 +49,7 @@ pub struct Args {
     #[arg(long, value_name = "SIZE", default_value = MEMORY, value_parser = parse_memory)]
     memory: u64,
     /// Say how large the result would be, and end
-    #[arg(long)]
+    #[arg(long, conflicts_with = "play")]
     dry_run: bool,
 }
 

@@ -5,7 +5,12 @@
 //! use chladni_frf::{Channel, Run, SignalUnit};
 //! use chladni_signal::{estimate, EstimateOptions};
 //!
-//! # let force: Vec<f64> = (0..4096_u64).map(|n| (n * n % 127) as f64 - 63.0).collect();
+//! # let mut state = 1_u64;
+//! # let mut noise = || {
+//! #     state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+//! #     (state >> 33) as f64 / (1_u64 << 30) as f64 - 1.0
+//! # };
+//! # let force: Vec<f64> = (0..4096).map(|_| noise()).collect();
 //! # let velocity: Vec<f64> = force.iter().map(|force| 0.5 * force).collect();
 //! let channel = |dof: &str, unit, is_reference, samples| -> Result<_, Box<dyn std::error::Error>> {
 //!     Ok(Channel { dof: dof.parse()?, unit, is_reference, samples })

@@ -46,7 +46,7 @@ fn what_cannot_go_to_the_standard_output_is_refused() {
             "beside its output",
         ),
         ("demo -o -", "several files"),
-        ("simulate panel.toml -o - --truth -", "two outputs"),
+        ("simulate panel.toml -o - --truth -", "are two files"),
     ] {
         let run = folder.run(line).exits(2);
         assert!(run.stderr.contains(words), "{line}: {}", run.stderr);
