@@ -5,19 +5,16 @@ use chladni_frf::FrfKind;
 use chladni_io::{read_document, read_frf, ReadOptions};
 use std::path::PathBuf;
 
-/// A measured file, of the project or beside it.
+/// A measured file that stands beside the project.
 fn sample(name: &str) -> Option<PathBuf> {
-    const PLACES: [&str; 2] = ["../../fixtures/measured", "../../../shared/data"];
-    let of = |place: &str| {
-        PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-            .join(place)
-            .join(name)
-    };
-    let found = PLACES.into_iter().map(of).find(|path| path.exists());
-    if found.is_none() {
-        crate::skipped(&format!("no sample {name}"));
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data")
+        .join(name);
+    if path.exists() {
+        return Some(path);
     }
-    found
+    crate::skipped(&format!("no sample {name}"));
+    None
 }
 
 #[test]
