@@ -12,17 +12,19 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+/// Standard deviations of a shape: of each response, and of its scale.
+type ShapeDeviations = (Vec<f64>, f64);
+
 /// The error bars of a term.
 pub(crate) struct TermBars {
     term: usize,
     owner: usize,
     /// Variances of Re λ and Im λ.
     pole: [f64; 2],
-    /// Of each response, and of the scale.
-    shape: (Vec<f64>, f64),
+    shape: ShapeDeviations,
     /// The same for independent errors, where the bars at hand are those of another
     /// estimator and only the ratio counts.
-    white: Option<([f64; 2], (Vec<f64>, f64))>,
+    white: Option<([f64; 2], ShapeDeviations)>,
 }
 
 impl TermBars {
