@@ -48,7 +48,7 @@ class FrfSet:
     """
     FRFs of a structure in SI units of the kind, per N or V.
 
-    Where a reference is also a response (a driving point), shapes are scaled to unit modal
+    With a driving point (a reference that is also a response), shapes are scaled to unit modal
     mass.
 
     Parameters
@@ -165,7 +165,7 @@ class Model:
         """"sure" or "weak" of each mode."""
     @property
     def reasons(self) -> list[list[str]]:
-        """Why a mode is not sure, a list for each."""
+        """Reasons that a mode is not sure, a list for each mode."""
     @property
     def poles(self) -> NDArray[np.complex128]:
         """Poles of the viscous law with these frequencies and damping ratios, rad/s: (mode,)."""
@@ -322,7 +322,7 @@ class Comparison:
 
 class Partial:
     """
-    What is left of one or more blocks of FRFs after a pass over them: a few megabytes
+    The products of one or more blocks of FRFs after a pass over them: a few megabytes
     whatever the size of the blocks. Made by `reduce_block` and `merge`; pickles.
     """
     @property
@@ -364,7 +364,7 @@ class Poles:
         """Loss factors: (mode,)."""
     @property
     def evidence(self) -> str:
-        """How they were found, in words."""
+        """The way they were found, in words."""
     def to_bytes(self) -> bytes:
         """The bytes of a poles file."""
     @classmethod

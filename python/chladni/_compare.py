@@ -50,7 +50,7 @@ class Comparison:
             setattr(self, key, found[key])
 
     def to_dict(self):
-        """What ``chladni compare --json`` prints of two files; modes are counted from 1."""
+        """Result as ``chladni compare --json`` prints it; modes are counted from 1."""
         return self._found
 
     def to_dataframe(self):

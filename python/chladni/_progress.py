@@ -6,7 +6,7 @@ from sys import stderr
 
 @contextmanager
 def told(progress, title):
-    """What to hand to `progress` of the compiled half: a function, a bar of tqdm (lines on stderr without it), or nothing."""
+    """Argument `progress` of the compiled half: a function, a bar of tqdm (lines on stderr without it), or nothing."""
     if progress is not True:
         yield progress or None
         return

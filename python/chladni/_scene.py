@@ -44,7 +44,7 @@ def to_toml(scene):
 
 
 def text_or_path(scene):
-    """What `render` and `evaluate` take of a scene: a dictionary becomes the text of a file."""
+    """Scene as `render` and `evaluate` take it: a dictionary becomes the text of a file."""
     return to_toml(scene) if isinstance(scene, dict) else scene
 
 

@@ -18,7 +18,7 @@ use std::str::FromStr;
 
 /// FRFs of a structure in SI units of the kind, per N or V.
 ///
-/// Where a reference is also a response (a driving point), shapes are scaled to unit modal
+/// With a driving point (a reference that is also a response), shapes are scaled to unit modal
 /// mass.
 ///
 /// Parameters

@@ -124,7 +124,7 @@ impl Model {
             .collect()
     }
 
-    /// Why a mode is not sure, a list for each.
+    /// Reasons that a mode is not sure, a list for each mode.
     #[getter]
     fn reasons(&self) -> Vec<Vec<String>> {
         self.model

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyType};
 use std::borrow::Cow;
 
-/// What is left of one or more blocks of FRFs after a pass over them: a few megabytes
+/// The products of one or more blocks of FRFs after a pass over them: a few megabytes
 /// whatever the size of the blocks. Made by `reduce_block` and `merge`; pickles.
 #[pyclass(frozen, module = "chladni")]
 pub struct Partial(pieces::Partial);
@@ -123,7 +123,7 @@ impl Poles {
         self.numbers(py, |mode| mode.1)
     }
 
-    /// How they were found, in words.
+    /// The way they were found, in words.
     #[getter]
     fn evidence(&self) -> String {
         self.0.evidence()

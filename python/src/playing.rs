@@ -61,7 +61,7 @@ impl Playing {
         self.played.feasible
     }
 
-    /// What the user must know.
+    /// Findings that need attention, in words.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.played.warnings()

@@ -1,4 +1,4 @@
-"""What the command line does, from Python: comparison, selection, records, diagrams, scenes as values, tables and pictures."""
+"""The verbs of the command line, from Python: comparison, selection, records, diagrams, scenes as values, tables and pictures."""
 
 import json
 from pathlib import Path

@@ -71,7 +71,7 @@ def test_functions_say_what_goes_in_and_comes_out(name):
 
 @pytest.mark.parametrize("name", sorted(CLASSES))
 def test_editors_show_the_words_of_the_compiled_half(name):
-    """What is compiled has no source that an editor could read: its words stand in the stub too."""
+    """Editors cannot read the source of the compiled half: its words stand in the stub, too."""
     cls, node = getattr(chladni, name), CLASSES[name]
     if cls.__module__ == "chladni._compare" or name == "ChladniError":
         return

@@ -39,7 +39,7 @@ pub struct MeasuredCell {
 }
 
 impl MeasuredCell {
-    /// What errors of neighbouring lines of its averaged FRFs share.
+    /// Correlation that the errors of neighbouring lines of its averaged FRFs have.
     pub fn correlation(&self) -> Correlation {
         match (self.force, self.window) {
             (MeasuredForce::Random | MeasuredForce::Burst(_), BlockWindow::Hann) => {

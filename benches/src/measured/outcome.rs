@@ -62,7 +62,8 @@ pub struct MeasuredOutcome {
     pub spurious: usize,
     /// Those of them that it calls sure.
     pub spurious_sure: usize,
-    /// What the errors of neighbouring lines were said to share, held against the truth.
+    /// Correlation that errors of neighbouring lines were said to have, held against the
+    /// truth.
     pub witness: Decision,
 }
 

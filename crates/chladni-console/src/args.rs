@@ -30,7 +30,7 @@ pub struct Common {
     pub progress: ProgressChoice,
 }
 
-/// How progress is shown. (Plain comments below: documented values would make every help
+/// Display of progress. (Plain comments below: documented values would make every help
 /// page three times as long.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ProgressChoice {

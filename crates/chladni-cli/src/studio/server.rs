@@ -28,7 +28,7 @@ const REQUEST_DEADLINE: Duration = Duration::from_secs(5);
 /// Wait for a free handle where the system grants no more of them.
 const PAUSE: Duration = Duration::from_millis(200);
 
-/// Who is let in: who asks this address, from its own page, and shows the token.
+/// Condition of entry: a request to this address, from its own page, with the token.
 pub struct Door {
     /// The address that is listened on.
     pub address: SocketAddr,

@@ -4,7 +4,7 @@
 //! 2.44140625 Hz is stored as 2.44141, which puts line 6399 off by 0.024 Hz: enough to
 //! bias the damping of a sharp mode. Axes of real instruments are not arbitrary, though:
 //! a step is a sampling rate over a power of two, or one over a whole number of seconds.
-//! Where exactly one such number hides behind the printed digits, it is the candidate.
+//! If exactly one such number has the printed digits, it is the candidate.
 
 /// A number as printed, with what its digits leave open.
 #[derive(Debug, Clone, Copy, PartialEq)]

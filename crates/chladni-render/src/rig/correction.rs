@@ -1,4 +1,4 @@
-//! What a correction took and found, as weights files carry it.
+//! Input and findings of a correction, as weights files carry it.
 
 use super::calibration::{ChannelGain, Estimator};
 use serde::{Deserialize, Serialize};

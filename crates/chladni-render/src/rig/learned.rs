@@ -1,4 +1,4 @@
-//! What all fields together tell of the rig: the operator of the estimator that counts.
+//! The rig as all fields together tell it: the operator of the estimator that counts.
 //!
 //! The one counts that foretold the newest field better; of a first field the structured
 //! one, unless its modes want to move by the largest scale.

@@ -1,4 +1,4 @@
-//! How wrong a prediction may be before any new field.
+//! Error that a prediction may have before any new field.
 
 use crate::covariance::Covariance;
 use crate::drift::Drift;

@@ -1,4 +1,4 @@
-//! Where the files are that a scene names.
+//! Places of the files that a scene names.
 
 use crate::threshold::ThresholdTable;
 use std::path::Path;

@@ -4,7 +4,7 @@
 //! Structural damping answers before it is asked: its second pole lies on the wrong side.
 //! Each mode therefore has the conjugate pair p, p* with p = jω_n√(1+jη_n), or the
 //! viscous s_n; what runs like 1/ω², as a free panel does as a whole, has poles at rest.
-//! What that, and all else of the model, leaves at the carrier is D₀ and D₁, so that a
+//! The rest of the response at the carrier is D₀ and D₁, so that a
 //! steady drive moves the ground exactly as `render` says.
 
 use crate::interpolation::Interpolation;

@@ -47,8 +47,7 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         return None;
     }
     let step = case.data.line_spacing_hz();
-    let bias = |mode: &Mode| first_order(step, mode);
-    // ... where the error bar does not hold them anyway
+    // only where error bars do not hold them anyway
     let leakage = of_hann(case.data)?;
     let open = |mode: &&Mode| {
         doubt(&leakage, mode) > limits::BIAS.max(mode.loss_factor_std / mode.loss_factor)
@@ -56,7 +55,8 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     let concerned: Vec<&Mode> = case.sure_modes().into_iter().filter(open).collect();
     let worst = *concerned
         .iter()
-        .max_by(|a, b| bias(a).total_cmp(&bias(b)))?;
+        .max_by(|a, b| first_order(step, a).total_cmp(&first_order(step, b)))?;
+    let bias = first_order(step, worst);
     let evidence = match likely_window(case) {
         Some((Window::None, gain, _)) if gain > DECIDES => return None,
         Some((window, gain, modes)) if gain > DECIDES => {
@@ -82,13 +82,13 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
          windowed records of random excitation, the loss factors of {} mode(s) are too high by \
          up to 1/(πb) ({:.0} % at {:.2} Hz, b = {:.1} lines per bandwidth); {evidence}",
         concerned.len(),
-        100.0 * bias(worst),
+        100.0 * bias,
         worst.frequency_hz,
-        1.0 / (PI * bias(worst))
+        1.0 / (PI * bias)
     );
     let finding = Finding::note("window-bias", words)
         .modes_hz(concerned.iter().map(|mode| mode.frequency_hz))
-        .value("bias_relative", bias(worst))
+        .value("bias_relative", bias)
         .help("say which window was used, or that there was none");
     Some(finding.into())
 }
@@ -104,9 +104,10 @@ pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout) {
         if model.scaling != Scaling::UnitModalMass {
             continue;
         }
-        let of_shape = limits::SCALE_OF_DAMPING * doubt;
+        let of_scale = limits::SCALE_OF_DAMPING * doubt;
+        mode.scale_std = mode.scale_std.map(|std| std.hypot(of_scale));
         let values = mode.shape.0.iter().zip(&mut mode.shape_std);
-        values.for_each(|(value, std)| *std = std.hypot(of_shape * value.norm()));
+        values.for_each(|(value, std)| *std = std.hypot(of_scale * value.norm()));
     }
 }
 

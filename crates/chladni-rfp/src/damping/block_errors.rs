@@ -183,8 +183,8 @@ pub(crate) struct Band<'a> {
     power: f64,
 }
 
-/// What a force does to the part of a response that the mean column does not explain:
-/// (place, those before the record first; line).
+/// Response to a force of each place that the mean column does not explain: (place, those
+/// before the record first; line).
 pub(crate) struct Leak(Array2<Complex64>);
 
 /// A quadratic form of the force: (place of f*, place of f).

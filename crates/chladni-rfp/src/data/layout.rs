@@ -77,7 +77,7 @@ pub(crate) struct Weighting {
     pub weights: PairWeights,
     /// Root mean square of the FRFs as they were measured.
     pub rms: f64,
-    /// Who tells them; `None`: the residual of a fit without weights.
+    /// Their source; `None`: the residual of a fit without weights.
     pub giver: Option<Giver>,
 }
 

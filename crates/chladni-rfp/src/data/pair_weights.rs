@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Who tells the noise of a set, where the set does.
+/// Source of the noise of a set, where the set tells it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Giver {
     Variance,

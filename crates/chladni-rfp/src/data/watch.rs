@@ -1,4 +1,4 @@
-//! Who watches a fit: told each stage as it begins, and free to stop it there.
+//! Observer of a fit: told each stage as it begins, and free to stop it there.
 
 use crate::data::error::FitError;
 use std::sync::atomic::{AtomicBool, Ordering};

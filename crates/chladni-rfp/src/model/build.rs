@@ -461,6 +461,7 @@ fn hold_both_laws(
     }
     for (term, mut row) in bars.shape.rows_mut().into_iter().enumerate() {
         let [.., turn] = shifts(poles[shapes.owner[term]].loss_factor);
+        bars.scale[term] = bars.scale[term].hypot(turn);
         let size = scales[term].factor.norm() * turn;
         row.zip_mut_with(&shapes.shape.row(term), |bar, value| {
             *bar = bar.hypot(size * value.norm());

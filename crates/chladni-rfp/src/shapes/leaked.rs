@@ -22,7 +22,7 @@ pub(super) struct Moments {
     pub pole: [f64; 2],
 }
 
-/// What some poles leak into some lines.
+/// Leakage of some poles into some lines.
 struct Leaking<'a> {
     band: Band<'a>,
     /// Of each pole.
@@ -32,7 +32,7 @@ struct Leaking<'a> {
 }
 
 impl Influence<'_> {
-    /// What `poles` leak into `lines` about the mode n; `None` where nothing leaks.
+    /// Leakage of `poles` into `lines` about the mode n; `None` where nothing leaks.
     fn leaking(&self, n: usize, poles: &[usize], lines: &[usize]) -> Option<Leaking<'_>> {
         let (work, middle) = (self.found.work, self.middle(n));
         let y: Vec<f64> = lines.iter().map(|&k| work.x[k].sqrt()).collect();
