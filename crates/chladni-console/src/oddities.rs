@@ -79,6 +79,11 @@ fn is_clipped(values: &[Complex64]) -> bool {
     ]
     .into_iter()
     .any(|part| {
+        // a run of that length has one of these pairs of neighbours
+        let mut pairs = values.windows(2).step_by(CLIPPED_LINES - 1);
+        if !pairs.any(|pair| part(&pair[0]) == part(&pair[1])) {
+            return false;
+        }
         let largest = values.iter().map(part).fold(0.0, f64::max);
         let mut run = 0;
         largest > 0.0

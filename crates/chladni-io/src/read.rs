@@ -167,39 +167,35 @@ pub fn read_frf(
 
 fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Result<Document> {
     let _kept = KeptInputs::new();
-    let bytes = || read_bytes(path);
-    let mut document = match detect_format(path)? {
-        FileFormat::Uff => {
-            let bytes = bytes()?;
-            let mut document = uff::read(&bytes, path, options)?;
-            document.sha256 = sha256_of_bytes(&bytes);
-            document
-        }
-        FileFormat::Csv => {
-            let bytes = bytes()?;
-            let mut document = csv::read(&bytes, path, options, next_node)?;
-            document.sha256 = sha256_of_bytes(&bytes);
-            document
-        }
-        FileFormat::Hdf5 => hdf5::read(path, options)?,
-        FileFormat::Matlab => mat::read(&bytes()?, path, options)?,
-        FileFormat::Numpy => {
-            let bytes = bytes()?;
-            let read = if bytes.starts_with(crate::signatures::NPY_SIGNATURE) {
-                numpy::read_npy
-            } else {
-                numpy::read_npz
-            };
-            read(&bytes, path, options)?
-        }
-        FileFormat::Wav => wav::read(&bytes()?, path)?,
-        FileFormat::Model => model_document(path)?,
-        FileFormat::Weights => weights_document(path)?,
+    let format = detect_format(path)?;
+    // what is in memory is not read twice
+    let bytes = match format {
+        FileFormat::Hdf5 | FileFormat::Model | FileFormat::Weights => None,
+        _ => Some(read_bytes(path)?),
     };
-    if document.sha256.is_empty() {
-        document.sha256 = sha256_of(path)?;
-    }
-    Ok(document)
+    let hash = || match &bytes {
+        Some(bytes) => Ok(sha256_of_bytes(bytes)),
+        None => sha256_of(path),
+    };
+    std::thread::scope(|scope| {
+        let hash = scope.spawn(hash);
+        let bytes = bytes.as_deref().unwrap_or_default();
+        let mut document = match format {
+            FileFormat::Uff => uff::read(bytes, path, options)?,
+            FileFormat::Csv => csv::read(bytes, path, options, next_node)?,
+            FileFormat::Hdf5 => hdf5::read(path, options)?,
+            FileFormat::Matlab => mat::read(bytes, path, options)?,
+            FileFormat::Numpy if bytes.starts_with(crate::signatures::NPY_SIGNATURE) => {
+                numpy::read_npy(bytes, path, options)?
+            }
+            FileFormat::Numpy => numpy::read_npz(bytes, path, options)?,
+            FileFormat::Wav => wav::read(bytes, path)?,
+            FileFormat::Model => model_document(path)?,
+            FileFormat::Weights => weights_document(path)?,
+        };
+        document.sha256 = hash.join().unwrap_or_else(|_| sha256_of(path))?;
+        Ok(document)
+    })
 }
 
 /// A model file as `info` lists it: one entry per mode.

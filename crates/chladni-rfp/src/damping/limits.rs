@@ -20,7 +20,7 @@ pub(super) const ODD_POWERS: [i32; 4] = [-3, 1, 3, 5];
 /// Steps at most.
 pub(super) const STEPS: usize = 20;
 /// Promised decrease of the sum of squares by a step, in units of the noise variance,
-/// below which it is the last: a thousandth of what decides.
+/// below which it is not made: a thousandth of what decides.
 pub(super) const PROMISED: f64 = 1e-2;
 /// Largest step of an angle, rad.
 pub(super) const TURN: f64 = 0.3;

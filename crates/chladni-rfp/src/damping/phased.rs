@@ -95,22 +95,18 @@ impl Common {
         let (mut lambda, mut turn): (Vec<Complex64>, Vec<f64>) = start.iter().copied().unzip();
         let mut here = Point::new(self, work, &lambda, &turn)?;
         let mut damping = tol::LM_START;
+        let mut system = here.system();
         for _ in 0..limits::STEPS {
-            let (information, gradient) = here.system();
+            let (information, gradient) = &system;
             let mut damped = information.clone();
             damped
                 .diag_mut()
                 .mapv_inplace(|v| v * (1.0 + damping) + f64::MIN_POSITIVE);
             let step = solve_hermitian(damped.view(), gradient.view()).ok();
-            let promised = |step: &Array2<f64>| {
-                step.iter()
-                    .zip(&gradient)
-                    .map(|(step, along)| step * along)
-                    .sum::<f64>()
-            };
-            let last = step
-                .as_ref()
-                .is_some_and(|step| promised(step) < limits::PROMISED * variance);
+            let promised = step.as_ref().map(|step| (step * gradient).sum());
+            if promised.is_some_and(|promised| promised < limits::PROMISED * variance) {
+                break;
+            }
             let next = step.and_then(|step| {
                 let moved = moved(&lambda, &turn, &step);
                 let point = Point::new(self, work, &moved.0, &moved.1).ok()?;
@@ -119,16 +115,17 @@ impl Common {
             match next {
                 Some((moved, point)) => {
                     ((lambda, turn), here) = (moved, point);
+                    system = here.system();
                     damping *= 0.1;
                 }
                 None => damping = (damping * 10.0).max(1e-6),
             }
-            if last || damping > tol::LM_GIVE_UP {
+            if damping > tol::LM_GIVE_UP {
                 break;
             }
         }
         let n = lambda.len();
-        let all = here.system().0;
+        let all = system.0;
         let (of_poles, of_turns) = (
             all.slice(s![..2 * n, ..2 * n]),
             all.slice(s![2 * n.., 2 * n..]),

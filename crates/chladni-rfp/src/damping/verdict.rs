@@ -85,7 +85,8 @@ pub(crate) fn verdict(work: &Columns, fitted: &Fitted) -> Result<Verdict, Linalg
             .collect();
         common.fit(&work.axis().in_law(law), &start, fitted.variance)
     };
-    let laws = [fit(Damping::Structural)?, fit(Damping::Viscous)?];
+    let (structural, viscous) = rayon::join(|| fit(Damping::Structural), || fit(Damping::Viscous));
+    let laws = [structural?, viscous?];
     Ok(weighed(&laws, fitted.variance, fitted.frfs))
 }
 

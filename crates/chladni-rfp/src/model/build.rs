@@ -1,5 +1,6 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
+use crate::damping::block_errors::BlockErrors;
 use crate::damping::verdict::shifts;
 use crate::model::identified::Identified;
 use crate::model::limits;
@@ -17,7 +18,7 @@ use crate::shapes::influence::Found;
 use crate::shapes::line_bars::line_bars;
 use crate::shapes::low_rank::low_rank_around;
 use crate::shapes::low_rank::Shapes;
-use crate::shapes::residues::{is_too_much, significant_rank, Residues};
+use crate::shapes::residues::{most_by_chance, significant_rank, Residues};
 use crate::shapes::scale::Scale;
 use chladni_frf::{
     ComplexMatrix, Damping, Finding, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling,
@@ -89,6 +90,98 @@ impl FreeFit {
             noise_of_response,
         })
     }
+
+    /// Constraints of the poles whose shapes are real: a real term fixes one phase per DOF
+    /// but one.
+    fn real_constraints(&self, identified: &Identified) -> usize {
+        if !identified.real_shapes {
+            return 0;
+        }
+        let given = self.poles.iter().filter_map(|pole| pole.given.as_ref());
+        let terms: usize = given.map(|(shape, _)| shape.nrows()).sum();
+        let (responses, references) = self.present.dim();
+        terms * (responses + references - 1)
+    }
+
+    /// Shapes of low rank: one for each mode, of poles outside the band as many as the data
+    /// show, and more together where weak directions of single poles explain something.
+    fn shapes(
+        &self,
+        data: &DataLayout,
+        identified: &Identified,
+        real: usize,
+    ) -> Result<Shapes, LinalgError> {
+        let work = &identified.work;
+        let variance = identified.variance * self.noise;
+        let (responses, references) = self.present.dim();
+        let free = Residues {
+            values: &self.all,
+            weight: &self.linear.weight,
+            present: &self.present,
+        };
+        let (low, high) = work.range();
+        let given: Vec<Given> = self.poles.iter().map(|pole| pole.given.clone()).collect();
+        let outside = |n: usize| !(low..=high).contains(&self.poles[n].omega.powi(2));
+        let loose: Vec<usize> = (0..given.len())
+            .filter(|&n| outside(n) && given[n].is_none())
+            .collect();
+        let mut ranks = vec![1; given.len()];
+        for &n in &loose {
+            ranks[n] = significant_rank(&free, n, variance)?;
+        }
+        let mut shapes = low_rank_around(&free, &ranks, &given)?;
+        let full = responses.min(references);
+        let rounding = limits::RISE_ROUNDING * work.energy() * self.noise;
+        let misfits = |shapes: &Shapes| {
+            let constraints = shapes.constraints + real;
+            let held = (work, data.pairs.len());
+            shapes.rise > most_by_chance(constraints, variance, rounding, held)
+        };
+        while misfits(&shapes) && loose.iter().any(|&n| ranks[n] < full) {
+            for &n in &loose {
+                ranks[n] = (ranks[n] + 1).min(full);
+            }
+            shapes = low_rank_around(&free, &ranks, &given)?;
+        }
+        Ok(shapes)
+    }
+
+    /// Residual terms that answer the residues of the shapes in place of the free ones.
+    fn answer(&mut self, data: &DataLayout, shapes: &Shapes) {
+        let change = &mut self.linear.residues;
+        let blocks: Vec<_> = change
+            .axis_chunks_iter_mut(Axis(1), limits::BUILD_BLOCK)
+            .zip(data.pairs.chunks(limits::BUILD_BLOCK))
+            .collect();
+        blocks.into_par_iter().for_each(|(mut change, pairs)| {
+            change.mapv_inplace(|v| -v);
+            for (mut change, &(i, j)) in change.columns_mut().into_iter().zip(pairs) {
+                for (term, &n) in shapes.owner.iter().enumerate() {
+                    change[n] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
+                }
+            }
+        });
+        let Linear {
+            residues,
+            terms,
+            answer,
+            ..
+        } = &mut self.linear;
+        answer.apply(terms, residues);
+    }
+
+    /// χ² of the model as saved: free residues leave the noise variance per degree of
+    /// freedom, the low-rank form adds its `rise`.
+    fn chi2_per_dof(&self, identified: &Identified, rise: f64, constraints: usize) -> f64 {
+        let Identified { work, powers, .. } = identified;
+        let variance = identified.variance * self.noise;
+        if variance <= 0.0 {
+            return 1.0;
+        }
+        let unknowns = (self.poles.len() + powers.len()) * work.columns();
+        let free = ((work.lines() * work.columns()) as f64 - unknowns as f64).max(1.0);
+        (self.linear.sse * self.noise + rise) / (variance * (free + 0.5 * constraints as f64))
+    }
 }
 
 /// Identified poles with the residues of every FRF brought into shapes: all but the
@@ -114,134 +207,84 @@ impl Shaped {
     /// # Errors
     /// A kernel that fails.
     pub fn new(data: &DataLayout, identified: Identified) -> Result<Self, LinalgError> {
-        let FreeFit {
-            mut poles,
-            mut linear,
-            all,
-            present,
-            noise,
-            noise_of_response,
-        } = FreeFit::new(data, &identified)?;
-        let Identified {
-            work,
-            powers,
-            real_shapes,
-            ..
-        } = &identified;
-        let variance = identified.variance * noise;
-        let (responses, references) = present.dim();
-        let free = Residues {
-            values: &all,
-            weight: &linear.weight,
-            present: &present,
-        };
-        let (low, high) = work.range();
-        let mut ranks = vec![1; poles.len()];
-        for n in (0..poles.len()).filter(|&n| {
-            !(low..=high).contains(&poles[n].omega.powi(2)) && poles[n].given.is_none()
-        }) {
-            ranks[n] = significant_rank(&free, n, variance)?;
-        }
-        let given: Vec<Given> = poles.iter().map(|pole| pole.given.clone()).collect();
-        // a real term fixes one phase per DOF but one
-        let real = if *real_shapes {
-            given
-                .iter()
-                .flatten()
-                .map(|(shape, _)| shape.nrows())
-                .sum::<usize>()
-                * (responses + references - 1)
-        } else {
-            0
-        };
-        let mut shapes = low_rank_around(&free, &ranks, &given)?;
-        // what weak directions of single poles explain together
-        let full = responses.min(references);
-        let open: Vec<usize> = (0..poles.len())
-            .filter(|&n| given[n].is_none() && ranks[n] < full)
-            .filter(|&n| !(low..=high).contains(&poles[n].omega.powi(2)))
-            .collect();
-        let rounding = limits::RISE_ROUNDING * work.energy() * noise;
-        let held = (work, data.pairs.len());
-        let misfits = |shapes: &Shapes| {
-            let constraints = shapes.constraints + real;
-            is_too_much(shapes.rise, constraints, variance, rounding, held)
-        };
-        while misfits(&shapes) && open.iter().any(|&n| ranks[n] < full) {
-            open.iter()
-                .for_each(|&n| ranks[n] = (ranks[n] + 1).min(full));
-            shapes = low_rank_around(&free, &ranks, &given)?;
-        }
-        // residues of the shapes less the free ones
-        let mut change = linear.residues;
-        let blocks: Vec<_> = change
-            .axis_chunks_iter_mut(Axis(1), limits::BUILD_BLOCK)
-            .zip(data.pairs.chunks(limits::BUILD_BLOCK))
-            .collect();
-        blocks.into_par_iter().for_each(|(mut change, pairs)| {
-            change.mapv_inplace(|v| -v);
-            for (mut change, &(i, j)) in change.columns_mut().into_iter().zip(pairs) {
-                for (term, &n) in shapes.owner.iter().enumerate() {
-                    change[n] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
-                }
-            }
-        });
-        linear.answer.apply(&mut linear.terms, &change);
-
-        // χ² of the model as saved: free residues leave `variance` per degree of freedom,
-        // the low-rank form adds its rise
-        let all = (work.lines() * work.columns()) as f64;
-        let free_dof = (all - ((poles.len() + powers.len()) * work.columns()) as f64).max(1.0);
-        let constraints = shapes.constraints + real;
-        let chi2_per_dof = if variance > 0.0 {
-            (linear.sse * noise + shapes.rise) / (variance * (free_dof + 0.5 * constraints as f64))
-        } else {
-            1.0
-        };
-        let (scales, scaling) = scales(data, identified.damping, &poles, &shapes);
-        let noise_of_response = &noise_of_response;
-        let noisy = Noisy {
-            work,
-            powers,
-            poles: &poles,
-            shapes: &shapes,
-            present: &present,
-            variance,
-            noise_of_response,
-            real: *real_shapes,
-        };
-        let mut bars = shape_bars(&noisy, &scales);
-        if let Some(errors) = &data.errors {
-            let scales_of_frfs = identified
-                .noise_of_frfs()
-                .map(|noise| noise.mapv(f64::sqrt).to_vec());
-            let found = Found {
-                data,
-                work,
-                scales_of_frfs,
-                powers,
-                poles: &poles,
+        let mut free = FreeFit::new(data, &identified)?;
+        let real = free.real_constraints(&identified);
+        let shapes = free.shapes(data, &identified, real)?;
+        free.answer(data, &shapes);
+        let chi2_per_dof = free.chi2_per_dof(&identified, shapes.rise, shapes.constraints + real);
+        let (scales, scaling) = scales(data, identified.damping, &free.poles, &shapes);
+        let bars = shape_bars(
+            &Noisy {
+                work: &identified.work,
+                powers: &identified.powers,
+                poles: &free.poles,
                 shapes: &shapes,
-                scales: &scales,
-            };
-            for term in line_bars(&found, errors)? {
-                term.put(&mut poles, &mut bars);
-            }
-        }
-        if identified.law_open {
-            hold_both_laws(&mut poles, &shapes, (&scales, scaling), &mut bars);
-        }
-        let terms = linear.terms;
-        Ok(Self {
+                present: &free.present,
+                variance: identified.variance * free.noise,
+                noise_of_response: &free.noise_of_response,
+                real: identified.real_shapes,
+            },
+            &scales,
+        );
+        let mut shaped = Self {
             identified,
-            poles,
+            poles: free.poles,
             shapes,
             scales,
             scaling,
             bars,
-            terms,
+            terms: free.linear.terms,
             chi2_per_dof,
-        })
+        };
+        if let Some(errors) = &data.errors {
+            shaped.hold_errors_of_lines(data, errors)?;
+        }
+        if shaped.identified.law_open {
+            shaped.hold_both_laws();
+        }
+        Ok(shaped)
+    }
+
+    /// Bars from errors that neighbouring lines share.
+    fn hold_errors_of_lines(
+        &mut self,
+        data: &DataLayout,
+        errors: &BlockErrors,
+    ) -> Result<(), LinalgError> {
+        let noise = self.identified.noise_of_frfs();
+        let found = Found {
+            data,
+            work: &self.identified.work,
+            scales_of_frfs: noise.map(|noise| noise.mapv(f64::sqrt).to_vec()),
+            powers: &self.identified.powers,
+            poles: &self.poles,
+            shapes: &self.shapes,
+            scales: &self.scales,
+        };
+        for term in line_bars(&found, errors)? {
+            term.put(&mut self.poles, &mut self.bars);
+        }
+        Ok(())
+    }
+
+    /// Widens bars by what the other damping law would shift.
+    fn hold_both_laws(&mut self) {
+        for pole in &mut self.poles {
+            let [omega, loss, _] = shifts(pole.loss_factor);
+            pole.omega_std = pole.omega_std.hypot(omega * pole.omega);
+            pole.loss_factor_std = pole.loss_factor_std.hypot(loss);
+        }
+        if self.scaling != Scaling::UnitModalMass {
+            return;
+        }
+        for (term, mut row) in self.bars.shape.rows_mut().into_iter().enumerate() {
+            let [.., turn] = shifts(self.poles[self.shapes.owner[term]].loss_factor);
+            self.bars.scale[term] = self.bars.scale[term].hypot(turn);
+            let size = self.scales[term].factor.norm() * turn;
+            row.zip_mut_with(&self.shapes.shape.row(term), |bar, value| {
+                *bar = bar.hypot(size * value.norm());
+            });
+        }
     }
 
     /// Builds the model; `left` as from [`Self::left`].
@@ -441,31 +484,6 @@ impl Shaped {
             .iter()
             .enumerate()
             .for_each(|(p, &value)| add(self.poles.len() + p, value));
-    }
-}
-
-/// Widens bars by what the other damping law would shift.
-fn hold_both_laws(
-    poles: &mut [Pole],
-    shapes: &Shapes,
-    (scales, scaling): (&[Scale], Scaling),
-    bars: &mut ShapeBars,
-) {
-    for pole in poles.iter_mut() {
-        let [omega, loss, _] = shifts(pole.loss_factor);
-        pole.omega_std = pole.omega_std.hypot(omega * pole.omega);
-        pole.loss_factor_std = pole.loss_factor_std.hypot(loss);
-    }
-    if scaling != Scaling::UnitModalMass {
-        return;
-    }
-    for (term, mut row) in bars.shape.rows_mut().into_iter().enumerate() {
-        let [.., turn] = shifts(poles[shapes.owner[term]].loss_factor);
-        bars.scale[term] = bars.scale[term].hypot(turn);
-        let size = scales[term].factor.norm() * turn;
-        row.zip_mut_with(&shapes.shape.row(term), |bar, value| {
-            *bar = bar.hypot(size * value.norm());
-        });
     }
 }
 

@@ -3,14 +3,15 @@
 
 use crate::damping::saved;
 use crate::damping::structural::basis;
-use crate::poles::refine::refine;
+use crate::data::columns::Columns;
+use crate::poles::refine::{refine, Projection};
 use crate::poles::settle::places_beyond;
 use crate::shapes::limits;
 use crate::shapes::step::State;
 use crate::shapes::target::Target;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
-use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_mixed};
+use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_h, blocked_matmul_mixed, projected};
 use chladni_linalg::{matmul_h, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -37,18 +38,19 @@ pub(crate) struct Around {
     pub sse: f64,
 }
 
-impl Around {
-    /// The poles `outside` refined on what those of `state` leave. The search lets them
-    /// follow each FRF by itself, to first order; here they have one place for all. More
-    /// are added until `holds`, while one takes more than `limit` out of the sum of
-    /// squares.
-    pub fn new(
-        whole: &Target,
-        state: &State,
-        (outside, powers): (&[Complex64], &[i32]),
-        limit: f64,
-        holds: &dyn Fn(f64) -> bool,
-    ) -> Result<Self, LinalgError> {
+/// The data less what the poles with shapes explain.
+pub(crate) struct Rest<'a> {
+    work: Columns,
+    powers: &'a [i32],
+    /// Number of poles with shapes.
+    modes: usize,
+    /// Energy of these that the compressed data cannot hold.
+    beside: f64,
+}
+
+impl<'a> Rest<'a> {
+    /// What is left by the poles of `state`, a state on `whole`.
+    pub fn new(whole: &Target, state: &State, powers: &'a [i32]) -> Self {
         let work = whole.work;
         let residues = state.residues();
         let columns = basis(work, &state.lambda, &[]);
@@ -59,72 +61,115 @@ impl Around {
             terms.map(|(a, r)| (r.conj() * a).re).sum()
         };
         let compressed = blocked_matmul_mixed(&residues, whole.back.t());
-        // the part that the compressed data cannot hold
-        let beside = (energy(&residues) - energy(&compressed)).max(0.0);
         let explained = blocked_matmul(columns.view(), compressed.view());
-        let left = work.with_columns(&work.b - &explained);
-        let at = |poles: &[Complex64], steps: usize| -> Result<Self, LinalgError> {
-            let refined = refine(&left, poles, powers, steps, tol::FINE_STEP)?;
-            let residual = refined.projection.residual.iter();
-            let (poles, sse) = match work.law {
-                Damping::Structural => {
-                    let sse = residual.map(|v| v.norm_sqr()).sum();
-                    (refined.lambda, sse)
-                }
-                Damping::Viscous => saved::refined(&left, refined.lambda, powers, steps)?,
-            };
-            Ok(Self {
-                sse: sse + beside,
-                poles,
-            })
-        };
-        let sound = |around: &Self| {
-            let stays = |pole: &Complex64| !work.in_band(*pole) && pole.re > 0.0 && pole.im > 0.0;
-            let apart = |n: usize| !fused(&around.poles, n);
-            around.poles.iter().all(stays) && (0..around.poles.len()).all(apart)
-        };
-        let apart: Vec<Complex64> = (0..outside.len())
-            .filter(|&n| !fused(outside, n))
-            .map(|n| outside[n])
-            .collect();
-        let mut best = at(&apart, 0)?;
-        let refined = at(&apart, tol::REFINE_FINE)?;
-        if refined.sse < best.sse && sound(&refined) {
-            best = refined;
+        Self {
+            work: work.with_columns(&work.b - &explained),
+            powers,
+            modes: state.lambda.len(),
+            beside: (energy(&residues) - energy(&compressed)).max(0.0),
         }
+    }
+
+    /// After at most so many steps of refinement.
+    fn refined(&self, poles: &[Complex64], steps: usize) -> Result<Around, LinalgError> {
+        let work = &self.work;
+        let refined = refine(work, poles, self.powers, steps, tol::FINE_STEP)?;
+        let (poles, sse) = match work.law {
+            Damping::Structural => (refined.lambda, refined.projection.sse),
+            Damping::Viscous => saved::refined(work, refined.lambda, self.powers, steps)?,
+        };
+        Ok(Around {
+            sse: sse + self.beside,
+            poles,
+        })
+    }
+
+    /// The same to the end; `None` where poles come into the band or fuse.
+    fn settled(&self, poles: &[Complex64]) -> Option<Around> {
+        let around = self.refined(poles, tol::REFINE_FINE).ok()?;
+        let poles = &around.poles;
+        let stays = |pole: &Complex64| !self.work.in_band(*pole) && pole.re > 0.0 && pole.im > 0.0;
+        let sound = poles.iter().all(stays) && (0..poles.len()).all(|n| !fused(poles, n));
+        sound.then_some(around)
+    }
+
+    /// The poles `outside`, each at its place. The search lets them follow each FRF by
+    /// itself, to first order; here they have one place for all.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn placed(&self, outside: &[Complex64]) -> Result<Around, LinalgError> {
+        let apart = (0..outside.len()).filter(|&n| !fused(outside, n));
+        let apart: Vec<Complex64> = apart.map(|n| outside[n]).collect();
+        let before = self.refined(&apart, 0)?;
+        let after = self.settled(&apart);
+        Ok(after.filter(|one| one.sse < before.sse).unwrap_or(before))
+    }
+
+    /// With other places, and with poles added, until no more than `most` is left, while a
+    /// change takes out more than `worth`.
+    pub fn completed(&self, mut best: Around, worth: f64, most: f64) -> Around {
         for _ in 0..limits::AROUND_MOST {
-            if holds(best.sse) || best.poles.len() + state.lambda.len() >= work.lines() / 2 {
+            if best.sse <= most || best.poles.len() + self.modes >= self.work.lines() / 2 {
                 break;
             }
-            let from = |poles: Vec<Complex64>| at(&poles, tol::REFINE_FINE).ok().filter(sound);
-            let one_more = |start: &Complex64| {
-                let more = from([&best.poles[..], &[*start]].concat())?;
-                let added = more.poles[more.poles.len() - 1];
-                let loss = added.im / added.re;
-                limits::LOSS_ADDED.contains(&loss).then_some(more)
-            };
-            // a pole may be held by a hill between it and its place
-            let moved = |n: usize, to: &Complex64| {
-                let mut poles = best.poles.clone();
-                poles[n] = *to;
-                from(poles)
-            };
-            let places: Vec<Complex64> = places_beyond(work).collect();
-            let moves = (0..best.poles.len()).flat_map(|n| places.iter().map(move |to| (n, to)));
-            let moves: Vec<(usize, &Complex64)> = moves.collect();
-            let nearer = least(moves.into_par_iter().filter_map(|(n, to)| moved(n, to)));
-            if let Some(nearer) = nearer.filter(|one| one.sse < best.sse - limit) {
-                best = nearer;
-                continue;
-            }
-            // beside a pole that is there, the two stand for it and its derivative
-            let beside = best.poles.iter().map(|pole| pole + 2.0 * pole.im);
-            let places: Vec<Complex64> = places.iter().copied().chain(beside).collect();
-            match least(places.par_iter().filter_map(one_more)) {
-                Some(more) if more.sse < best.sse - limit => best = more,
-                _ => break,
+            let pays = |one: &Around| one.sse < best.sse - worth;
+            match self.one_moved(&best).filter(pays) {
+                Some(better) => best = better,
+                None => match self.one_more(&best).filter(pays) {
+                    Some(better) => best = better,
+                    None => break,
+                },
             }
         }
-        Ok(best)
+        best
+    }
+
+    /// One pole in another place: a hill may have held it between it and its own.
+    fn one_moved(&self, best: &Around) -> Option<Around> {
+        let places: Vec<Complex64> = places_beyond(&self.work).collect();
+        let moves = (0..best.poles.len()).flat_map(|n| places.iter().map(move |to| (n, *to)));
+        let moves: Vec<(usize, Complex64)> = moves.collect();
+        least(moves.into_par_iter().filter_map(|(n, to)| {
+            let mut poles = best.poles.clone();
+            poles[n] = to;
+            self.settled(&poles)
+        }))
+    }
+
+    /// One pole more.
+    fn one_more(&self, best: &Around) -> Option<Around> {
+        least(self.starts(best).into_par_iter().filter_map(|start| {
+            let more = self.settled(&[&best.poles[..], &[start]].concat())?;
+            let added = more.poles[more.poles.len() - 1];
+            let loss = added.im / added.re;
+            limits::LOSS_ADDED.contains(&loss).then_some(more)
+        }))
+    }
+
+    /// Places from which a pole is added. Beside a pole that is there, the two stand for it
+    /// and its derivative.
+    fn starts(&self, best: &Around) -> Vec<Complex64> {
+        let beside = best.poles.iter().map(|pole| pole + 2.0 * pole.im);
+        places_beyond(&self.work).chain(beside).collect()
+    }
+
+    /// The most that one pole more takes out of the sum of squares where it is tried from.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn gain_in_sight(&self, around: &Around) -> Result<f64, LinalgError> {
+        let now = Projection::new(&self.work, &around.poles, self.powers)?;
+        let tried = basis(&self.work, &self.starts(around), &[]);
+        let (_, own) = projected(now.q.view(), tried.view());
+        let met = blocked_matmul_h(own.view(), now.residual.view());
+        let energy =
+            |v: ndarray::ArrayView1<Complex64>| v.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let gains = met
+            .rows()
+            .into_iter()
+            .zip(own.columns())
+            .map(|(met, own)| energy(met) / energy(own).max(f64::MIN_POSITIVE));
+        Ok(gains.fold(0.0, f64::max))
     }
 }

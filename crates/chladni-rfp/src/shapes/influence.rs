@@ -12,8 +12,9 @@ use crate::shapes::limits;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
 use chladni_linalg::{matmul, matmul_h, solve_upper, LinalgError};
-use ndarray::{s, Array2, Axis};
+use ndarray::{concatenate, s, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
+use std::f64::consts::LN_2;
 
 /// Poles, shapes and the lines they were found on.
 pub(crate) struct Found<'a> {
@@ -25,6 +26,54 @@ pub(crate) struct Found<'a> {
     pub poles: &'a [Pole],
     pub shapes: &'a Shapes,
     pub scales: &'a [Scale],
+}
+
+impl Found<'_> {
+    /// Scale of the FRF of pair l.
+    fn scale_of(&self, l: usize) -> f64 {
+        self.scales_of_frfs.as_ref().map_or(1.0, |all| all[l])
+    }
+
+    /// Residues of the columns, (pole, pair).
+    fn residues(&self) -> Array2<Complex64> {
+        let Found { poles, shapes, .. } = self;
+        let pairs = &self.data.pairs;
+        let mut residues = Array2::zeros((poles.len(), pairs.len()));
+        for (term, &owner) in shapes.owner.iter().enumerate() {
+            let unit = poles[owner].residue_unit(self.work.law);
+            for (l, &(i, j)) in pairs.iter().enumerate() {
+                residues[[owner, l]] +=
+                    unit * shapes.shape[[term, i]] * shapes.participation[[term, j]];
+            }
+        }
+        residues
+    }
+
+    /// Noise variance of each pair before the weights of lines, from the median of the
+    /// residual.
+    fn noise(&self, residual: &Array2<Complex64>) -> Vec<f64> {
+        let level = |column: ArrayView1<Complex64>| {
+            let values = column.iter().enumerate();
+            let mut squares: Vec<f64> = values
+                .map(|(k, value)| value.norm_sqr() / self.weight(k).powi(2))
+                .collect();
+            let middle = squares.len() / 2;
+            *squares.select_nth_unstable_by(middle, f64::total_cmp).1 / LN_2
+        };
+        let levels: Vec<f64> = residual.columns().into_iter().map(level).collect();
+        let usual = levels.iter().sum::<f64>() / levels.len().max(1) as f64;
+        let noise = |l: usize| match self.scales_of_frfs {
+            Some(_) => levels[l] * self.scale_of(l).powi(2),
+            None => usual,
+        };
+        (0..self.data.pairs.len()).map(noise).collect()
+    }
+
+    /// Weight of line k over that of an FRF as it was measured.
+    fn weight(&self, k: usize) -> f64 {
+        let power = f64::from(self.data.kind.omega_power());
+        self.work.g[k] / self.work.x[k].powf(0.5 * power)
+    }
 }
 
 /// Poles and residues as sums over errors of lines.
@@ -56,18 +105,15 @@ pub(super) struct Influence<'a> {
 }
 
 impl<'a> Influence<'a> {
+    /// The influence of lines on what was `found`.
+    ///
+    /// # Errors
+    /// A kernel that fails.
     pub fn new(found: &'a Found<'a>, errors: &'a BlockErrors) -> Result<Self, LinalgError> {
-        let Found {
-            data,
-            work,
-            powers,
-            poles,
-            shapes,
-            ..
-        } = found;
-        let lambda: Vec<Complex64> = poles.iter().map(Pole::lambda).collect();
+        let Found { data, work, .. } = found;
+        let lambda: Vec<Complex64> = found.poles.iter().map(Pole::lambda).collect();
         let n = lambda.len();
-        let projection = Projection::new(work, &lambda, powers)?;
+        let projection = Projection::new(work, &lambda, found.powers)?;
         let unit = Array2::eye(projection.r.nrows());
         let inverse = solve_upper(projection.r.view(), unit.view())?;
         let inverse = inverse.slice(s![..n, ..]);
@@ -76,87 +122,44 @@ impl<'a> Influence<'a> {
         let follow = matmul(inverse, inside.view());
         let outside = &derivative - &matmul(projection.q.view(), inside.view());
         let own = matmul(projection.q.view(), inverse.t().mapv(|v| v.conj()).view());
-        let mut rows =
-            ndarray::concatenate(Axis(1), &[own.view(), outside.view()]).expect("the same lines");
-        rows.mapv_inplace(|v| v.conj());
+        let rows = concatenate![Axis(1), own, outside].mapv(|v| v.conj());
 
-        let scale_of = |l: usize| {
-            found
-                .scales_of_frfs
-                .as_ref()
-                .map_or(1.0, |scales| scales[l])
-        };
-        let weight: Vec<f64> = (0..data.pairs.len())
-            .map(|l| scale_of(l).powi(-2))
-            .collect();
-        let mut residues = Array2::zeros((n, data.pairs.len()));
-        for (term, &owner) in shapes.owner.iter().enumerate() {
-            let unit = poles[owner].residue_unit(work.law);
-            for (l, &(i, j)) in data.pairs.iter().enumerate() {
-                residues[[owner, l]] +=
-                    unit * shapes.shape[[term, i]] * shapes.participation[[term, j]];
-            }
-        }
-        let power = f64::from(data.kind.omega_power());
-        let level = |column: usize| {
-            let mut squares: Vec<f64> = (0..work.lines())
-                .map(|k| {
-                    let weight = work.g[k] / work.x[k].powf(0.5 * power);
-                    projection.residual[[k, column]].norm_sqr() / (weight * weight)
-                })
-                .collect();
-            let middle = squares.len() / 2;
-            *squares.select_nth_unstable_by(middle, f64::total_cmp).1 / std::f64::consts::LN_2
-        };
-        let levels: Vec<f64> = (0..work.columns()).map(level).collect();
-        let usual = levels.iter().sum::<f64>() / levels.len().max(1) as f64;
-        let noise = |l: usize| match found.scales_of_frfs {
-            Some(_) => levels[l] * scale_of(l).powi(2),
-            None => usual,
-        };
-        let noise = (0..data.pairs.len()).map(noise).collect();
         let forces = match data.references.len() {
             references @ 1..=limits::FORCES_MOST => references,
             _ => 1,
         };
-        let force = data.pairs.iter().map(|&(_, j)| j % forces).collect();
         let mut of_response = vec![Vec::new(); data.responses.len()];
         for (l, &(i, _)) in data.pairs.iter().enumerate() {
             of_response[i].push(l);
         }
-        let kept = kept_share(&projection.q, &outside);
-        let energy = projection
-            .residual
-            .rows()
-            .into_iter()
-            .map(|row| square(row.iter()));
+        let energy = projection.residual.rows().into_iter();
         let left = energy
-            .zip(&kept)
-            .map(|(energy, kept)| energy / kept)
-            .collect();
+            .zip(kept_share(&projection.q, &outside))
+            .map(|(row, kept)| square(row.iter()) / kept);
         let mut influence = Self {
             found,
             errors,
-            lambda,
             follow,
             inverse: Array2::zeros((0, 0)),
-            residues,
+            residues: found.residues(),
             of_forces: Vec::new(),
             of_noise: Array2::zeros((0, 0)),
-            noise,
-            force,
+            noise: found.noise(&projection.residual),
+            force: data.pairs.iter().map(|&(_, j)| j % forces).collect(),
             forces,
             of_response,
-            left,
+            left: left.collect(),
             rows,
+            lambda,
         };
+        let weight = |l: usize| found.scale_of(l).powi(-2);
         let at = |force: usize, l: usize| match influence.force[l] == force {
-            true => weight[l],
+            true => weight(l),
             false => 0.0,
         };
         let of_forces = (0..forces).map(|force| influence.products(|l| at(force, l)));
         influence.of_forces = of_forces.collect();
-        influence.of_noise = influence.products(|l| influence.noise[l] * weight[l].powi(2));
+        influence.of_noise = influence.products(|l| influence.noise[l] * weight(l).powi(2));
         let outside = influence.rows.slice(s![.., n..]);
         let across = matmul_h(outside, outside).mapv(|v: Complex64| v.conj());
         influence.inverse = covariance((across * influence.of_all()).view());
@@ -183,10 +186,9 @@ impl<'a> Influence<'a> {
     pub fn noise_products(&self, correlation: impl Fn(f64) -> Complex64) -> Array2<Complex64> {
         let work = self.found.work;
         let y: Vec<f64> = work.x.iter().map(|x| x.sqrt()).collect();
-        let power = f64::from(self.found.data.kind.omega_power());
         let mut weighted = self.rows.clone();
         for (k, mut row) in weighted.rows_mut().into_iter().enumerate() {
-            let weight = work.g[k] / work.x[k].powf(0.5 * power);
+            let weight = self.found.weight(k);
             row.mapv_inplace(|v| v * weight);
         }
         let mut mixed = Array2::zeros(weighted.raw_dim());

@@ -80,6 +80,9 @@ pub(super) const STRUCTURE_SIGMAS: f64 = 4.0;
 /// Part of the data's energy that the difference of two sums of squares loses to
 /// rounding.
 pub(super) const STRUCTURE_ROUNDING: f64 = 1e-12;
+/// Standard deviations of χ² up to which no mode is looked for: a mode that shows may raise
+/// the sum of squares of many data by less than [`STRUCTURE_SIGMAS`].
+pub(super) const GROWTH_SIGMAS: f64 = 1.0;
 /// Most modes that structured growth adds.
 pub(super) const GROWTH_MOST: usize = 12;
 /// Squared distance of two poles, in units of its variance, up to which they count as one
@@ -93,6 +96,9 @@ pub(super) const FUSED: f64 = 0.02;
 pub(super) const AROUND_GAIN: f64 = 10.0;
 /// Loss factors of poles that are added outside the band: up to critical damping.
 pub(super) const LOSS_ADDED: std::ops::Range<f64> = 1e-4..2.0;
+/// Gain of a pole that is added outside the band, over that which it has where it is tried
+/// from, at most.
+pub(super) const GAIN_BEYOND_SIGHT: f64 = 30.0;
 /// Most poles outside the band that are added beside structured ones.
 pub(super) const AROUND_MOST: usize = 3;
 /// Half-bandwidths beyond the ends of the band within which a pole is sought with those

@@ -4,6 +4,7 @@
 pub(crate) mod acceleration;
 pub(crate) mod alternation;
 mod around;
+mod attempt;
 pub(crate) mod error_bars;
 pub(crate) mod factor;
 pub(crate) mod growth;
@@ -14,6 +15,7 @@ mod limits;
 pub(crate) mod line_bars;
 pub(crate) mod line_products;
 pub(crate) mod low_rank;
+mod order;
 pub(crate) mod residues;
 pub(crate) mod scale;
 pub(crate) mod search;

@@ -72,24 +72,24 @@ pub(crate) fn beyond_chance(rise: f64, constraints: usize, variance: f64, roundi
         / (2.0 * k).sqrt().max(1.0)
 }
 
-/// True where the model as saved leaves more than chance, and so much more that a reader of
-/// χ² would see it: many data tell a misfit that no error bar knows. `work` holds the data
-/// of `frfs` FRFs.
-pub(crate) fn is_too_much(
-    rise: f64,
+/// The largest rise of the sum of squares of the model as saved over that of free residues
+/// that counts as chance: many data tell a misfit that no error bar knows, and one that no
+/// reader of χ² would see is left. `work` holds the data of `frfs` FRFs.
+pub(crate) fn most_by_chance(
     constraints: usize,
     variance: f64,
     rounding: f64,
     (work, frfs): (&Columns, usize),
-) -> bool {
+) -> f64 {
     let values = (work.lines() * work.columns()) as f64;
     let seen = match work.columns() < frfs {
         true => limits::EXCESS_SEEN_COMPRESSED,
         false => limits::EXCESS_SEEN,
     };
-    let excess = rise / variance.max(f64::MIN_POSITIVE) - 0.5 * constraints as f64;
-    beyond_chance(rise, constraints, variance, rounding) > limits::STRUCTURE_SIGMAS
-        && excess > seen * (values + 0.5 * constraints as f64)
+    let mean = 0.5 * constraints as f64;
+    let scatter = (2.0 * constraints as f64).sqrt().max(1.0);
+    let by_chance = rounding + variance * (mean + 0.5 * limits::STRUCTURE_SIGMAS * scatter);
+    by_chance.max(variance * (mean + seen * (values + mean)))
 }
 
 /// Rank that the residues of one pole need: singular values that noise of variance

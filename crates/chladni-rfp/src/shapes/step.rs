@@ -80,8 +80,16 @@ impl State {
     /// As [`Self::new`].
     pub fn without(&self, target: &Target, n: usize) -> Result<Self, LinalgError> {
         let kept: Vec<usize> = (0..self.lambda.len()).filter(|&m| m != n).collect();
+        self.of_modes(target, &kept)
+    }
+
+    /// Some modes of it on a target of as many other DOFs.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_modes(&self, target: &Target, kept: &[usize]) -> Result<Self, LinalgError> {
         let lambda = kept.iter().map(|&m| self.lambda[m]).collect();
-        let participation = self.participation.select(Axis(0), &kept);
+        let participation = self.participation.select(Axis(0), kept);
         Self::new(target, lambda, participation, self.real)
     }
 
