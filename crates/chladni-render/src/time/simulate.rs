@@ -1,5 +1,5 @@
-//! The ground in time: exact recursion of each pole under drives that run straight from
-//! sample to sample (theory.md, eq. 62).
+//! The ground in time: exact recursion of each pole under drives that run from sample to
+//! sample by the cubic of their values and derivatives (theory.md, eq. 62).
 
 use crate::time::causal::CausalModel;
 use chladni_linalg::matmul;
@@ -7,8 +7,10 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 /// Below this |λh| the exact functions of the recursion lose digits, and their series has
-/// them all: the first term left out is below 1e-16.
-const SMALL_STEP: f64 = 1e-3;
+/// them all: the first term left out is below 1e-17.
+const SMALL_STEP: f64 = 1.0;
+/// Terms of that series.
+const TERMS: u32 = 18;
 
 /// Complex envelopes of a drive on even samples: a(t_k) = Σ_b values[k, b]·patterns[b].
 #[derive(Debug, Clone)]
@@ -26,8 +28,8 @@ pub(crate) struct SampledDrive {
 /// A model in motion: takes a drive block by block.
 pub(crate) struct Motion<'a> {
     model: &'a CausalModel,
-    /// z of each pole, and what drove it at the last sample.
-    states: Vec<[Complex64; 2]>,
+    /// z of each pole, and what drove it at the last sample, with its derivative.
+    states: Vec<[Complex64; 3]>,
 }
 
 impl<'a> Motion<'a> {
@@ -35,7 +37,7 @@ impl<'a> Motion<'a> {
     pub(crate) fn new(model: &'a CausalModel) -> Self {
         Self {
             model,
-            states: vec![[Complex64::ZERO; 2]; model.poles.len()],
+            states: vec![[Complex64::ZERO; 3]; model.poles.len()],
         }
     }
 
@@ -54,19 +56,23 @@ impl<'a> Motion<'a> {
     fn modal(&mut self, drive: &SampledDrive) -> Array2<Complex64> {
         let forces = matmul(self.model.inputs.view(), drive.patterns.t());
         let mut states = matmul(forces.view(), drive.values.t());
-        let rows = states.rows_mut().into_iter().zip(&mut self.states);
-        for (n, (mut row, [z, before])) in rows.enumerate() {
-            let Step { decay, last, next } = Step::of(-self.model.distance(n), drive.step_s);
-            for value in &mut row {
-                *z = decay * *z + last * *before + next * *value;
-                *before = std::mem::replace(value, *z);
+        let slopes = matmul(forces.view(), drive.slopes.t());
+        let rows = states.rows_mut().into_iter().zip(slopes.rows());
+        for (n, ((mut row, slopes), known)) in rows.zip(&mut self.states).enumerate() {
+            let step = CubicStep::new(-self.model.distance(n), drive.step_s);
+            for (value, slope) in row.iter_mut().zip(slopes) {
+                let [z, before, rising] = *known;
+                let moved = step.decay * z + step.of(before, rising, *value, *slope);
+                *known = [moved, *value, *slope];
+                *value = moved;
             }
         }
         states
     }
 }
 
-/// One step of a pole: z⁺ = decay·z + last·u_k + next·u_{k+1}.
+/// One step of a pole under forces that run straight: z⁺ = decay·z + last·u_k +
+/// next·u_{k+1}.
 pub(crate) struct Step {
     pub(crate) decay: Complex64,
     pub(crate) last: Complex64,
@@ -75,23 +81,76 @@ pub(crate) struct Step {
 
 impl Step {
     /// With λ = `rate` rad/s and steps of h s: e^{λh}, h(φ₁ − φ₂), hφ₂.
-    pub(crate) fn of(rate: Complex64, step_s: f64) -> Self {
-        let x = rate * step_s;
-        let decay = x.exp();
-        let (first, second) = if x.norm() < SMALL_STEP {
-            (
-                1.0 + x / 2.0 + x * x / 6.0 + x.powi(3) / 24.0,
-                0.5 + x / 6.0 + x * x / 24.0 + x.powi(3) / 120.0,
-            )
-        } else {
-            ((decay - 1.0) / x, (decay - 1.0 - x) / (x * x))
-        };
+    pub(crate) fn new(rate: Complex64, step_s: f64) -> Self {
+        let [decay, first, second, ..] = exponentials(rate * step_s);
         Self {
             decay,
             last: (first - second) * step_s,
             next: second * step_s,
         }
     }
+}
+
+/// One step of a pole under forces that run by the cubic of their values and derivatives at
+/// both ends.
+pub(crate) struct CubicStep {
+    pub(crate) decay: Complex64,
+    /// Of the value and the derivative before, and of those after.
+    last: [Complex64; 2],
+    next: [Complex64; 2],
+}
+
+impl CubicStep {
+    /// ∫₀¹e^{λh(1−s)}sᵐds = m!·φ_{m+1} with the cubics of Hermite.
+    pub(crate) fn new(rate: Complex64, step_s: f64) -> Self {
+        let [decay, flat, straight, half, sixth] = exponentials(rate * step_s);
+        let (square, cube) = (half * 2.0, sixth * 6.0);
+        let risen = square * 3.0 - cube * 2.0;
+        let slope = step_s * step_s;
+        Self {
+            decay,
+            last: [
+                (flat - risen) * step_s,
+                (cube - square * 2.0 + straight) * slope,
+            ],
+            next: [risen * step_s, (cube - square) * slope],
+        }
+    }
+
+    /// The part that a force adds which runs from `before` with the derivative `rising` to
+    /// `after` with the derivative `then`.
+    pub(crate) fn of(
+        &self,
+        before: Complex64,
+        rising: Complex64,
+        after: Complex64,
+        then: Complex64,
+    ) -> Complex64 {
+        self.last[0] * before + self.last[1] * rising + self.next[0] * after + self.next[1] * then
+    }
+}
+
+/// e^x and φ₁ to φ₄: φ_k = Σ x^j/(j+k)!.
+fn exponentials(x: Complex64) -> [Complex64; 5] {
+    let mut phi = [x.exp(); 5];
+    let mut factorial = 1.0;
+    if x.norm() < SMALL_STEP {
+        let mut term = Complex64::from(1.0 / 24.0);
+        phi[4] = term;
+        for j in 1..TERMS {
+            term *= x / f64::from(j + 4);
+            phi[4] += term;
+        }
+        for (k, inverse) in [(3, 1.0 / 6.0), (2, 0.5), (1, 1.0)] {
+            phi[k] = x * phi[k + 1] + inverse;
+        }
+        return phi;
+    }
+    for k in 1..5 {
+        phi[k] = (phi[k - 1] - 1.0 / factorial) / x;
+        factorial *= k as f64;
+    }
+    phi
 }
 
 #[cfg(test)]
@@ -426,7 +485,7 @@ mod tests {
             Complex64::new(0.0, 3e-2),
         ] {
             let (h, mut z) = (0.01, Complex64::ZERO);
-            let step = Step::of(rate, h);
+            let step = Step::new(rate, h);
             for k in 0..50 {
                 let t = h * f64::from(k);
                 z = step.decay * z + step.last * t + step.next * (t + h);
@@ -447,6 +506,30 @@ mod tests {
                 let exact = ((rate * t).exp() - 1.0 - rate * t) / (rate * rate);
                 assert!((z - exact).norm() < 1e-13, "{z} {exact}");
             }
+        }
+    }
+
+    #[test]
+    fn a_cubic_step_is_exact_for_forces_that_are_cubics() {
+        // ż = λz + t³ from rest, in one step or in many
+        let h = 0.01;
+        for rate in [
+            Complex64::new(-3.0, 40.0),
+            Complex64::new(-3.0, 400.0),
+            Complex64::new(-1e-3, 0.0),
+        ] {
+            let by = |count: usize| {
+                let h = h * 50.0 / count as f64;
+                let step = CubicStep::new(rate, h);
+                (0..count).fold(Complex64::ZERO, |z, k| {
+                    let at = |t: f64| [t.powi(3), 3.0 * t * t].map(Complex64::from);
+                    let [before, rising] = at(h * k as f64);
+                    let [after, then] = at(h * (k + 1) as f64);
+                    step.decay * z + step.of(before, rising, after, then)
+                })
+            };
+            let [few, many] = [by(50), by(1000)];
+            assert!((few - many).norm() < 1e-11 * many.norm(), "{few} {many}");
         }
     }
 }
