@@ -119,7 +119,7 @@ impl Program<'_> {
             rise: Edge::Cosine(ramp),
             fall: Edge::NEVER,
         };
-        let [value, slope, _] = envelope.at(time_s);
+        let [value, slope, ..] = envelope.at(time_s);
         let correction = self.voice.corrections.row(self.end.0);
         let [value, slope] = if self.falls {
             [1.0 - value, -slope]

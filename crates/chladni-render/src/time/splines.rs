@@ -33,8 +33,8 @@ pub(crate) struct Splines<'a> {
     decays: Vec<Complex64>,
     /// The part that the first spline adds to each pole until it ends; axes (pole, time).
     kicks: Array2<Complex64>,
-    /// The first spline, and its derivative.
-    shape: [Vec<f64>; 2],
+    /// The first spline, and its derivatives.
+    shape: [Vec<f64>; 3],
 }
 
 impl<'a> Splines<'a> {
@@ -63,7 +63,7 @@ impl<'a> Splines<'a> {
             judged: (0..all).chain(later).collect(),
             decays: poles.map(|p| (-model.distance(p) * step_s).exp()).collect(),
             kicks: kicks(model, knot_s, per_knot),
-            shape: [shape(0), shape(1)],
+            shape: [shape(0), shape(1), shape(2)],
         }
     }
 
@@ -152,9 +152,13 @@ impl<'a> Splines<'a> {
     }
 
     /// The parts that follow at once, and the splines that they follow.
-    fn at_once(&self) -> [(&Array2<Complex64>, &[f64]); 2] {
-        let [values, slopes] = &self.shape;
-        [(&self.model.direct, values), (&self.model.slope, slopes)]
+    fn at_once(&self) -> [(&Array2<Complex64>, &[f64]); 3] {
+        let [values, slopes, bends] = &self.shape;
+        [
+            (&self.model.direct, values),
+            (&self.model.slope, slopes),
+            (&self.model.bend, bends),
+        ]
     }
 }
 
@@ -174,7 +178,7 @@ fn kicks(model: &CausalModel, knot_s: f64, per_knot: usize) -> Array2<Complex64>
     let spline = first(knot_s);
     let forces: Vec<[Complex64; 2]> = (0..=SUPPORT * per_knot)
         .map(|k| spline.at(step_s * k as f64))
-        .map(|[value, slope, _]| [value.into(), slope.into()])
+        .map(|[value, slope, ..]| [value.into(), slope.into()])
         .collect();
     let mut kicks = Array2::zeros((model.poles.len(), forces.len()));
     for (p, mut kick) in kicks.rows_mut().into_iter().enumerate() {
@@ -242,6 +246,7 @@ mod tests {
             shapes: concatenate![Axis(1), shapes, shapes.mapv(|value| value.conj())],
             direct: Array2::from_shape_fn((5, 3), some(1.3)).mapv(|value| value * 1e-3),
             slope: Array2::from_shape_fn((5, 3), some(2.3)).mapv(|value| value * 1e-6),
+            bend: Array2::from_shape_fn((5, 3), some(1.9)).mapv(|value| value * 1e-9),
             poles,
         }
     }
