@@ -518,8 +518,9 @@ pub const STEADY_MISS_DB: f64 = 0.05;
 /// Ramps of a signal that nobody tells, s: what most scenes take.
 pub const GUESSED_RAMP_S: f64 = 0.01;
 
-/// Intervals between the knots of an envelope program within a ramp.
-pub const KNOTS_PER_RAMP: f64 = 6.0;
+/// Intervals between the knots of an envelope program within a ramp. Six take three times
+/// the steps for nothing; three leave a ninth at 330 Hz over its limit longest.
+pub const KNOTS_PER_RAMP: f64 = 4.0;
 
 /// Least distance of these knots, s: a thirteenth of a period at 300 Hz. Closer ones ask
 /// the envelopes for what the carrier itself does.
@@ -528,34 +529,40 @@ pub const LEAST_KNOT_S: f64 = 2.5e-4;
 /// Time after a rise, or before a fall, in which its program shapes the drive, s.
 pub const SHAPED_BEYOND_S: f64 = 0.012;
 
-/// Time after that for which ground is looked at, s: a beat of two neighbouring modes.
-pub const JUDGED_BEYOND_S: f64 = 0.03;
+/// Time after that for which ground is looked at, s: at half of it, beats of neighbouring
+/// modes came back 0.5 dB louder later.
+pub const JUDGED_BEYOND_S: f64 = 0.06;
 
-/// Largest time from sample to sample of an envelope program, s.
-pub const PROGRAM_STEP_S: f64 = 5e-4;
+/// Largest time from sample to sample of an envelope program while it shapes the drive, s.
+/// At twice as much the field hides between the samples: up to a decibel.
+pub const PROGRAM_STEP_S: f64 = 2.5e-4;
 
-/// Steps that find the gain of an envelope program, and room for what they do not see.
-pub const POWER_STEPS: usize = 12;
-/// See [`POWER_STEPS`].
-pub const POWER_ROOM: f64 = 1.1;
+/// Of the samples after that, one in so many is looked at.
+pub const PROGRAM_RINGING: usize = 3;
 
-/// Curvature that an envelope program begins with, over the steepest that can be; what it
-/// becomes where a step was too long, and from step to step.
-pub const PROGRAM_CURVATURE: f64 = 0.02;
-/// See [`PROGRAM_CURVATURE`].
-pub const PROGRAM_STEEPER: f64 = 2.0;
-/// See [`PROGRAM_CURVATURE`].
-pub const PROGRAM_FLATTER: f64 = 0.97;
+/// Most rounds of an envelope program, and quasi-Newton steps in each.
+pub const PROGRAM_ROUNDS: usize = 12;
+/// See [`PROGRAM_ROUNDS`].
+pub const PROGRAM_STEPS: usize = 16;
 
-/// Most gradient steps of an envelope program.
-pub const PROGRAM_STEPS: usize = 400;
+/// Steps whose curvature an envelope program remembers. Twenty find nothing more.
+pub const PROGRAM_MEMORY: usize = 10;
 
-/// Sum of squares, over the threshold, of what is missed at the end of a program: a
-/// hundredth of a threshold at one place and time.
-pub const PROGRAM_MISSED: f64 = 1e-4;
+/// A step ends where the slope is this part of what it was, or after so many tries each
+/// way.
+pub const PROGRAM_FLAT: f64 = 0.1;
+/// See [`PROGRAM_FLAT`].
+pub const PROGRAM_TRIES: usize = 12;
 
-/// Price of the control points over the largest curvature.
-pub const PROGRAM_RIDGE: f64 = 1e-6;
+/// Price of a control point over its limit, with the largest force of modal ramps as one,
+/// beside a threshold that is missed. A third does as well.
+pub const PROGRAM_FORCE: f64 = 10.0;
+
+/// Price of every control point, likewise.
+pub const PROGRAM_RIDGE: f64 = 1e-4;
+
+/// Part of the margin, in dB, that an envelope program may leave.
+pub const PROGRAM_SLACK: f64 = 0.1;
 
 /// Margin that an envelope program aims at where the steady drive has as much, dB.
 pub const PROGRAM_MARGIN_DB: f64 = 0.6;

@@ -4,7 +4,7 @@
 //! Structural damping answers before it is asked: its second pole lies on the wrong side.
 //! Each mode therefore has the conjugate pair p, p* with p = jω_n√(1+jη_n), or the
 //! viscous s_n; what runs like 1/ω², as a free panel does as a whole, has poles at rest.
-//! The rest of the response at the carrier is D₀ and D₁, so that a
+//! The rest of the response at the carrier is D₀, D₁ and D₂, so that a
 //! steady drive moves the ground exactly as `render` says.
 
 use crate::interpolation::Interpolation;
@@ -32,6 +32,8 @@ pub(crate) struct CausalModel {
     pub(crate) direct: Array2<Complex64>,
     /// D₁: velocity per rate of change of the drive; same axes.
     pub(crate) slope: Array2<Complex64>,
+    /// D₂: velocity per second derivative of the drive; same axes.
+    pub(crate) bend: Array2<Complex64>,
 }
 
 impl CausalModel {
@@ -59,6 +61,7 @@ impl CausalModel {
             shapes: concatenate![Axis(1), shapes, conjugate(&shapes)],
             direct: Array2::zeros((0, 0)),
             slope: rest.slope,
+            bend: rest.bend,
         };
         causal.direct = &operator.mobility - &causal.of_poles(0..causal.poles.len(), 1);
         // the rest is a real system, too: what turns it is a slope through 0 Hz
@@ -101,16 +104,15 @@ impl CausalModel {
 
     /// The same model seen at other places.
     pub(crate) fn at(&self, places: &Interpolation) -> Self {
-        let columns = [self.shapes.ncols(), self.direct.ncols()];
-        let all = concatenate![Axis(1), self.shapes, self.direct, self.slope];
-        let there = places.apply(all.view());
-        let (shapes, rest) = there.view().split_at(Axis(1), columns[0]);
-        let (direct, slope) = rest.split_at(Axis(1), columns[1]);
+        let there = |here: &Array2<Complex64>| places.apply(here.view());
         Self {
-            shapes: shapes.to_owned(),
-            direct: direct.to_owned(),
-            slope: slope.to_owned(),
-            ..self.clone()
+            shapes: there(&self.shapes),
+            direct: there(&self.direct),
+            slope: there(&self.slope),
+            bend: there(&self.bend),
+            carrier_rad_per_s: self.carrier_rad_per_s,
+            poles: self.poles.clone(),
+            inputs: self.inputs.clone(),
         }
     }
 
@@ -235,7 +237,7 @@ fn of_modes(
     (poles, inputs, shapes)
 }
 
-/// The residual terms of a model: those like 1/ω² as poles at rest, the others to first
+/// The residual terms of a model: those like 1/ω² as poles at rest, the others to second
 /// order about the carrier.
 struct Rest {
     /// Of half of the poles; axes (pole, actuator).
@@ -246,6 +248,8 @@ struct Rest {
     direct: Array2<Complex64>,
     /// Its derivative by s: Σ (power+1)·C·(ω₀/ω_s)^power.
     slope: Array2<Complex64>,
+    /// Half of its second derivative: Σ (power+1)·power/(2jω₀)·C·(ω₀/ω_s)^power.
+    bend: Array2<Complex64>,
 }
 
 impl Rest {
@@ -258,6 +262,7 @@ impl Rest {
             shapes: Array2::zeros((rows, 0)),
             direct: Array2::zeros((rows, actuators)),
             slope: Array2::zeros((rows, actuators)),
+            bend: Array2::zeros((rows, actuators)),
         };
         for term in &model.residual_terms.terms {
             let mut matrix = Array2::from_shape_fn((rows, actuators), |(i, j)| {
@@ -271,6 +276,8 @@ impl Rest {
             let slope = f64::from(term.power + 1) * here;
             rest.direct += &matrix.mapv(|value| Complex64::I * (carrier * here) * value);
             rest.slope += &matrix.mapv(|value| value * slope);
+            let bend = Complex64::new(0.0, -0.5 * f64::from(term.power) * slope / carrier);
+            rest.bend += &matrix.mapv(|value| value * bend);
         }
         Ok(rest)
     }
@@ -328,6 +335,7 @@ mod tests {
                 shapes: concatenate![Axis(1), shapes, conjugate(&shapes)],
                 direct: Array2::zeros((5, 2)),
                 slope: Array2::zeros((5, 2)),
+                bend: Array2::zeros((5, 2)),
             };
             let (states, pull) = (some(1.3, (6, 4)), some(0.4, (5, 4)));
             let apart = |a: Array2<Complex64>, b: Array2<Complex64>| {

@@ -65,7 +65,7 @@ impl<'a> Contact<'a> {
     /// Lays its field over `moved`, axes (time, row), which begins at the sample `first`.
     pub(crate) fn lay_over(&mut self, moved: &mut Array2<Complex64>, first: usize, step_s: f64) {
         let steps: Vec<Step> = (0..self.states.len())
-            .map(|n| Step::of(-self.model.distance(n), step_s))
+            .map(|n| Step::new(-self.model.distance(n), step_s))
             .collect();
         let here = self.model.shapes.row(self.touch.row);
         let at_once: Complex64 = (0..self.states.len())

@@ -3,6 +3,22 @@
 
 use std::f64::consts::PI;
 
+/// A value with its first three derivatives by time; where one jumps, either side.
+pub(crate) type Course = [f64; 4];
+
+/// What is not there.
+const NOTHING: Course = [0.0; 4];
+/// What is there and stays.
+const WHOLE: Course = [1.0, 0.0, 0.0, 0.0];
+
+fn sum(a: Course, b: Course) -> Course {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
+fn difference(a: Course, b: Course) -> Course {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
 /// A raised-cosine step from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ramp {
@@ -15,24 +31,24 @@ impl Ramp {
         self.start_s + self.duration_s
     }
 
-    /// Value, first and second derivative.
-    fn at(&self, time_s: f64) -> [f64; 3] {
+    fn at(&self, time_s: f64) -> Course {
         let Self {
             start_s,
             duration_s,
         } = *self;
         if time_s <= start_s {
-            return [0.0; 3];
+            return NOTHING;
         }
         if time_s >= self.end_s() {
-            return [1.0, 0.0, 0.0];
+            return WHOLE;
         }
         let rate = PI / duration_s;
         let (sine, cosine) = (rate * (time_s - start_s)).sin_cos();
         [
             0.5 - 0.5 * cosine,
             0.5 * rate * sine,
-            0.5 * rate * rate * cosine,
+            0.5 * rate.powi(2) * cosine,
+            -0.5 * rate.powi(3) * sine,
         ]
     }
 }
@@ -61,7 +77,7 @@ impl Edge {
         }
     }
 
-    fn at(&self, time_s: f64) -> [f64; 3] {
+    fn at(&self, time_s: f64) -> Course {
         match *self {
             Self::Cosine(ramp) => ramp.at(time_s),
             Self::Splines { start_s, knot_s } => spline_step((time_s - start_s) / knot_s, knot_s),
@@ -101,22 +117,24 @@ impl Travel {
     const EASE_S: f64 = 0.01;
 
     /// The position between the keyframes, with its derivatives.
-    fn at(&self, time_s: f64) -> [f64; 3] {
+    fn at(&self, time_s: f64) -> Course {
         let ease = Self::EASE_S.min(0.5 * self.duration_s);
         // ∫ of a speed that rises from 0 to 1 over `ease` about τ = 0
         let run = |tau: f64| {
             let within = tau + 0.5 * ease;
             if within <= 0.0 {
-                return [0.0; 3];
+                return NOTHING;
             }
             if within >= ease {
-                return [tau, 1.0, 0.0];
+                return [tau, 1.0, 0.0, 0.0];
             }
-            let (sine, cosine) = (PI * within / ease).sin_cos();
+            let rate = PI / ease;
+            let (sine, cosine) = (rate * within).sin_cos();
             [
-                0.5 * (within - ease / PI * sine),
+                0.5 * (within - sine / rate),
                 0.5 - 0.5 * cosine,
-                0.5 * PI / ease * sine,
+                0.5 * rate * sine,
+                0.5 * rate * rate * cosine,
             ]
         };
         let (begun, ended) = (
@@ -124,47 +142,50 @@ impl Travel {
             run(time_s - self.start_s - self.duration_s),
         );
         let rate = self.last as f64 / self.duration_s;
-        [0, 1, 2].map(|k| rate * (begun[k] - ended[k]))
+        difference(begun, ended).map(|value| rate * value)
     }
 
     /// Weight of a keyframe, with its derivatives: cubic between them (Catmull and Rom),
     /// the first and the last one repeated beyond the ends.
-    fn weight(&self, number: usize, time_s: f64) -> [f64; 3] {
-        let [place, speed, change] = self.at(time_s);
-        let mut sum = cardinal(place - number as f64);
+    fn weight(&self, number: usize, time_s: f64) -> Course {
+        let [place, speed, change, jerk] = self.at(time_s);
+        let mut along = cardinal(place - number as f64);
         let beyond = [
             (number == 0).then_some(place + 1.0),
             (number == self.last).then_some(place - self.last as f64 - 1.0),
         ];
         for x in beyond.into_iter().flatten() {
-            let more = cardinal(x);
-            (0..3).for_each(|k| sum[k] += more[k]);
+            along = sum(along, cardinal(x));
         }
+        let [value, slope, bend, third] = along;
         [
-            sum[0],
-            sum[1] * speed,
-            sum[2] * speed * speed + sum[1] * change,
+            value,
+            slope * speed,
+            bend * speed.powi(2) + slope * change,
+            third * speed.powi(3) + 3.0 * bend * speed * change + slope * jerk,
         ]
     }
 }
 
 /// The cubic of Catmull and Rom about 0, with its derivatives.
-fn cardinal(x: f64) -> [f64; 3] {
+fn cardinal(x: f64) -> Course {
     let (size, sign) = (x.abs(), x.signum());
     if size < 1.0 {
         [
             (1.5 * size - 2.5) * size * size + 1.0,
             sign * (4.5 * size - 5.0) * size,
             9.0 * size - 5.0,
+            sign * 9.0,
         ]
     } else if size < 2.0 {
         [
             ((2.5 - 0.5 * size) * size - 4.0) * size + 2.0,
             sign * ((5.0 - 1.5 * size) * size - 4.0),
             5.0 - 3.0 * size,
+            sign * -3.0,
         ]
     } else {
-        [0.0; 3]
+        NOTHING
     }
 }
 
@@ -199,13 +220,10 @@ impl Envelope {
         }
     }
 
-    /// Value, first and second derivative.
-    pub(crate) fn at(&self, time_s: f64) -> [f64; 3] {
+    /// Value and derivatives.
+    pub(crate) fn at(&self, time_s: f64) -> Course {
         match self {
-            Self::Gate { rise, fall } => {
-                let (a, b) = (rise.at(time_s), fall.at(time_s));
-                [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-            }
+            Self::Gate { rise, fall } => difference(rise.at(time_s), fall.at(time_s)),
             Self::Spline { start_s, knot_s } => spline((time_s - start_s) / knot_s, *knot_s),
             Self::Keyframe {
                 number,
@@ -213,53 +231,48 @@ impl Envelope {
                 rise,
                 fall,
             } => {
-                let mut sum = travel.weight(*number, time_s);
+                let mut weight = travel.weight(*number, time_s);
                 if *number == 0 {
-                    let risen = rise.at(time_s);
-                    (0..3).for_each(|k| sum[k] += risen[k]);
-                    sum[0] -= 1.0;
+                    weight = difference(sum(weight, rise.at(time_s)), WHOLE);
                 }
                 if *number == travel.last {
-                    let fallen = fall.at(time_s);
-                    (0..3).for_each(|k| sum[k] -= fallen[k]);
+                    weight = difference(weight, fall.at(time_s));
                 }
-                sum
+                weight
             }
         }
     }
 }
 
 /// The cubic B-spline on the knots 0 to 4, with its derivatives per `knot_s`.
-fn spline(x: f64, knot_s: f64) -> [f64; 3] {
+fn spline(x: f64, knot_s: f64) -> Course {
     if !(0.0..4.0).contains(&x) {
-        return [0.0; 3];
+        return NOTHING;
     }
     // (1/6)·Σ_k (−1)^k·C(4, k)·(x − k)₊³
     const SIGNED: [f64; 4] = [1.0, -4.0, 6.0, -4.0];
-    let mut sums = [0.0; 3];
+    let mut sums = NOTHING;
     for (k, sign) in SIGNED.iter().enumerate() {
         let left = x - k as f64;
         if left > 0.0 {
             sums[0] += sign * left.powi(3) / 6.0;
             sums[1] += sign * left.powi(2) / 2.0;
             sums[2] += sign * left;
+            sums[3] += sign;
         }
     }
-    [sums[0], sums[1] / knot_s, sums[2] / (knot_s * knot_s)]
+    [0, 1, 2, 3].map(|k| sums[k] / knot_s.powi(k as i32))
 }
 
 /// The sum of the splines that begin at 0, 1, 2, …: 1 from x = 3 on.
-fn spline_step(x: f64, knot_s: f64) -> [f64; 3] {
+fn spline_step(x: f64, knot_s: f64) -> Course {
     if x <= 0.0 {
-        return [0.0; 3];
+        return NOTHING;
     }
     if x >= 3.0 {
-        return [1.0, 0.0, 0.0];
+        return WHOLE;
     }
-    (0..3).fold([0.0; 3], |sum, k| {
-        let one = spline(x - f64::from(k), knot_s);
-        [sum[0] + one[0], sum[1] + one[1], sum[2] + one[2]]
-    })
+    (0..3).fold(NOTHING, |all, k| sum(all, spline(x - f64::from(k), knot_s)))
 }
 
 #[cfg(test)]
@@ -310,6 +323,8 @@ mod tests {
                     "{envelope:?} at {t}"
                 );
                 assert!((bend - here[2]).abs() < 1e-3 * 5e5, "{envelope:?} at {t}");
+                let third = (after[2] - before[2]) / (2.0 * h);
+                assert!((third - here[3]).abs() < 1e-2 * 5e8, "{envelope:?} at {t}");
             }
         }
     }
@@ -329,7 +344,7 @@ mod tests {
         };
         for k in 0..700 {
             let time_s = 1e-3 * f64::from(k);
-            let sum: f64 = (0..=4)
+            let all: f64 = (0..=4)
                 .map(|number| {
                     let envelope = Envelope::Keyframe {
                         number,
@@ -341,7 +356,7 @@ mod tests {
                 })
                 .sum();
             let expected = edge(0.08).at(time_s)[0] - edge(0.6).at(time_s)[0];
-            assert!((sum - expected).abs() < 1e-12, "{time_s}: {sum} {expected}");
+            assert!((all - expected).abs() < 1e-12, "{time_s}: {all} {expected}");
         }
         assert!((travel.at(0.35)[0] - 2.0).abs() < 1e-12);
     }
@@ -350,8 +365,8 @@ mod tests {
     fn splines_add_up_to_one() {
         for k in 0..100 {
             let x = 0.03 * f64::from(k);
-            let sum: f64 = (-3..6).map(|n| spline(x - f64::from(n), 1.0)[0]).sum();
-            assert!((sum - 1.0).abs() < 1e-12);
+            let all: f64 = (-3..6).map(|n| spline(x - f64::from(n), 1.0)[0]).sum();
+            assert!((all - 1.0).abs() < 1e-12);
         }
         assert!((spline_step(2.999_999_9, 1.0)[0] - 1.0).abs() < 1e-12);
     }

@@ -4,16 +4,17 @@
 //! add up to one, so that |c| ≤ F keeps |a(t)| ≤ F at every instant. Least squares of what
 //! misses its limit,
 //!
-//! ½Σ(|v| − V_c)₊² + Σ(V_h − |v|)₊² + ρΣ|c|²,
+//! ½Σ(|v| − V_c + p)₊² + Σ(V_h + q − |v|)₊² + ½κΣ(|c| − F + r)₊² + ½ρΣ|c|²,
 //!
-//! over rows and times, by accelerated projected gradients from the drive of modal ramps.
-//! A convex program over the same splines (the study's oracle) finds some tenths of a
-//! decibel more in a hundred times the time.
+//! over rows and times, from the drive of modal ramps by quasi-Newton steps of limited
+//! memory. Rounds of them make the sum hold where limits can be kept at all: what a round
+//! leaves missing becomes the p, q and r of the next one (the method of multipliers).
 
 use crate::time::splines::Splines;
 use crate::tolerances;
-use ndarray::Array2;
+use ndarray::{Array2, Zip};
 use num_complex::Complex64;
+use std::collections::VecDeque;
 
 /// The limits of a row at a time, in thresholds.
 pub(crate) struct Asked {
@@ -21,6 +22,23 @@ pub(crate) struct Asked {
     pub(crate) most: Array2<f64>,
     /// At least this; 0 where nothing is.
     pub(crate) least: Array2<f64>,
+    /// The factor by which both may be missed.
+    pub(crate) slack: f64,
+}
+
+impl Asked {
+    /// Factor by which a row misses its limit at its worst; 1 or less: none does.
+    fn worst(&self, moved: &Array2<Complex64>) -> f64 {
+        let mut worst: f64 = 0.0;
+        Zip::from(moved)
+            .and(&self.most)
+            .and(&self.least)
+            .for_each(|v, most, least| {
+                let size = v.norm().max(f64::MIN_POSITIVE);
+                worst = worst.max(size / most).max(least / size);
+            });
+        worst
+    }
 }
 
 /// Control points that miss least, from `start`; the field of all else is `fixed`, in
@@ -39,130 +57,238 @@ pub(crate) fn solve(
         .map(|value| value.norm())
         .fold(0.0, f64::max)
         .max(f64::MIN_POSITIVE);
-    let scale = unit / threshold;
-    let steepest = 2.0 * splines.gain() * scale * scale;
-    let ridge = tolerances::PROGRAM_RIDGE * steepest;
-    let field =
-        |control: &Array2<Complex64>| splines.field(control).mapv(|value| value * scale) + fixed;
-    let project = |value: Complex64| {
-        let (size, most) = (value.norm(), limit / unit);
-        if size > most {
-            value * (most / size)
-        } else {
-            value
-        }
+    let scale = Complex64::from(unit / threshold);
+    let limit = limit / unit;
+    let field = |control: &Array2<Complex64>| splines.field(control) * scale;
+    let kept = |control: &Array2<Complex64>| {
+        let control = control.mapv(|value| value * (limit / value.norm()).min(1.0));
+        let moved = field(&control) + fixed;
+        (asked.worst(&moved), control)
     };
-    let control = start.mapv(|value| project(value / unit));
-    let mut here = Point::of(field(&control), asked, control);
-    let mut ahead = here.clone();
-    let mut momentum: f64 = 1.0;
-    // few places miss their limit, so that the curvature met is far below the steepest
-    let mut curvature = tolerances::PROGRAM_CURVATURE * steepest;
-    for _ in 0..tolerances::PROGRAM_STEPS {
-        if here.missed < tolerances::PROGRAM_MISSED {
+    let mut goal = Goal::new(asked, limit, start.dim());
+    let mut control = start.mapv(|value| value / unit);
+    let mut moved = field(&control) + fixed;
+    let mut memory = Memory::default();
+    let mut best = kept(&control);
+    for _ in 0..tolerances::PROGRAM_ROUNDS {
+        let slope = |moved: &Array2<Complex64>, control: &Array2<Complex64>| {
+            let [pull, strain] = goal.pulls(moved, control);
+            splines.adjoint(&pull) * scale + strain
+        };
+        let mut gradient = slope(&moved, &control);
+        for _ in 0..tolerances::PROGRAM_STEPS {
+            let way = memory.descent(&gradient);
+            let along = field(&way);
+            let share = goal.share(&Line {
+                from: [&moved, &control],
+                along: [&along, &way],
+                begins: inner(&gradient, &way),
+            });
+            moved.scaled_add(share.into(), &along);
+            let step = way * Complex64::from(share);
+            control += &step;
+            let next = slope(&moved, &control);
+            memory.learn(step, &next - &gradient);
+            gradient = next;
+        }
+        let found = kept(&control);
+        if found.0 < best.0 {
+            best = found;
+        }
+        if best.0 <= asked.slack {
             break;
         }
-        let gradient = splines.adjoint(&ahead.pull).mapv(|value| value * scale)
-            + ahead.control.mapv(|value| value * ridge);
-        let next = loop {
-            let control = Array2::from_shape_fn(gradient.dim(), |at| {
-                project(ahead.control[at] - gradient[at] / curvature)
-            });
-            let next = Point::of(field(&control), asked, control);
-            let (along, length) = ahead.way_to(&next, &gradient);
-            let bound = ahead.missed + along + 0.5 * curvature * length;
-            if next.missed <= bound || curvature >= steepest {
-                break next;
-            }
-            curvature = (tolerances::PROGRAM_STEEPER * curvature).min(steepest);
-        };
-        curvature *= tolerances::PROGRAM_FLATTER;
-        // a step that leads up again begins anew
-        if next.missed > here.missed && momentum > 1.0 {
-            momentum = 1.0;
-            ahead = here.clone();
-            continue;
-        }
-        let faster = 0.5 * (1.0 + (1.0 + 4.0 * momentum * momentum).sqrt());
-        ahead = next.beyond(&here, (momentum - 1.0) / faster, asked);
-        momentum = faster;
-        here = next;
+        goal.shift(asked, limit, &moved, &control);
     }
-    here.control.mapv(|value| value * unit)
+    best.1 * Complex64::from(unit)
 }
 
-/// Control points, and what they come to.
-#[derive(Clone)]
-struct Point {
-    control: Array2<Complex64>,
-    /// In thresholds; axes (row, time).
-    field: Array2<Complex64>,
-    /// The part that pulls it to its limits.
-    pull: Array2<Complex64>,
-    missed: f64,
+/// A way from one drive to another: of the field and of the control points.
+struct Line<'a> {
+    from: [&'a Array2<Complex64>; 2],
+    along: [&'a Array2<Complex64>; 2],
+    /// Slope of the sum at its beginning.
+    begins: f64,
 }
 
-impl Point {
-    fn of(field: Array2<Complex64>, asked: &Asked, control: Array2<Complex64>) -> Self {
-        let mut pull = field.clone();
-        let missed = missed(&mut pull, asked);
+/// The limits as a round sees them.
+struct Goal {
+    most: Array2<f64>,
+    least: Array2<f64>,
+    /// Of the control points.
+    limit: Array2<f64>,
+}
+
+impl Goal {
+    fn new(asked: &Asked, limit: f64, controls: (usize, usize)) -> Self {
         Self {
-            control,
-            field,
-            pull,
-            missed,
+            most: asked.most.clone(),
+            least: asked.least.clone(),
+            limit: Array2::from_elem(controls, limit),
         }
     }
 
-    /// So far beyond this point on the way from `before`: the field is linear.
-    fn beyond(&self, before: &Self, share: f64, asked: &Asked) -> Self {
-        let on = |here: &Array2<Complex64>, before: &Array2<Complex64>| {
-            here + &((here - before) * Complex64::from(share))
-        };
-        Self::of(
-            on(&self.field, &before.field),
-            asked,
-            on(&self.control, &before.control),
-        )
+    /// The gradient by the field, and that by the control points themselves.
+    fn pulls(
+        &self,
+        moved: &Array2<Complex64>,
+        control: &Array2<Complex64>,
+    ) -> [Array2<Complex64>; 2] {
+        let pull = Zip::from(moved)
+            .and(&self.most)
+            .and(&self.least)
+            .map_collect(|&v, &most, &least| pull(v, most, least));
+        let strain = Zip::from(control)
+            .and(&self.limit)
+            .map_collect(|&c, &limit| strain(c, limit));
+        [pull, strain]
     }
 
-    /// Rise of the gradient on the way to another point, and the square of its length.
-    fn way_to(&self, other: &Self, gradient: &Array2<Complex64>) -> (f64, f64) {
-        let (mut along, mut length) = (0.0, 0.0);
-        ndarray::Zip::from(&self.control)
-            .and(&other.control)
-            .and(gradient)
-            .for_each(|from, to, slope| {
-                let step = to - from;
-                along += (slope.conj() * step).re;
-                length += step.norm_sqr();
+    /// Slope of the sum at a part of the way.
+    fn slope(&self, line: &Line, share: f64) -> f64 {
+        let mut sum = 0.0;
+        Zip::from(line.from[0])
+            .and(line.along[0])
+            .and(&self.most)
+            .and(&self.least)
+            .for_each(|v, way, &most, &least| {
+                let pull = pull(v + way * share, most, least);
+                sum += pull.re * way.re + pull.im * way.im;
             });
-        (along, length)
+        Zip::from(line.from[1])
+            .and(line.along[1])
+            .and(&self.limit)
+            .for_each(|c, way, &limit| {
+                let strain = strain(c + way * share, limit);
+                sum += strain.re * way.re + strain.im * way.im;
+            });
+        sum
+    }
+
+    /// The part of the way to where the sum hardly falls any more, by secants.
+    fn share(&self, line: &Line) -> f64 {
+        if line.begins >= 0.0 {
+            return 0.0;
+        }
+        let flat = tolerances::PROGRAM_FLAT * -line.begins;
+        let at = |share: f64| [share, self.slope(line, share)];
+        let secant =
+            |from: [f64; 2], to: [f64; 2]| to[0] - to[1] * (to[0] - from[0]) / (to[1] - from[1]);
+        let (mut from, mut to) = ([0.0, line.begins], at(1.0));
+        for _ in 0..tolerances::PROGRAM_TRIES {
+            if to[1] >= -flat {
+                break;
+            }
+            let ahead = secant(from, to);
+            let reaches = ahead > to[0] && ahead < 4.0 * to[0];
+            (from, to) = (to, at(if reaches { ahead } else { 4.0 * to[0] }));
+        }
+        for _ in 0..tolerances::PROGRAM_TRIES {
+            if to[1] <= flat {
+                break;
+            }
+            let edge = 0.05 * (to[0] - from[0]);
+            let found = at(secant(from, to).clamp(from[0] + edge, to[0] - edge));
+            if found[1] < -flat {
+                from = found;
+            } else {
+                to = found;
+            }
+        }
+        to[0]
+    }
+
+    /// Asks for more where a limit is missed, and for less where one is kept again.
+    fn shift(
+        &mut self,
+        asked: &Asked,
+        limit: f64,
+        moved: &Array2<Complex64>,
+        control: &Array2<Complex64>,
+    ) {
+        Zip::from(&mut self.most)
+            .and(&asked.most)
+            .and(moved)
+            .for_each(|most, asked, v| {
+                if asked.is_finite() {
+                    *most = asked - (v.norm() - *most).max(0.0);
+                }
+            });
+        Zip::from(&mut self.least)
+            .and(&asked.least)
+            .and(moved)
+            .for_each(|least, asked, v| {
+                if *asked > 0.0 {
+                    *least = asked + (*least - v.norm()).max(0.0);
+                }
+            });
+        Zip::from(&mut self.limit)
+            .and(control)
+            .for_each(|most, c| *most = limit - (c.norm() - *most).max(0.0));
     }
 }
 
-/// Turns the field into what pulls it to its limits; the sum of what was missed.
-fn missed(field: &mut Array2<Complex64>, asked: &Asked) -> f64 {
-    let mut sum = 0.0;
-    ndarray::Zip::from(field)
-        .and(&asked.most)
-        .and(&asked.least)
-        .for_each(|value, &most, &least| {
-            let size = value.norm();
-            *value = if size > most {
-                sum += 0.5 * (size - most).powi(2);
-                *value * ((size - most) / size)
-            } else if size < least {
-                sum += (least - size).powi(2);
-                let way = if size > 0.0 {
-                    *value / size
-                } else {
-                    Complex64::ONE
-                };
-                way * (-2.0 * (least - size))
-            } else {
-                Complex64::ZERO
-            };
-        });
-    sum
+/// The way from the limits of a row.
+fn pull(v: Complex64, most: f64, least: f64) -> Complex64 {
+    let size = v.norm();
+    if size > most {
+        v * ((size - most) / size)
+    } else if size < least {
+        let way = if size > 0.0 { v / size } else { Complex64::ONE };
+        way * (-2.0 * (least - size))
+    } else {
+        Complex64::ZERO
+    }
+}
+
+/// The same of a control point, and what it costs.
+fn strain(c: Complex64, limit: f64) -> Complex64 {
+    let size = c.norm().max(f64::MIN_POSITIVE);
+    let over = (1.0 - limit / size).max(0.0);
+    c * (tolerances::PROGRAM_FORCE * over + tolerances::PROGRAM_RIDGE)
+}
+
+/// The last steps with the changes of the gradient over them: what is known of the
+/// curvature (Nocedal, Math. Comp. 35, 1980).
+#[derive(Default)]
+struct Memory(VecDeque<(Array2<Complex64>, Array2<Complex64>, f64)>);
+
+impl Memory {
+    fn learn(&mut self, step: Array2<Complex64>, change: Array2<Complex64>) {
+        let curvature = inner(&step, &change);
+        if curvature <= 0.0 {
+            return;
+        }
+        if self.0.len() == tolerances::PROGRAM_MEMORY {
+            self.0.pop_front();
+        }
+        self.0.push_back((step, change, curvature));
+    }
+
+    /// The way down.
+    fn descent(&self, gradient: &Array2<Complex64>) -> Array2<Complex64> {
+        let mut way = gradient.mapv(|value| -value);
+        let mut shares = Vec::with_capacity(self.0.len());
+        for (step, change, curvature) in self.0.iter().rev() {
+            let share = inner(step, &way) / curvature;
+            way.scaled_add((-share).into(), change);
+            shares.push(share);
+        }
+        if let Some((_, change, curvature)) = self.0.back() {
+            let length = curvature / inner(change, change);
+            way.mapv_inplace(|value| value * length);
+        }
+        for ((step, change, curvature), share) in self.0.iter().zip(shares.into_iter().rev()) {
+            let back = inner(change, &way) / curvature;
+            way.scaled_add((share - back).into(), step);
+        }
+        way
+    }
+}
+
+fn inner(a: &Array2<Complex64>, b: &Array2<Complex64>) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| a.re * b.re + a.im * b.im)
+        .sum()
 }

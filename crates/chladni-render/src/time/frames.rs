@@ -31,6 +31,21 @@ pub struct TimeFrames {
     pub area_m: [f64; 4],
 }
 
+impl TimeFrames {
+    /// The responses from hot to cold ground, and the number of hot ones.
+    pub fn by_ground(&self) -> (Vec<usize>, usize) {
+        let place = |k: &usize| match self.ground[*k] {
+            Ground::Hot => 0,
+            Ground::Ignored => 1,
+            Ground::Cold => 2,
+        };
+        let mut order: Vec<usize> = (0..self.names.len()).collect();
+        order.sort_by_key(place);
+        let hot = order.iter().filter(|k| place(k) == 0).count();
+        (order, hot)
+    }
+}
+
 /// Amplitudes on a grid.
 #[derive(Debug, Clone)]
 pub struct AreaFrames {

@@ -119,7 +119,7 @@ impl Program<'_> {
             rise: Edge::Cosine(ramp),
             fall: Edge::NEVER,
         };
-        let [value, slope, _] = envelope.at(time_s);
+        let [value, slope, ..] = envelope.at(time_s);
         let correction = self.voice.corrections.row(self.end.0);
         let [value, slope] = if self.falls {
             [1.0 - value, -slope]
@@ -130,7 +130,7 @@ impl Program<'_> {
     }
 
     /// The field, in thresholds, of all that is not free: what comes after a rise, or
-    /// what a fall leaves; axes (row, time).
+    /// what a fall leaves; axes (row, judged time).
     fn fixed(&self, splines: &Splines) -> Array2<Complex64> {
         let start_s = if self.falls {
             0.0
@@ -152,7 +152,8 @@ impl Program<'_> {
             }],
         };
         let drive = rest.sampled(splines.step_s(), 0, splines.times);
-        let moved = Motion::new(&self.voice.model).under(&drive).reversed_axes();
+        let moved = Motion::new(&self.voice.model).under(&drive);
+        let moved = moved.select(Axis(0), &splines.judged).reversed_axes();
         let scale = Complex64::from(1.0 / self.voice.limits.threshold_m_per_s);
         if !self.falls {
             return moved * scale;
@@ -183,14 +184,15 @@ impl Program<'_> {
         let aim_db =
             (tolerances::PROGRAM_MARGIN * margin_db).clamp(0.0, tolerances::PROGRAM_MARGIN_DB);
         let factor = 10f64.powf(aim_db / 20.0);
+        let slack = 10f64.powf(tolerances::PROGRAM_SLACK * aim_db / 20.0);
         let cold = limits.cold_m_per_s / limits.threshold_m_per_s / factor;
         let hot = limits.hot_m_per_s / limits.threshold_m_per_s * factor;
-        let shape = (positions.len(), splines.times);
-        let time_s = |j: usize| splines.step_s() * j as f64;
-        let ended = |j: usize| self.falls && time_s(j) >= self.ramp_s + self.beyond_s;
+        let times_s = splines.judged_s();
+        let shape = (positions.len(), times_s.len());
+        let ended = |j: usize| self.falls && times_s[j] >= self.ramp_s + self.beyond_s;
         let held = |j: usize| match self.falls {
-            true => time_s(j) <= self.beyond_s,
-            false => time_s(j) >= self.ramp_s,
+            true => times_s[j] <= self.beyond_s + tolerances::SAME_TIME_S,
+            false => times_s[j] >= self.ramp_s - tolerances::SAME_TIME_S,
         };
         Asked {
             most: Array2::from_shape_fn(shape, |(row, j)| match ground[row].0 {
@@ -202,6 +204,7 @@ impl Program<'_> {
                 (Ground::Hot, level) if held(j) => hot * level,
                 _ => 0.0,
             }),
+            slack,
         }
     }
 }

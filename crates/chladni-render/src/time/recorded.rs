@@ -74,13 +74,9 @@ impl Recorded {
     }
 }
 
-/// Envelopes of a recording on even samples, and their derivatives, 1/s.
-struct Envelopes {
-    /// Axes (sample, actuator).
-    values: Array2<Complex64>,
-    /// The same.
-    slopes: Array2<Complex64>,
-}
+/// Envelopes of a recording on even samples, with their first and second derivatives by
+/// seconds; axes (sample, actuator).
+struct Envelopes([Array2<Complex64>; 3]);
 
 impl Envelopes {
     /// About `tone_hz`, from what lies in `band_hz`, on samples `step_s` apart, in the
@@ -107,10 +103,7 @@ impl Envelopes {
         let [low, high] = band_hz.map(|edge_hz| (edge_hz / line_hz).round() as i64);
         let most = count as i64 / 2 - 1;
         let lines = low.max(1).max(carrier - most)..high.min(padded as i64 / 2).min(carrier + most);
-        let mut envelopes = Self {
-            values: Array2::zeros((count, operator.references.len())),
-            slopes: Array2::zeros((count, operator.references.len())),
-        };
+        let mut envelopes = [(); 3].map(|()| Array2::zeros((count, operator.references.len())));
         for (k, reference) in recorded.references.iter().enumerate() {
             let (column, sign) = column_of(operator, *reference)?;
             let mut spectrum = vec![Complex64::ZERO; padded];
@@ -118,20 +111,18 @@ impl Envelopes {
                 *to = (from * sign).into();
             }
             forward.process(&mut spectrum);
-            let mut lowered = [(); 2].map(|()| vec![Complex64::ZERO; count]);
+            let mut lowered = [(); 3].map(|()| vec![Complex64::ZERO; count]);
             for from in lines.clone() {
                 let line = from - carrier;
                 let beside_hz = line_hz * line as f64 - offset_hz;
                 let to = line.rem_euclid(count as i64) as usize;
-                let value = spectrum[from as usize] * (2.0 / padded as f64);
-                lowered[0][to] = value;
-                lowered[1][to] = value * Complex64::new(0.0, TAU * beside_hz);
+                let mut value = spectrum[from as usize] * (2.0 / padded as f64);
+                for lowered in &mut lowered {
+                    lowered[to] = value;
+                    value *= Complex64::new(0.0, TAU * beside_hz);
+                }
             }
-            let [values, slopes] = &mut lowered;
-            for (lowered, to) in [
-                (values, &mut envelopes.values),
-                (slopes, &mut envelopes.slopes),
-            ] {
+            for (lowered, to) in lowered.iter_mut().zip(&mut envelopes) {
                 back.process(lowered);
                 for (n, value) in lowered.iter().enumerate() {
                     let time_s = step_s * n as f64;
@@ -139,7 +130,7 @@ impl Envelopes {
                 }
             }
         }
-        Ok(envelopes)
+        Ok(Self(envelopes))
     }
 }
 
@@ -161,7 +152,7 @@ fn column_of(operator: &Operator, reference: Dof) -> Result<(usize, f64)> {
 
 impl Sounds for Envelopes {
     fn block(&self, step_s: f64, first: usize, count: usize) -> SampledDrive {
-        let block = |from: &Array2<Complex64>| {
+        let [values, slopes, bends] = self.0.each_ref().map(|from| {
             let mut to = Array2::zeros((count, from.ncols()));
             let end = from.nrows().min(first + count);
             if first < end {
@@ -169,12 +160,13 @@ impl Sounds for Envelopes {
                 to.slice_mut(s![..end - first, ..]).assign(&known);
             }
             to
-        };
+        });
         SampledDrive {
             step_s,
-            patterns: Array2::from_diag_elem(self.values.ncols(), Complex64::ONE),
-            values: block(&self.values),
-            slopes: block(&self.slopes),
+            patterns: Array2::from_diag_elem(values.ncols(), Complex64::ONE),
+            values,
+            slopes,
+            bends,
         }
     }
 }

@@ -1,5 +1,5 @@
-//! The ground in time: exact recursion of each pole under drives that run straight from
-//! sample to sample (theory.md, eq. 62).
+//! The ground in time: exact recursion of each pole under drives that run from sample to
+//! sample by the cubic of their values and derivatives (theory.md, eq. 62).
 
 use crate::time::causal::CausalModel;
 use chladni_linalg::matmul;
@@ -7,8 +7,10 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 /// Below this |λh| the exact functions of the recursion lose digits, and their series has
-/// them all: the first term left out is below 1e-16.
-const SMALL_STEP: f64 = 1e-3;
+/// them all: the first term left out is below 1e-17.
+const SMALL_STEP: f64 = 1.0;
+/// Terms of that series.
+const TERMS: u32 = 18;
 
 /// Complex envelopes of a drive on even samples: a(t_k) = Σ_b values[k, b]·patterns[b].
 #[derive(Debug, Clone)]
@@ -21,13 +23,15 @@ pub(crate) struct SampledDrive {
     pub(crate) values: Array2<Complex64>,
     /// Their derivatives, 1/s; same axes.
     pub(crate) slopes: Array2<Complex64>,
+    /// Their second derivatives, 1/s²; same axes.
+    pub(crate) bends: Array2<Complex64>,
 }
 
 /// A model in motion: takes a drive block by block.
 pub(crate) struct Motion<'a> {
     model: &'a CausalModel,
-    /// z of each pole, and what drove it at the last sample.
-    states: Vec<[Complex64; 2]>,
+    /// z of each pole, and what drove it at the last sample, with its derivative.
+    states: Vec<[Complex64; 3]>,
 }
 
 impl<'a> Motion<'a> {
@@ -35,38 +39,46 @@ impl<'a> Motion<'a> {
     pub(crate) fn new(model: &'a CausalModel) -> Self {
         Self {
             model,
-            states: vec![[Complex64::ZERO; 2]; model.poles.len()],
+            states: vec![[Complex64::ZERO; 3]; model.poles.len()],
         }
     }
 
     /// v⁺ of the rows over the samples that follow the last block, m/s; axes (time, row).
     ///
-    /// ż = (p − jω₀)·z + r·Lᵀa of each pole, v⁺ = Σψz + D₀a + D₁ȧ.
+    /// ż = (p − jω₀)·z + r·Lᵀa of each pole, v⁺ = Σψz + D₀a + D₁ȧ + D₂ä.
     pub(crate) fn under(&mut self, drive: &SampledDrive) -> Array2<Complex64> {
         let states = self.modal(drive);
-        let of_patterns = |direct: &Array2<Complex64>| matmul(drive.patterns.view(), direct.t());
+        let follows = |course: &Array2<Complex64>, at_once: &Array2<Complex64>| {
+            let of_patterns = matmul(drive.patterns.view(), at_once.t());
+            matmul(course.view(), of_patterns.view())
+        };
         self.model.moved(states.view())
-            + matmul(drive.values.view(), of_patterns(&self.model.direct).view())
-            + matmul(drive.slopes.view(), of_patterns(&self.model.slope).view())
+            + follows(&drive.values, &self.model.direct)
+            + follows(&drive.slopes, &self.model.slope)
+            + follows(&drive.bends, &self.model.bend)
     }
 
     /// z over the samples; axes (pole, time).
     fn modal(&mut self, drive: &SampledDrive) -> Array2<Complex64> {
         let forces = matmul(self.model.inputs.view(), drive.patterns.t());
         let mut states = matmul(forces.view(), drive.values.t());
-        let rows = states.rows_mut().into_iter().zip(&mut self.states);
-        for (n, (mut row, [z, before])) in rows.enumerate() {
-            let Step { decay, last, next } = Step::of(-self.model.distance(n), drive.step_s);
-            for value in &mut row {
-                *z = decay * *z + last * *before + next * *value;
-                *before = std::mem::replace(value, *z);
+        let slopes = matmul(forces.view(), drive.slopes.t());
+        let rows = states.rows_mut().into_iter().zip(slopes.rows());
+        for (n, ((mut row, slopes), known)) in rows.zip(&mut self.states).enumerate() {
+            let step = CubicStep::new(-self.model.distance(n), drive.step_s);
+            for (value, slope) in row.iter_mut().zip(slopes) {
+                let [z, before, rising] = *known;
+                let moved = step.decay * z + step.of(before, rising, *value, *slope);
+                *known = [moved, *value, *slope];
+                *value = moved;
             }
         }
         states
     }
 }
 
-/// One step of a pole: z⁺ = decay·z + last·u_k + next·u_{k+1}.
+/// One step of a pole under forces that run straight: z⁺ = decay·z + last·u_k +
+/// next·u_{k+1}.
 pub(crate) struct Step {
     pub(crate) decay: Complex64,
     pub(crate) last: Complex64,
@@ -75,23 +87,76 @@ pub(crate) struct Step {
 
 impl Step {
     /// With λ = `rate` rad/s and steps of h s: e^{λh}, h(φ₁ − φ₂), hφ₂.
-    pub(crate) fn of(rate: Complex64, step_s: f64) -> Self {
-        let x = rate * step_s;
-        let decay = x.exp();
-        let (first, second) = if x.norm() < SMALL_STEP {
-            (
-                1.0 + x / 2.0 + x * x / 6.0 + x.powi(3) / 24.0,
-                0.5 + x / 6.0 + x * x / 24.0 + x.powi(3) / 120.0,
-            )
-        } else {
-            ((decay - 1.0) / x, (decay - 1.0 - x) / (x * x))
-        };
+    pub(crate) fn new(rate: Complex64, step_s: f64) -> Self {
+        let [decay, first, second, ..] = exponentials(rate * step_s);
         Self {
             decay,
             last: (first - second) * step_s,
             next: second * step_s,
         }
     }
+}
+
+/// One step of a pole under forces that run by the cubic of their values and derivatives at
+/// both ends.
+pub(crate) struct CubicStep {
+    pub(crate) decay: Complex64,
+    /// Of the value and the derivative before, and of those after.
+    last: [Complex64; 2],
+    next: [Complex64; 2],
+}
+
+impl CubicStep {
+    /// ∫₀¹e^{λh(1−s)}sᵐds = m!·φ_{m+1} with the cubics of Hermite.
+    pub(crate) fn new(rate: Complex64, step_s: f64) -> Self {
+        let [decay, flat, straight, half, sixth] = exponentials(rate * step_s);
+        let (square, cube) = (half * 2.0, sixth * 6.0);
+        let risen = square * 3.0 - cube * 2.0;
+        let slope = step_s * step_s;
+        Self {
+            decay,
+            last: [
+                (flat - risen) * step_s,
+                (cube - square * 2.0 + straight) * slope,
+            ],
+            next: [risen * step_s, (cube - square) * slope],
+        }
+    }
+
+    /// The part that a force adds which runs from `before` with the derivative `rising` to
+    /// `after` with the derivative `then`.
+    pub(crate) fn of(
+        &self,
+        before: Complex64,
+        rising: Complex64,
+        after: Complex64,
+        then: Complex64,
+    ) -> Complex64 {
+        self.last[0] * before + self.last[1] * rising + self.next[0] * after + self.next[1] * then
+    }
+}
+
+/// e^x and φ₁ to φ₄: φ_k = Σ x^j/(j+k)!.
+fn exponentials(x: Complex64) -> [Complex64; 5] {
+    let mut phi = [x.exp(); 5];
+    let mut factorial = 1.0;
+    if x.norm() < SMALL_STEP {
+        let mut term = Complex64::from(1.0 / 24.0);
+        phi[4] = term;
+        for j in 1..TERMS {
+            term *= x / f64::from(j + 4);
+            phi[4] += term;
+        }
+        for (k, inverse) in [(3, 1.0 / 6.0), (2, 0.5), (1, 1.0)] {
+            phi[k] = x * phi[k + 1] + inverse;
+        }
+        return phi;
+    }
+    for k in 1..5 {
+        phi[k] = (phi[k - 1] - 1.0 / factorial) / x;
+        factorial *= k as f64;
+    }
+    phi
 }
 
 #[cfg(test)]
@@ -239,27 +304,13 @@ mod tests {
         moved
     }
 
-    /// Velocity of what the simulation knows: poles, and the rest to first order.
-    fn to_first_order(
-        causal: &CausalModel,
-        omega: f64,
-        force: &Array1<Complex64>,
-    ) -> Array1<Complex64> {
-        let mut states = causal.inputs.dot(force);
-        for (state, pole) in states.iter_mut().zip(&causal.poles) {
-            *state /= Complex64::new(0.0, omega) - pole;
-        }
-        let beside = Complex64::new(0.0, omega - causal.carrier_rad_per_s);
-        let at_once = &causal.direct + &causal.slope.mapv(|value| value * beside);
-        causal.shapes.dot(&states) + at_once.dot(force)
-    }
-
-    /// Velocities by an FFT of the signal: every line of it through a mobility.
+    /// Velocities by an FFT of the signal: every line of it through the mobility, its part
+    /// at each frequency as `part` says.
     fn by_fft(
         exact: &Exact,
         tracks: &Tracks,
         signal: Signal,
-        mobility: &dyn Fn(f64, &Array1<Complex64>) -> Array1<Complex64>,
+        part: &dyn Fn(f64) -> f64,
     ) -> Array2<Complex64> {
         let (rows, actuators) = exact.operator.mobility.dim();
         let mut planner = FftPlanner::new();
@@ -283,18 +334,18 @@ mod tests {
         }
         forces.iter_mut().for_each(|force| forward.process(force));
         let mut moved = vec![vec![Complex64::ZERO; FRAMES]; rows];
-        // beyond 3 kHz the burst has nothing
         let (first, scale) = match signal {
             Signal::Complex => (-5999, 1.0),
             Signal::Real => (1, 2.0),
         };
         for signed in (first..6000_i32).filter(|&line| line != 0) {
             let line = signed.rem_euclid(FRAMES as i32) as usize;
-            let omega = TAU * RATE_HZ * f64::from(signed) / FRAMES as f64;
+            let frequency_hz = RATE_HZ * f64::from(signed) / FRAMES as f64;
             let force: Array1<Complex64> = forces.iter().map(|force| force[line]).collect();
-            let field = mobility(omega, &force);
+            let field = exact.under(TAU * frequency_hz, &force);
+            let factor = scale * part(frequency_hz.abs()) / FRAMES as f64;
             for (moved, v) in moved.iter_mut().zip(&field) {
-                moved[line] = v * (scale / FRAMES as f64);
+                moved[line] = v * factor;
             }
         }
         moved.iter_mut().for_each(|row| back.process(row));
@@ -349,37 +400,53 @@ mod tests {
             let drive = tracks.sampled(1.0 / RATE_HZ, 0, 14_400);
             let envelopes = Motion::new(&causal).under(&drive);
             let largest = envelopes.iter().map(|v| v.norm()).fold(0.0, f64::max);
+            // all the time, and beside the bends of the ramps
             let apart = |exact: &Array2<Complex64>, signal: Signal| {
-                let mut worst: f64 = 0.0;
+                let mut worst = [0.0; 2];
                 for ((k, row), v) in envelopes.indexed_iter() {
                     let turn = causal.carrier_rad_per_s * k as f64 / RATE_HZ;
                     let apart = v * Complex64::from_polar(1.0, turn) - exact[[k, row]];
-                    worst = worst.max(match signal {
+                    let apart = match signal {
                         Signal::Complex => apart.norm(),
                         Signal::Real => apart.re.abs(),
-                    });
+                    };
+                    let is_beside = !at_a_bend(k as f64 / RATE_HZ);
+                    worst[0] = f64::max(worst[0], apart);
+                    worst[1] = f64::max(worst[1], if is_beside { apart } else { 0.0 });
                 }
-                worst / largest
+                worst.map(|apart| apart / largest)
             };
             let exact = Exact::new(&model, &operator, &causal);
-            let known = by_fft(&exact, &tracks, Signal::Real, &|omega, force| {
-                to_first_order(&causal, omega, force)
-            });
-            let relative = apart(&known, Signal::Real);
-            assert!(relative < 1e-4, "{:?}: {relative:.1e}", model.damping);
-            // what the residual terms do beyond first order
+            let terms = &model.residual_terms.terms;
+            let has_powers = terms.iter().any(|term| term.power > 0);
             for signal in [Signal::Complex, Signal::Real] {
-                let all = by_fft(&exact, &tracks, signal, &|omega, force| {
-                    exact.under(omega, force)
-                });
-                let relative = apart(&all, signal);
-                assert!(
-                    relative < 1.5e-3,
-                    "{:?}, {signal:?}: {relative:.1e}",
-                    model.damping
-                );
+                let name = format!("{:?}, {signal:?}, powers {has_powers}", model.damping);
+                if !has_powers {
+                    // beyond 3 kHz the burst has nothing
+                    let [always, _] = apart(&by_fft(&exact, &tracks, signal, &|_| 1.0), signal);
+                    assert!(always < 1e-4, "{name}: {always:.1e}");
+                    continue;
+                }
+                // powers of ω answer a bend by a tick of the highest frequencies, which the
+                // band of no model has
+                let [always, beside] = apart(&by_fft(&exact, &tracks, signal, &rolled_off), signal);
+                assert!(beside < 1e-4, "{name}: {beside:.1e}");
+                assert!(always < 1.5e-3, "{name}: {always:.1e}");
             }
         }
+    }
+
+    /// Less and less from 1.5 kHz on, nothing from 3 kHz.
+    fn rolled_off(frequency_hz: f64) -> f64 {
+        let beyond = (frequency_hz / 1500.0 - 1.0).clamp(0.0, 1.0);
+        0.5 + 0.5 * (0.5 * TAU * beyond).cos()
+    }
+
+    /// Nearer than 1 ms to where a derivative of the burst jumps.
+    fn at_a_bend(time_s: f64) -> bool {
+        let knots = (0..5).map(|k| 0.03 + 0.005 * f64::from(k));
+        let mut bends = knots.chain([0.02, 0.12, 0.13]);
+        bends.any(|bend_s| (time_s - bend_s).abs() < 1e-3)
     }
 
     #[test]
@@ -426,7 +493,7 @@ mod tests {
             Complex64::new(0.0, 3e-2),
         ] {
             let (h, mut z) = (0.01, Complex64::ZERO);
-            let step = Step::of(rate, h);
+            let step = Step::new(rate, h);
             for k in 0..50 {
                 let t = h * f64::from(k);
                 z = step.decay * z + step.last * t + step.next * (t + h);
@@ -447,6 +514,30 @@ mod tests {
                 let exact = ((rate * t).exp() - 1.0 - rate * t) / (rate * rate);
                 assert!((z - exact).norm() < 1e-13, "{z} {exact}");
             }
+        }
+    }
+
+    #[test]
+    fn a_cubic_step_is_exact_for_forces_that_are_cubics() {
+        // ż = λz + t³ from rest, in one step or in many
+        let h = 0.01;
+        for rate in [
+            Complex64::new(-3.0, 40.0),
+            Complex64::new(-3.0, 400.0),
+            Complex64::new(-1e-3, 0.0),
+        ] {
+            let by = |count: usize| {
+                let h = h * 50.0 / count as f64;
+                let step = CubicStep::new(rate, h);
+                (0..count).fold(Complex64::ZERO, |z, k| {
+                    let at = |t: f64| [t.powi(3), 3.0 * t * t].map(Complex64::from);
+                    let [before, rising] = at(h * k as f64);
+                    let [after, then] = at(h * (k + 1) as f64);
+                    step.decay * z + step.of(before, rising, after, then)
+                })
+            };
+            let [few, many] = [by(50), by(1000)];
+            assert!((few - many).norm() < 1e-11 * many.norm(), "{few} {many}");
         }
     }
 }

@@ -5,15 +5,13 @@
 
 use crate::time::causal::CausalModel;
 use crate::time::envelope::Envelope;
-use crate::time::simulate::Step;
+use crate::time::simulate::CubicStep;
 use crate::time::tracks::Track;
 use crate::tolerances;
 use chladni_linalg::{matmul, matmul_h};
-use ndarray::{Array1, Array2, ArrayView1};
+use ndarray::{Array1, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 
-/// Samples of the response to a spline between two that are judged.
-const FINE: usize = 16;
 /// Knots over which a spline is not zero.
 const SUPPORT: usize = 4;
 
@@ -26,14 +24,17 @@ pub(crate) struct Splines<'a> {
     pub(crate) count: usize,
     /// Times from knot to knot.
     per_knot: usize,
-    /// Times that are judged.
+    /// Times of the grid.
     pub(crate) times: usize,
+    /// Those that are judged: all of them while the splines last, then some, because what
+    /// rings on changes slowly.
+    pub(crate) judged: Vec<usize>,
     /// E of each pole from one time to the next.
     decays: Vec<Complex64>,
     /// The part that the first spline adds to each pole until it ends; axes (pole, time).
     kicks: Array2<Complex64>,
-    /// The first spline, and its derivative.
-    shape: [Vec<f64>; 2],
+    /// The first spline, and its derivatives.
+    shape: [Vec<f64>; 3],
 }
 
 impl<'a> Splines<'a> {
@@ -44,6 +45,9 @@ impl<'a> Splines<'a> {
         let count = (shaped_s / knot_s).round().max(SUPPORT as f64) as usize;
         let per_knot = (knot_s / tolerances::PROGRAM_STEP_S - 1e-6).ceil().max(1.0) as usize;
         let step_s = knot_s / per_knot as f64;
+        let times = (judged_s / step_s).ceil() as usize + 1;
+        let all = times.min((count + SUPPORT) * per_knot);
+        let later = (all..times).step_by(tolerances::PROGRAM_RINGING);
         let shape = |which: usize| {
             let spline = first(knot_s);
             let at = |j: usize| spline.at(step_s * j as f64)[which];
@@ -55,12 +59,11 @@ impl<'a> Splines<'a> {
             knot_s,
             count,
             per_knot,
-            times: (judged_s / step_s).ceil() as usize + 1,
-            decays: poles
-                .map(|p| Step::of(-model.distance(p), step_s).decay)
-                .collect(),
+            times,
+            judged: (0..all).chain(later).collect(),
+            decays: poles.map(|p| (-model.distance(p) * step_s).exp()).collect(),
             kicks: kicks(model, knot_s, per_knot),
-            shape: [shape(0), shape(1)],
+            shape: [shape(0), shape(1), shape(2)],
         }
     }
 
@@ -78,7 +81,13 @@ impl<'a> Splines<'a> {
             .take_while(move |&(j, _)| j < times)
     }
 
-    /// The field of control points, axes (spline, actuator); axes (row, time).
+    /// The times that are judged, s.
+    pub(crate) fn judged_s(&self) -> Vec<f64> {
+        let step_s = self.step_s();
+        self.judged.iter().map(|&j| step_s * j as f64).collect()
+    }
+
+    /// The field of control points, axes (spline, actuator); axes (row, judged time).
     pub(crate) fn field(&self, control: &Array2<Complex64>) -> Array2<Complex64> {
         let forces = matmul(self.model.inputs.view(), control.t());
         let mut states = Array2::<Complex64>::zeros((forces.nrows(), self.times));
@@ -94,6 +103,7 @@ impl<'a> Splines<'a> {
                 *value = z;
             }
         }
+        let states = states.select(Axis(1), &self.judged);
         let mut field = self.model.moved(states.view()).reversed_axes();
         for (direct, shape) in self.at_once() {
             let of_splines = matmul(direct.view(), control.t());
@@ -109,7 +119,11 @@ impl<'a> Splines<'a> {
 
     /// The adjoint of [`Self::field`].
     pub(crate) fn adjoint(&self, pull: &Array2<Complex64>) -> Array2<Complex64> {
-        let mut states = self.model.pulled(pull.view());
+        let pulled = self.model.pulled(pull.view());
+        let mut states = Array2::<Complex64>::zeros((pulled.nrows(), self.times));
+        for (k, &j) in self.judged.iter().enumerate() {
+            states.column_mut(j).assign(&pulled.column(k));
+        }
         let mut forces = Array2::<Complex64>::zeros((states.nrows(), self.count));
         for (p, mut state) in states.rows_mut().into_iter().enumerate() {
             let mut later = Complex64::ZERO;
@@ -138,27 +152,13 @@ impl<'a> Splines<'a> {
     }
 
     /// The parts that follow at once, and the splines that they follow.
-    fn at_once(&self) -> [(&Array2<Complex64>, &[f64]); 2] {
-        let [values, slopes] = &self.shape;
-        [(&self.model.direct, values), (&self.model.slope, slopes)]
-    }
-
-    /// Largest square of a singular value of [`Self::field`], nearly.
-    pub(crate) fn gain(&self) -> f64 {
-        let actuators = self.model.inputs.ncols();
-        let mut control = Array2::from_shape_fn((self.count, actuators), |(i, j)| {
-            Complex64::from_polar(1.0, (7 * i + 3 * j) as f64)
-        });
-        let mut gain = 0.0;
-        for _ in 0..tolerances::POWER_STEPS {
-            control = self.adjoint(&self.field(&control));
-            gain = norm(&control);
-            if gain == 0.0 {
-                return f64::MIN_POSITIVE;
-            }
-            control.mapv_inplace(|value| value / gain);
-        }
-        gain * tolerances::POWER_ROOM
+    fn at_once(&self) -> [(&Array2<Complex64>, &[f64]); 3] {
+        let [values, slopes, bends] = &self.shape;
+        [
+            (&self.model.direct, values),
+            (&self.model.slope, slopes),
+            (&self.model.bend, bends),
+        ]
     }
 }
 
@@ -171,23 +171,21 @@ fn first(knot_s: f64) -> Envelope {
 }
 
 /// The part that a unit of force over the first spline adds to each pole from one time to
-/// the next, until the spline has ended: z_j − E·z_{j−1}; axes (pole, time).
+/// the next, until the spline has ended: z_j − E·z_{j−1}; axes (pole, time). Exact, since
+/// splines are cubics between the times.
 fn kicks(model: &CausalModel, knot_s: f64, per_knot: usize) -> Array2<Complex64> {
-    let fine = FINE * per_knot;
-    let step_s = knot_s / fine as f64;
+    let step_s = knot_s / per_knot as f64;
     let spline = first(knot_s);
-    let forces: Vec<f64> = (0..=SUPPORT * fine)
-        .map(|k| spline.at(step_s * k as f64)[0])
+    let forces: Vec<[Complex64; 2]> = (0..=SUPPORT * per_knot)
+        .map(|k| spline.at(step_s * k as f64))
+        .map(|[value, slope, ..]| [value.into(), slope.into()])
         .collect();
-    let mut kicks = Array2::zeros((model.poles.len(), SUPPORT * per_knot + 1));
+    let mut kicks = Array2::zeros((model.poles.len(), forces.len()));
     for (p, mut kick) in kicks.rows_mut().into_iter().enumerate() {
-        let step = Step::of(-model.distance(p), step_s);
+        let step = CubicStep::new(-model.distance(p), step_s);
         for j in 1..kick.len() {
-            let mut z = Complex64::ZERO;
-            for k in (j - 1) * FINE..j * FINE {
-                z = step.decay * z + step.last * forces[k] + step.next * forces[k + 1];
-            }
-            kick[j] = z;
+            let ([before, rising], [after, then]) = (forces[j - 1], forces[j]);
+            kick[j] = step.of(before, rising, after, then);
         }
     }
     kicks
@@ -221,16 +219,12 @@ pub(crate) fn tracks_of(control: &Array2<Complex64>, start_s: f64, knot_s: f64) 
     control.rows().into_iter().enumerate().map(track).collect()
 }
 
-fn norm(matrix: &Array2<Complex64>) -> f64 {
-    matrix.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::time::simulate::Motion;
     use crate::time::tracks::Tracks;
-    use ndarray::{concatenate, Axis};
+    use ndarray::concatenate;
 
     fn model() -> CausalModel {
         let pole = |re: f64, im: f64| Complex64::new(re, im);
@@ -252,6 +246,7 @@ mod tests {
             shapes: concatenate![Axis(1), shapes, shapes.mapv(|value| value.conj())],
             direct: Array2::from_shape_fn((5, 3), some(1.3)).mapv(|value| value * 1e-3),
             slope: Array2::from_shape_fn((5, 3), some(2.3)).mapv(|value| value * 1e-6),
+            bend: Array2::from_shape_fn((5, 3), some(1.9)).mapv(|value| value * 1e-9),
             poles,
         }
     }
@@ -266,7 +261,7 @@ mod tests {
             })
         };
         let control = some(0.7, (splines.count, 3));
-        let pull = some(1.1, (5, splines.times));
+        let pull = some(1.1, (5, splines.judged.len()));
         let inner = |a: &Array2<Complex64>, b: &Array2<Complex64>| -> Complex64 {
             a.iter().zip(b).map(|(a, b)| a.conj() * b).sum()
         };
@@ -290,14 +285,15 @@ mod tests {
             frequency_hz: 300.0,
             tracks: tracks_of(&control, 0.0, splines.knot_s),
         };
-        let fine = 32;
+        let fine = 2;
         let drive = tracks.sampled(splines.step_s() / fine as f64, 0, fine * splines.times);
         let moved = Motion::new(&model).under(&drive);
-        let largest = norm(&field) / (field.len() as f64).sqrt();
-        for ((row, j), v) in field.indexed_iter() {
+        let largest = field.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        for ((row, k), v) in field.indexed_iter() {
+            let j = splines.judged[k];
             let apart = (v - moved[[fine * j, row]]).norm();
             assert!(
-                apart < 1e-3 * largest,
+                apart < 1e-9 * largest,
                 "{row} {j}: {apart:e} of {largest:e}"
             );
         }

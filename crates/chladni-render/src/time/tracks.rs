@@ -3,7 +3,7 @@
 //! a(t) = Σ_b [ u_b(t)·A_b + u̇_b(t)·B_b ], B_b = K·A_b with modal ramps and 0 with plain
 //! ones. Everything that is played, simulated or judged is made of this.
 
-use crate::time::envelope::Envelope;
+use crate::time::envelope::{Course, Envelope};
 use crate::time::simulate::SampledDrive;
 use ndarray::{concatenate, Array1, Array2, Axis};
 use num_complex::Complex64;
@@ -51,19 +51,24 @@ impl Tracks {
         let columns = patterns.len() + corrections.len();
         let mut values = Array2::zeros((count, columns));
         let mut slopes = Array2::zeros((count, columns));
+        let mut bends = Array2::zeros((count, columns));
         for k in 0..count {
             let time_s = step_s * (first + k) as f64;
-            let envelopes: Vec<[f64; 3]> = sounding
+            let envelopes: Vec<Course> = sounding
                 .iter()
                 .map(|track| track.envelope.at(time_s))
                 .collect();
-            for (b, [value, slope, _]) in envelopes.iter().enumerate() {
-                (values[[k, b]], slopes[[k, b]]) = (value.into(), slope.into());
+            let mut put = |column: usize, value: f64, slope: f64, bend: f64| {
+                values[[k, column]] = value.into();
+                slopes[[k, column]] = slope.into();
+                bends[[k, column]] = bend.into();
+            };
+            for (b, [value, slope, bend, _]) in envelopes.iter().enumerate() {
+                put(b, *value, *slope, *bend);
             }
             for (number, &b) in corrected.iter().enumerate() {
-                let [_, slope, bend] = envelopes[b];
-                let column = patterns.len() + number;
-                (values[[k, column]], slopes[[k, column]]) = (slope.into(), bend.into());
+                let [_, slope, bend, third] = envelopes[b];
+                put(patterns.len() + number, slope, bend, third);
             }
         }
         SampledDrive {
@@ -71,6 +76,7 @@ impl Tracks {
             patterns: stacked(&patterns, &corrections, self.actuators()),
             values,
             slopes,
+            bends,
         }
     }
 
@@ -82,7 +88,7 @@ impl Tracks {
     pub(crate) fn at(&self, time_s: f64, sum: &mut [Complex64]) {
         sum.fill(Complex64::ZERO);
         for track in &self.tracks {
-            let [value, slope, _] = track.envelope.at(time_s);
+            let [value, slope, ..] = track.envelope.at(time_s);
             if value != 0.0 {
                 add(sum, &track.pattern, value);
             }
