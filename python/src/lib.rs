@@ -1,13 +1,14 @@
 //! Python bindings: what the command line does with time records, FRFs, models and
 //! scenes, on NumPy arrays.
 //!
-//! `read` and `simulate` give an [`frf::FrfSet`], `fit` a [`model::Model`] of it,
+//! `read` and `simulate` give an [`frf::FrfSet`], [`fit::fit`] a [`model::Model`] of it,
 //! `render` a [`rendering::Rendering`] for a scene, and `evaluate` judges weights on
 //! other data. [`pieces`] is the same fit for data larger than memory and for many
 //! machines. Long work runs without the interpreter's lock.
 
 mod error;
 mod findings;
+mod fit;
 mod frf;
 mod model;
 mod pieces;
@@ -35,7 +36,7 @@ fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<pieces::Poles>()?;
     module.add_function(wrap_pyfunction!(frf::read, module)?)?;
     module.add_function(wrap_pyfunction!(simulation::simulate, module)?)?;
-    module.add_function(wrap_pyfunction!(model::fit, module)?)?;
+    module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     module.add_function(wrap_pyfunction!(model::select, module)?)?;
     module.add_function(wrap_pyfunction!(model::compare, module)?)?;

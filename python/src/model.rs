@@ -1,14 +1,11 @@
-//! Modal models: fitted, loaded, and what notebooks ask of them.
+//! Modal models: loaded, selected, compared, and what notebooks ask of them.
 
 use crate::error::{raised, unfitted, wrong_word};
 use crate::findings::findings_json;
 use crate::frf::FrfSet;
-use crate::progress::telling;
 use chladni_frf::{Damping, Error, ModalModel, Mode, Scaling, ShapeSet, Trust};
 use chladni_io::{read_model, write_model};
-use chladni_rfp::{
-    CancelToken, CompareOptions, FitOptions, Method, RfpOptions, RfpWeight, ShapeModel, Window,
-};
+use chladni_rfp::{CompareOptions, FitOptions};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1};
@@ -417,99 +414,4 @@ pub fn load_model(py: Python<'_>, path: PathBuf) -> PyResult<Model> {
     read_model(&path)
         .map(Model::new)
         .map_err(|error| raised(py, &error))
-}
-
-/// Identifies the modes in an FRF set.
-///
-/// band: (low, high) in Hz. modes: their number; None: decided by evidence. damping:
-/// "structural" or "viscous"; None: decided. method: auto, lean, vf, lscf, plscf, aaa,
-/// rfp, grfp, peak or circle. shapes: auto, free, rank1 or real. rfp_weight: linear, sk,
-/// iv or gn; rfp_bands: their number, None: by the peaks; rfp_local: each FRF by itself
-/// (all three: methods rfp and grfp alone). window: of the records that the FRFs were
-/// averaged from, as the set says where it is None: hann, hamming, blackman, flattop,
-/// rectangular, kaiser:BETA, burst:PART, transient or none. exponential_window_per_s: decay
-/// of a hammer test's
-/// window. progress: called with the name of each stage.
-#[pyfunction]
-#[pyo3(signature = (frf, *, band=None, modes=None, damping=None, method="auto", shapes="auto", window=None, exponential_window_per_s=None, rfp_weight=None, rfp_bands=None, rfp_local=false, seed=0, progress=None))]
-#[allow(clippy::too_many_arguments)] // keywords on the Python side
-pub fn fit(
-    py: Python<'_>,
-    frf: &FrfSet,
-    band: Option<(f64, f64)>,
-    modes: Option<usize>,
-    damping: Option<&str>,
-    method: &str,
-    shapes: &str,
-    window: Option<&str>,
-    exponential_window_per_s: Option<f64>,
-    rfp_weight: Option<&str>,
-    rfp_bands: Option<usize>,
-    rfp_local: bool,
-    seed: u64,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<Model> {
-    let named = method
-        .parse::<Method>()
-        .map_err(|message| wrong_word(py, "method", method, &message))?;
-    let own = rfp_weight.is_some() || rfp_bands.is_some() || rfp_local;
-    if own && !named.is_fraction() {
-        let message = "rfp_weight, rfp_bands and rfp_local are of the methods rfp and grfp alone";
-        return Err(wrong_word(py, "method", method, message));
-    }
-    let options = FitOptions {
-        band_hz: band.map(|(low, high)| [low, high]),
-        modes,
-        damping: law(py, damping)?,
-        method: named,
-        rfp: RfpOptions {
-            weight: rfp_weight.map_or(Ok(RfpWeight::default()), |name| {
-                name.parse::<RfpWeight>()
-                    .map_err(|message| wrong_word(py, "rfp_weight", name, &message))
-            })?,
-            bands: rfp_bands,
-            local: rfp_local,
-        },
-        shapes: shape_model(py, shapes)?,
-        window: window_of(py, window)?,
-        exponential_window_per_s,
-        seed,
-        ..FitOptions::default()
-    };
-    let fitted = telling(py, progress, |tell| {
-        chladni_rfp::fit_watched(&frf.set, &options, tell, &CancelToken::new())
-    })?;
-    fitted
-        .map(|fitted| Model::new(fitted.model))
-        .map_err(|error| unfitted(py, &error, &options))
-}
-
-/// A damping law by its name.
-pub fn law(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Damping>> {
-    match name {
-        None => Ok(None),
-        Some("structural") => Ok(Some(Damping::Structural)),
-        Some("viscous") => Ok(Some(Damping::Viscous)),
-        Some(other) => Err(wrong_word(
-            py,
-            "damping",
-            other,
-            "no damping law; write structural or viscous",
-        )),
-    }
-}
-
-/// The shape model of this name.
-pub fn shape_model(py: Python<'_>, name: &str) -> PyResult<ShapeModel> {
-    name.parse()
-        .map_err(|message: String| wrong_word(py, "shapes", name, &message))
-}
-
-/// A window by its name.
-pub fn window_of(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Window>> {
-    name.map(|name| {
-        name.parse()
-            .map_err(|message: String| wrong_word(py, "window", name, &message))
-    })
-    .transpose()
 }

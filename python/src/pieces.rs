@@ -2,8 +2,9 @@
 //! from one worker to the next.
 
 use crate::error::{raised, unpieced};
+use crate::fit::{law, shape_model, window_of};
 use crate::frf::FrfSet;
-use crate::model::{law, shape_model, window_of, Model};
+use crate::model::Model;
 use crate::progress::telling;
 use chladni_rfp::pieces::{self, Solved};
 use chladni_rfp::FitOptions;
