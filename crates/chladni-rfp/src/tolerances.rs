@@ -52,5 +52,9 @@ pub(crate) const STEP_ROUNDING: f64 = 1e-14;
 /// known at all: far above rounding, far below the 1e-5 of modes that overlap threefold.
 pub(crate) const UNINFORMED: f64 = 1e-10;
 
+/// Loss factor 2ζ up to which a viscous pole is saved: at 2 it has no natural frequency
+/// any more.
+pub(crate) const VISCOUS_LOSS_MOST: f64 = 1.98;
+
 /// Loss factor beyond which a pole is no resonance.
 pub(crate) const BACKGROUND_LOSS: f64 = 0.4;

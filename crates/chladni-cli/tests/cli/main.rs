@@ -13,6 +13,7 @@ mod doors;
 mod errors;
 mod folders;
 mod formats;
+mod hammer_test;
 mod hostile;
 mod info;
 mod journey;

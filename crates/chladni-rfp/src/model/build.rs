@@ -20,6 +20,7 @@ use crate::shapes::low_rank::low_rank_around;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::residues::{most_by_chance, significant_rank, Residues};
 use crate::shapes::scale::Scale;
+use crate::tolerances as tol;
 use chladni_frf::{
     ComplexMatrix, Damping, Finding, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling,
     Trust, CREATED_BY, MODEL_FORMAT,
@@ -490,5 +491,5 @@ impl Shaped {
 /// True where the model's fields can hold the pole.
 fn expressible(damping: Damping, pole: &Pole) -> bool {
     let values = pole.omega > 1e-6 && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;
-    values && (damping == Damping::Structural || pole.loss_factor < 1.98)
+    values && (damping == Damping::Structural || pole.loss_factor < tol::VISCOUS_LOSS_MOST)
 }

@@ -118,6 +118,14 @@ pub(super) const OVERLAP: usize = 2;
 
 // settle.rs
 
+/// Poles added until it is asked whether they help where neighbouring lines correlate
+/// everywhere, and the part of the sum of squares that they must take out by then.
+pub(super) const ADDED_IN_VAIN: (usize, f64) = (5, 0.2);
+
+/// Half-widths of both poles within which one may have made up for another: beyond, their
+/// columns share a hundredth of their energy.
+pub(super) const LEANS_WITHIN: f64 = 10.0;
+
 /// Rounds of adding poles at residual peaks before the order stands.
 pub(super) const SCAN_ROUNDS: usize = 6;
 /// Natural frequencies outside the band at which a mode is sought, over that of its end.
@@ -134,6 +142,11 @@ pub(super) const OUTSIDE_LOSS: f64 = 0.02;
 pub(super) const FAR_BELOW: f64 = 0.01;
 
 // whiteness.rs
+
+/// Parts of the band whose neighbouring lines are looked at each by itself, and the number
+/// of them from which errors correlate everywhere.
+pub(super) const BAND_PARTS: usize = 10;
+pub(super) const PARTS_CORRELATED: usize = 8;
 
 /// Excess of the residual energy around a mode, over the whole band's and beyond chance,
 /// that still counts as white: poles of the projection are not yet the refined ones. Real

@@ -4,8 +4,9 @@
 use crate::data::columns::Columns;
 use crate::poles::limits;
 use crate::poles::prune::{crutch, is_spike, threshold};
-use crate::poles::refine::{refine, Refined};
+use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::scan::{scan, Scan};
+use crate::poles::whiteness::correlates_everywhere;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
@@ -25,6 +26,7 @@ pub(crate) fn settle(
     history: &mut Vec<(usize, f64)>,
 ) -> Result<Scan, LinalgError> {
     let limit = threshold(frfs, work.lines());
+    let mut vain = InVain::new(refined);
     let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
     for _ in 0..limits::SCAN_ROUNDS * 3 {
         if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
@@ -62,13 +64,52 @@ pub(crate) fn settle(
             && !is_spike(work, &candidate, last, limit * *variance)?
         {
             *refined = candidate;
-            // what the others needed to make up for this one they need no more
-            needed.clear();
+            // what others near by needed to make up for this one they need no more
+            needed.retain(|pole| (pole - new).norm() > limits::LEANS_WITHIN * (pole.im + new.im));
             *variance = variance.min(refined.variance(work));
             history.push((refined.lambda.len(), refined.variance(work)));
+            if vain.after(refined) {
+                break;
+            }
         }
     }
     Ok(scan(work, refined))
+}
+
+/// Poles that stand for errors which neighbouring lines share: each takes a little out of
+/// the sum of squares, and there is no end of them.
+struct InVain {
+    added: usize,
+    /// Sum of squares at the last look, if lines correlated everywhere then.
+    before: Option<f64>,
+}
+
+impl InVain {
+    fn new(start: &Refined) -> Self {
+        Self {
+            added: 0,
+            before: Self::look(start),
+        }
+    }
+
+    fn look(refined: &Refined) -> Option<f64> {
+        let Projection { residual, sse, .. } = &refined.projection;
+        correlates_everywhere(residual).then_some(*sse)
+    }
+
+    /// True where the poles added of late have helped little, with one pole more.
+    fn after(&mut self, refined: &Refined) -> bool {
+        let (count, share) = limits::ADDED_IN_VAIN;
+        self.added += 1;
+        if self.added % count != 0 {
+            return false;
+        }
+        let (before, now) = (self.before, Self::look(refined));
+        self.before = now;
+        before
+            .zip(now)
+            .is_some_and(|(before, now)| now > (1.0 - share) * before)
+    }
 }
 
 /// The next place outside the band where a viscous mode may lie: residual terms stand for

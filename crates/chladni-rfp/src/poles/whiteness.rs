@@ -198,6 +198,20 @@ pub(crate) fn judge(
     }
 }
 
+/// True where neighbouring lines correlate in all parts of the band but a few: windows and
+/// short records do that, a missing mode does it near its own frequency.
+pub(crate) fn correlates_everywhere(residual: &Array2<Complex64>) -> bool {
+    let (lines, parts) = (residual.nrows(), limits::BAND_PARTS);
+    let chance = Chance::of(parts);
+    let correlates = |part: &usize| {
+        let rows = part * lines / parts..(part + 1) * lines / parts;
+        let count = (rows.len() * residual.ncols()).max(1) as f64;
+        let (along, total) = neighbours(residual, rows);
+        along > (limits::WHITE_CORRELATION + chance.correlation(count)) * total
+    };
+    (0..parts).filter(correlates).count() >= limits::PARTS_CORRELATED
+}
+
 /// Σ Re E_k E*_{k−1} and Σ|E_k|² over `rows` and all columns.
 fn neighbours(residual: &Array2<Complex64>, rows: std::ops::Range<usize>) -> (f64, f64) {
     let (mut along, mut total) = (0.0, 0.0);

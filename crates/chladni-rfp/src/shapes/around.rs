@@ -84,11 +84,19 @@ impl<'a> Rest<'a> {
         })
     }
 
-    /// The same to the end; `None` where poles come into the band or fuse.
+    /// The same to the end; `None` where poles come into the band, fuse, or become such as
+    /// no model file has.
     fn settled(&self, poles: &[Complex64]) -> Option<Around> {
         let around = self.refined(poles, tol::REFINE_FINE).ok()?;
         let poles = &around.poles;
-        let stays = |pole: &Complex64| !self.work.in_band(*pole) && pole.re > 0.0 && pole.im > 0.0;
+        let most = match self.work.law {
+            Damping::Structural => f64::INFINITY,
+            Damping::Viscous => tol::VISCOUS_LOSS_MOST,
+        };
+        let stays = |pole: &Complex64| {
+            let damped = 0.0 < pole.im && pole.im < most * pole.re;
+            damped && pole.re > 0.0 && !self.work.in_band(*pole)
+        };
         let sound = poles.iter().all(stays) && (0..poles.len()).all(|n| !fused(poles, n));
         sound.then_some(around)
     }
