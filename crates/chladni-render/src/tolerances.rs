@@ -478,6 +478,9 @@ pub const JUDGE_TAIL_S: f64 = 0.15;
 /// thumb.
 pub const RAMP_PERIODS: f64 = 2.0;
 
+/// Phases up to a right angle, either way, that a fade tries: 3.75 degrees apart.
+pub const FADE_TURNS: usize = 24;
+
 /// Periods of a raised-cosine ramp from its tone to the first zero of its spectrum.
 pub const RAMP_SPREAD: f64 = 1.5;
 
@@ -533,12 +536,8 @@ pub const SHAPED_BEYOND_S: f64 = 0.012;
 /// modes came back 0.5 dB louder later.
 pub const JUDGED_BEYOND_S: f64 = 0.06;
 
-/// Largest time from sample to sample of an envelope program while it shapes the drive, s.
-/// At twice as much the field hides between the samples: up to a decibel.
+/// Largest time from sample to sample of an envelope program, s. At twice as much the field hides between the samples: up to a decibel.
 pub const PROGRAM_STEP_S: f64 = 2.5e-4;
-
-/// Of the samples after that, one in so many is looked at.
-pub const PROGRAM_RINGING: usize = 3;
 
 /// Most rounds of an envelope program, and quasi-Newton steps in each.
 pub const PROGRAM_ROUNDS: usize = 12;
