@@ -8,7 +8,7 @@ use crate::options::RenderOptions;
 use crate::problem::{Drive, DriveLimits};
 use crate::render::render;
 use crate::scene::{Limits, Scene};
-use crate::setup::Setup;
+use crate::setup::{check_ground, drive_limits, Setup};
 use crate::time::causal::CausalModel;
 use crate::time::modal_ramp::{corrected, correction};
 use crate::time::plan::Place;
@@ -56,7 +56,7 @@ impl Voice {
         let operator =
             Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
         let mut patterns = Array2::zeros((places.len(), operator.references.len()));
-        let mut drive_limits = None;
+        let (drive_limits, _) = drive_limits(scene, operator.unit)?;
         let mut before: Option<Drive> = None;
         for (place, mut row) in places.iter().zip(patterns.rows_mut()) {
             let asked = match place {
@@ -68,19 +68,16 @@ impl Voice {
                 time: None,
                 ..scene.clone()
             };
-            let setup = || Setup::new(model, &there, &options.drift);
             let drive = match (place, given, &before) {
                 (Place::Scene, Some(weights), _) => {
-                    drive_limits.get_or_insert(setup()?.problem.drive_limits);
+                    check_ground(&there, &operator)?;
                     drive_on(&operator, weights)
                 }
                 (Place::Spot(_), _, Some(before)) => {
-                    let setup = setup()?;
-                    drive_limits.get_or_insert(setup.problem.drive_limits);
+                    let setup = Setup::new(model, &there, &options.drift)?;
                     robust::follow(&setup, before, options.effort)?
                 }
                 _ => {
-                    drive_limits.get_or_insert(setup()?.problem.drive_limits);
                     let weights = render(model, &there, options)?.weights;
                     if !weights.feasible {
                         findings.extend(weights.findings.iter().cloned());
@@ -101,10 +98,7 @@ impl Voice {
             programs: Programs::default(),
             model: causal,
             limits: scene.limits()?,
-            drive_limits: drive_limits.unwrap_or(DriveLimits {
-                each: f64::INFINITY,
-                effort: f64::INFINITY,
-            }),
+            drive_limits,
             operator,
             patterns,
             corrections,
