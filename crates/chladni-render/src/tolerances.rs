@@ -478,9 +478,6 @@ pub const JUDGE_TAIL_S: f64 = 0.15;
 /// thumb.
 pub const RAMP_PERIODS: f64 = 2.0;
 
-/// Phases up to a right angle, either way, that a fade tries: 3.75 degrees apart.
-pub const FADE_TURNS: usize = 24;
-
 /// Periods of a raised-cosine ramp from its tone to the first zero of its spectrum.
 pub const RAMP_SPREAD: f64 = 1.5;
 
