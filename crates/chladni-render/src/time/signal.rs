@@ -56,8 +56,8 @@ impl Played {
     ///
     /// # Errors
     /// [`ErrorKind::Usage`]: a rate of at most twice the highest frequency of tones and
-    /// ramps, a signal too long for a file, a full scale that clips, a map that lacks an actuator or knows
-    /// others.
+    /// ramps, a signal too long for a file, a full scale that clips, a map that lacks an
+    /// actuator or knows others.
     pub fn signal(&self, options: &SignalOptions, scene: &str) -> Result<Signal> {
         let rate = f64::from(options.rate_hz);
         let map = match &options.channels {
