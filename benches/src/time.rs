@@ -183,13 +183,17 @@ fn of_case(case: &TimeCase, quick: bool) -> Result<Vec<TimeRow>> {
     } else {
         &RISES_MS[..]
     };
+    let within = |limit_n: f64| -> Result<Weights> {
+        let scene = case.scene("0.01", limit_n)?;
+        Ok(render(&model, &scene, &RenderOptions::default())?.weights)
+    };
+    let widest = within(FORCES_N[0])?;
     for &limit_n in forces {
-        let steady = render(
-            &model,
-            &case.scene("0.01", limit_n)?,
-            &RenderOptions::default(),
-        )?
-        .weights;
+        // what has to be held is the same, so that ramps alone are compared
+        let steady = match largest_n(&widest) <= limit_n {
+            true => widest.clone(),
+            false => within(limit_n)?,
+        };
         let run = |ramps: Ramps, rise: &str| of_ramps(case, &model, &steady, ramps, rise, limit_n);
         if limit_n == FORCES_N[0] {
             rows.push(TimeRow {
@@ -211,6 +215,12 @@ fn of_case(case: &TimeCase, quick: bool) -> Result<Vec<TimeRow>> {
         }
     }
     Ok(rows)
+}
+
+/// Largest force of weights, N.
+fn largest_n(weights: &Weights) -> f64 {
+    let sizes = weights.weights.iter().map(|weight| weight.amplitude);
+    sizes.fold(0.0, f64::max)
 }
 
 fn of_ramps(
@@ -299,11 +309,7 @@ fn filtered(
             worst_cold_db: peak.peak.worst_cold_db.unwrap_or(f64::NAN),
             worst_hot_db: peak.peak.worst_hot_db.unwrap_or(f64::NAN),
             peak_n: peak.peak_drive,
-            steady_n: steady
-                .weights
-                .iter()
-                .map(|w| w.amplitude)
-                .fold(0.0, f64::max),
+            steady_n: largest_n(steady),
             ahead_ms: 1e3 * (START_S - first_s).max(0.0),
         });
     }

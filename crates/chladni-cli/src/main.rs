@@ -14,6 +14,7 @@ mod estimate;
 mod evaluate;
 mod explain;
 mod fit;
+mod in_time;
 mod indices;
 mod info;
 mod plan;

@@ -145,6 +145,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             ..RenderOptions::default()
         },
         frames: if args.charts.is_some() { FRAMES } else { 0 },
+        plain: args.charts.is_some(),
         ..PlayOptions::default()
     };
     let played = play(&model, &scene, weights.as_ref(), &options)
@@ -168,14 +169,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     if let Some(folder) = &args.charts {
         console.stage("drawing");
-        let options = PlayOptions {
-            ramps: Some(Ramps::Plain),
-            area: false,
-            frames: 0,
-            ..options
-        };
-        let plain = play(&model, &scene, weights.as_ref(), &options).ok();
-        draw(folder, &scene, &played, plain.as_ref(), console)?;
+        draw(folder, &scene, &played, console)?;
     }
     let mut json = summary(args, files.as_ref(), &played, &signal);
     let mut text = format!(
@@ -221,25 +215,10 @@ fn tried(
 }
 
 /// Writes the chart; plain ramps lie behind.
-fn draw(
-    folder: &Path,
-    scene: &Scene,
-    played: &Played,
-    plain: Option<&Played>,
-    console: &Console,
-) -> Result<()> {
+fn draw(folder: &Path, scene: &Scene, played: &Played, console: &Console) -> Result<()> {
     make_folder(folder)?;
-    let plain = plain.map(|played| &played.traces);
     let title = format!("{} over time", scene.name());
-    let figure = time_figure(
-        "time",
-        &title,
-        &played.traces,
-        plain,
-        played.frames.as_ref(),
-        played.unit,
-    );
-    let drawing = figure.draw();
+    let drawing = time_figure("time", &title, played).draw();
     let mut files: Vec<(&str, Vec<u8>)> = vec![
         ("svg", drawing.to_svg().into_bytes()),
         ("png", drawing.to_png(PNG_SCALE)),

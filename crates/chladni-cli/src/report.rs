@@ -1,6 +1,7 @@
 //! `chladni report`: models and weights as one HTML page, and its views as files.
 
 use crate::curves::curves;
+use crate::in_time::in_time;
 use chladni_console::input::{expand, read_frf, read_weights, source, Reading};
 use chladni_console::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use chladni_console::table::{counted, shortened};
@@ -8,12 +9,8 @@ use chladni_console::{unbroken, Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
 use chladni_io::try_place;
 use chladni_io::{detect_format, write_atomically, FileFormat};
-use chladni_render::{
-    evaluate, play, Evaluation, On, PlayOptions, Played, Ramps, Scene, TimeTraces, Weights,
-};
-use chladni_report::{
-    charts, html, ChartFormats, Curves, RenderedScene, ReportInput, ShownTime, Table,
-};
+use chladni_render::{evaluate, Evaluation, On, Played, Scene, Weights};
+use chladni_report::{charts, html, ChartFormats, Curves, RenderedScene, ReportInput, Table};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -59,58 +56,7 @@ struct ShownWeights {
     weights: Weights,
     evaluation: Option<Evaluation>,
     curves: Option<Curves>,
-    time: Option<InTime>,
-}
-
-/// A scene in time, and its traces under plain ramps.
-struct InTime {
-    played: Played,
-    plain: Option<TimeTraces>,
-}
-
-/// Pictures of the ground in a page: 16 a second of a burst of 0.25 s run at a tenth of
-/// its speed.
-const FRAMES: usize = 60;
-
-impl InTime {
-    /// None where the scene is a steady tone; a scene that cannot be played says why.
-    fn of(model: &ModalModel, scene: &Scene, weights: &Weights, console: &Console) -> Option<Self> {
-        scene.time.as_ref()?;
-        let options = PlayOptions {
-            frames: FRAMES,
-            ..PlayOptions::default()
-        };
-        let played = play(model, scene, Some(weights), &options);
-        let played = match played {
-            Ok(played) => played,
-            Err(error) => {
-                let words = format!(
-                    "{}: the scene cannot be shown in time: {}",
-                    weights.scene, error.message
-                );
-                console.find(&Finding::caution("scene-not-in-time", words));
-                return None;
-            }
-        };
-        let options = PlayOptions {
-            ramps: Some(Ramps::Plain),
-            area: false,
-            frames: 0,
-            ..options
-        };
-        let plain = play(model, scene, Some(weights), &options);
-        Some(Self {
-            played,
-            plain: plain.ok().map(|plain| plain.traces),
-        })
-    }
-
-    fn shown(&self) -> ShownTime<'_> {
-        ShownTime {
-            played: &self.played,
-            plain: self.plain.as_ref(),
-        }
-    }
+    time: Option<Played>,
 }
 
 /// Runs the command.
@@ -445,7 +391,7 @@ fn show(
     match (scene, model) {
         (Some(scene), Some(model)) => {
             let scene = Scene::read(&scene)?;
-            let mut in_time = InTime::of(model, &scene, &whole, console);
+            let mut played = said_in_time(model, &scene, &whole, console);
             let show_tone = |weights: Weights| {
                 let evaluation = Some(evaluate(&weights, &scene, On::Model(model))?);
                 let curves = Some(curves(
@@ -465,7 +411,7 @@ fn show(
                     weights: Weights { scene, ..weights },
                     evaluation,
                     curves,
-                    time: in_time.take(),
+                    time: played.take(),
                 })
             };
             tones
@@ -486,13 +432,30 @@ fn show(
     }
 }
 
+/// The scene in time; one that cannot be played says why.
+fn said_in_time(
+    model: &ModalModel,
+    scene: &Scene,
+    weights: &Weights,
+    console: &Console,
+) -> Option<Played> {
+    in_time(model, scene, weights).unwrap_or_else(|error| {
+        let words = format!(
+            "{}: the scene cannot be shown in time: {}",
+            weights.scene, error.message
+        );
+        console.find(&Finding::caution("scene-not-in-time", words));
+        None
+    })
+}
+
 impl ShownWeights {
     fn scene(&self) -> RenderedScene<'_> {
         match &self.evaluation {
             Some(evaluation) => {
                 RenderedScene::of_evaluation(&self.weights, evaluation, "the model")
                     .with_curves(self.curves.as_ref())
-                    .with_time(self.time.as_ref().map(InTime::shown))
+                    .with_time(self.time.as_ref())
             }
             None => RenderedScene::of_weights(&self.weights),
         }

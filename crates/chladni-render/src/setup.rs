@@ -278,8 +278,22 @@ pub(crate) fn scene_findings(scene: &Scene, operator: &Operator, zones: &ZoneMap
     findings
 }
 
+/// Refuses a scene without hot or without cold responses.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`].
+pub(crate) fn check_ground(scene: &Scene, operator: &Operator) -> Result<()> {
+    judged_rows(operator, &lay_zones(scene, operator)).map(drop)
+}
+
 /// The limits of the drive that the scene gives, N or V.
-fn drive_limits(scene: &Scene, unit: ReferenceUnit) -> Result<(DriveLimits, Option<Finding>)> {
+///
+/// # Errors
+/// A force limit over references in volts.
+pub(crate) fn drive_limits(
+    scene: &Scene,
+    unit: ReferenceUnit,
+) -> Result<(DriveLimits, Option<Finding>)> {
     let actuators = &scene.actuators;
     let (each, unlimited) = largest_weight(scene, unit)?;
     // peaks of tones add, their efforts add as squares

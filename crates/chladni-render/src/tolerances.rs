@@ -533,12 +533,8 @@ pub const SHAPED_BEYOND_S: f64 = 0.012;
 /// modes came back 0.5 dB louder later.
 pub const JUDGED_BEYOND_S: f64 = 0.06;
 
-/// Largest time from sample to sample of an envelope program while it shapes the drive, s.
-/// At twice as much the field hides between the samples: up to a decibel.
+/// Largest time from sample to sample of an envelope program, s. At twice as much the field hides between the samples: up to a decibel.
 pub const PROGRAM_STEP_S: f64 = 2.5e-4;
-
-/// Of the samples after that, one in so many is looked at.
-pub const PROGRAM_RINGING: usize = 3;
 
 /// Most rounds of an envelope program, and quasi-Newton steps in each.
 pub const PROGRAM_ROUNDS: usize = 12;

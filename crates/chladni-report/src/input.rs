@@ -2,7 +2,7 @@
 
 use chladni_frf::{Error, Finding, FrfKind, FrfSet, ModalModel, ReferenceUnit, Result};
 use chladni_render::{
-    AreaField, Evaluation, Field, Indices, Limits, Played, Rendering, TimeTraces, Weights, ZoneMap,
+    AreaField, Evaluation, Field, Indices, Limits, Played, Rendering, Weights, ZoneMap,
 };
 use num_complex::Complex64;
 
@@ -44,17 +44,8 @@ pub struct RenderedScene<'a> {
     pub shown: Option<ShownField<'a>>,
     /// The same scene with fewer modes or actuators.
     pub curves: Option<&'a Curves>,
-    /// The scene in time, where it has a table `[time]`.
-    pub time: Option<ShownTime<'a>>,
-}
-
-/// A scene in time.
-#[derive(Debug, Clone, Copy)]
-pub struct ShownTime<'a> {
-    /// The drive, with pictures of the ground.
-    pub played: &'a Played,
-    /// The responses under plain ramps, to compare with.
-    pub plain: Option<&'a TimeTraces>,
+    /// The drive in time with pictures of the ground, where the scene has a table `[time]`.
+    pub time: Option<&'a Played>,
 }
 
 /// Performance in a scene over the number of modes and of actuators; every point has
@@ -157,7 +148,7 @@ impl<'a> RenderedScene<'a> {
     }
 
     /// The same with the scene in time.
-    pub fn with_time(self, time: Option<ShownTime<'a>>) -> Self {
+    pub fn with_time(self, time: Option<&'a Played>) -> Self {
         Self { time, ..self }
     }
 }

@@ -51,7 +51,7 @@ pub use drawing::{Anchor, Colour, ColourMap, Dash, Drawing, Image, Stroke, SERIE
 pub use figures::{
     all as figures, field_map, moving_field, time as time_figure, weights_around_edge,
 };
-pub use input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField, ShownTime, Table};
+pub use input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField, Table};
 pub use sentence::sentence;
 
 use chladni_frf::{FrfSet, ModalModel, Result};

@@ -4,6 +4,7 @@ use super::question::{FileName, FileQuestion, SceneQuestion};
 use super::rendered::Rendered;
 use super::session::{Session, MODEL};
 use crate::curves::curves;
+use crate::in_time::in_time;
 use chladni_frf::{Error, ModalModel, ModeName, ModePick, Result, Selection};
 use chladni_render::{
     play, render, stress, sweep, MethodChoice, PlayOptions, RenderOptions, Scene, SignalOptions,
@@ -54,6 +55,32 @@ impl Session {
         Ok(json!({ "sweep": swept }))
     }
 
+    /// The scene over time, under the drive of its rendering.
+    ///
+    /// # Errors
+    /// Those of [`Self::render`]; a scene without `[time]`, or one that cannot be played.
+    pub fn in_time(&self, question: &SceneQuestion) -> Result<Value> {
+        let rendered = self.rendered(question)?;
+        let (model, rendering) = (&rendered.model, &rendered.rendering);
+        let played = in_time(model, &rendered.scene, &rendering.weights)?.ok_or_else(|| {
+            Error::bad_data("the scene is a steady tone")
+                .field("toml")
+                .expected("a table [time]")
+        })?;
+        let scene = RenderedScene::of_rendering(rendering).with_time(Some(&played));
+        let input = ReportInput {
+            model: Some(model),
+            scenes: vec![scene],
+            ..ReportInput::default()
+        };
+        let model = self.selected_file(question);
+        Ok(json!({
+            "time": scene_data(&input)["time"],
+            "command": format!("chladni play {model} scene.toml --weights weights.json -o drive.wav"),
+            "findings": played.findings,
+        }))
+    }
+
     /// A result as the file that the command line would write.
     ///
     /// # Errors
@@ -80,9 +107,17 @@ impl Session {
                 .into_bytes(),
             FileName::Report => {
                 let rendered = question.scene.is_some().then(rendered).transpose()?;
-                let scenes = rendered
-                    .iter()
-                    .map(|rendered| RenderedScene::of_rendering(&rendered.rendering));
+                let played = match &rendered {
+                    Some(rendered) => in_time(
+                        &rendered.model,
+                        &rendered.scene,
+                        &rendered.rendering.weights,
+                    )?,
+                    None => None,
+                };
+                let scenes = rendered.iter().map(|rendered| {
+                    RenderedScene::of_rendering(&rendered.rendering).with_time(played.as_ref())
+                });
                 let input = ReportInput {
                     scenes: scenes.collect(),
                     ..self.input(&model)
@@ -99,14 +134,19 @@ impl Session {
         } else {
             ""
         };
-        let model = match (question.drop.is_empty(), self.model_file()) {
-            (true, file) => file,
-            (false, _) => "selected.json",
-        };
         format!(
-            "chladni render {model} scene.toml --method {}{stress} -o weights.json",
+            "chladni render {} scene.toml --method {}{stress} -o weights.json",
+            self.selected_file(question),
             question.method
         )
+    }
+
+    /// The model that renders a scene, in the words of the commands.
+    fn selected_file(&self, question: &SceneQuestion) -> &str {
+        match question.drop.is_empty() {
+            true => self.model_file(),
+            false => "selected.json",
+        }
     }
 
     /// The rendering of the last question, or a new one.

@@ -89,6 +89,7 @@ pub fn serve(session: Arc<Session>, listener: TcpListener, door: Door) -> std::i
         .route("/api/cancel", post(cancel))
         .route("/api/scene", post(scene))
         .route("/api/sweep", post(sweep))
+        .route("/api/time", post(in_time))
         .route("/api/file", post(file))
         .layer(DefaultBodyLimit::max(LARGEST_QUESTION))
         .layer(from_fn_with_state(Arc::new(door), only_who_may))
@@ -188,6 +189,13 @@ async fn sweep(
     Json(question): Json<SceneQuestion>,
 ) -> Json<Value> {
     at_work(move || session.sweep(&question)).await
+}
+
+async fn in_time(
+    State(session): State<Arc<Session>>,
+    Json(question): Json<SceneQuestion>,
+) -> Json<Value> {
+    at_work(move || session.in_time(&question)).await
 }
 
 /// The bytes of a file, which the page offers as a download.

@@ -317,6 +317,12 @@ fn a_slider_shows_the_ground_of_a_burst_at_any_instant() {
     let shown = "[...document.querySelectorAll('#time-1')].map((svg) => svg.previousSibling.toDataURL())[0]";
     let lines = page.eval("document.querySelectorAll('#scene-1 .time .force-line').length");
     assert_eq!(lines, 34, "one line per actuator");
+    // 77 responses in 60 pictures, of which each row has its first one at least
+    let runs = page.eval("[...document.querySelectorAll('#scene-1 .time-places path[stroke]')].map((p) => p.getAttribute('d').split('M').length - 1).reduce((a, b) => a + b)");
+    assert!(
+        (77 * 5..=77 * 60).contains(&(runs.as_u64().unwrap() as usize)),
+        "{runs}"
+    );
     page.place("#time-1");
     let silent = page.eval(shown);
     page.eval("(() => { const s = document.querySelector('#scene-1 .time input[type=range]'); s.value = Math.round(s.max * 0.2); s.dispatchEvent(new Event('input')); })()");

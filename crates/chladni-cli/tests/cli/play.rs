@@ -149,6 +149,8 @@ fn signals_that_cannot_be_are_refused_before_anything_is_written() {
     for (line, code, words) in [
         ("burst.toml -o drive.mp3", 2, ".wav"),
         ("burst.toml -o drive.wav --rate 600", 2, "rate_hz"),
+        // above twice the tone, and not above its ramps of 9 ms
+        ("burst.toml -o drive.wav --rate 700", 2, "with its ramps"),
         ("burst.toml -o drive.wav --full-scale 1e-9", 2, "clips"),
         ("burst.toml -o drive.wav --full-scale -1", 2, "auto"),
         ("burst.toml -o drive.wav --format i8", 2, "i16"),
@@ -180,4 +182,132 @@ fn signals_that_cannot_be_are_refused_before_anything_is_written() {
         .run("evaluate drive.wav --scene burst.toml --on model.json")
         .exits(65);
     assert!(run.stderr.contains("drive.json"), "{}", run.stderr);
+}
+
+#[test]
+fn tables_that_cannot_be_are_refused_by_name_and_line() {
+    let folder = prepared();
+    let burst = |more: &str| format!("[[time.burst]]\nduration_s = 0.1\n{more}\n");
+    let spot = |start_s: f64, x: f64| {
+        format!(
+            "[[time.move]]\nstart_s = {start_s}\npath_m = [[0.07, 0.085], [{x}, 0.085]]\n\
+             speed_m_per_s = 0.2\nhot_radius_m = 0.025\nquiet_from_m = 0.06\n"
+        )
+    };
+    let negative = |key: &str| spot(0.0, 0.198).replace(key, &format!("{key} = -1 #"));
+    for (name, table, named) in [
+        (
+            "duration",
+            "[[time.burst]]\nduration_s = -0.1\n".into(),
+            "duration_s",
+        ),
+        ("start", burst("start_s = -1"), "start_s"),
+        ("ramp", burst("ramp_s = -0.01"), "ramp_s"),
+        ("period", burst("repeat = [2, -0.2]"), "repeat"),
+        (
+            "fade",
+            "[[time.fade]]\nfrom = [1]\nto = [2]\nstart_s = 1\nfade_s = -0.05\n".into(),
+            "fade_s",
+        ),
+        ("speed", negative("speed_m_per_s"), "speed_m_per_s"),
+        (
+            "summation",
+            format!("summation_s = -0.2\n{}", burst("")),
+            "summation_s",
+        ),
+        (
+            "moves",
+            spot(0.0, 0.198) + &spot(0.3, 0.198),
+            "[[time.move]] 2",
+        ),
+        (
+            "mixed",
+            burst("start_s = 0.2") + &spot(0.0, 0.198),
+            "overlap",
+        ),
+        ("path", spot(0.0, 0.26), "path_m"),
+    ] {
+        let file = format!("{name}.toml");
+        folder.write(&file, format!("{ZONES}[time]\n{table}"));
+        let run = folder
+            .run(&format!(
+                "play model.json {file} --method fast -o drive.wav"
+            ))
+            .exits(65);
+        let said = &run.stderr;
+        assert!(
+            said.contains(named) && said.contains(&file),
+            "{name}: {said}"
+        );
+        assert!(said.contains("line "), "{name}: {said}");
+    }
+    // the same where only the responses say how far the judged ground reaches
+    let zones = ZONES.replace("area_m", "#");
+    folder.write(
+        "scanned.toml",
+        format!("{zones}[time]\n{}", spot(0.0, 0.26)),
+    );
+    let run = folder
+        .run("play model.json scanned.toml --method fast -o drive.wav")
+        .exits(65);
+    assert!(
+        run.stderr.contains("[[time.move]] 1 path_m"),
+        "{}",
+        run.stderr
+    );
+    assert!(folder.names().iter().all(|name| !name.starts_with("drive")));
+}
+
+#[test]
+fn volts_per_newton_of_each_channel_are_in_the_samples_and_beside_them() {
+    let folder = prepared();
+    let gain = |channel: usize| 2.0 + 0.1 * channel as f64;
+    let rows = (1..=34).map(|k| format!("{k},{}:+Z,{}\n", 100 + k, gain(k)));
+    let map = rows.fold("channel,reference,gain\n".to_owned(), |all, row| all + &row);
+    folder.write("dac.csv", map);
+    let command = "play model.json burst.toml --method fast -q -o";
+    folder.run(&format!("{command} newtons.csv")).exits(1);
+    folder
+        .run(&format!(
+            "{command} volts.wav --channel-map dac.csv --full-scale 0.5"
+        ))
+        .exits(1);
+    let sidecar: Value = serde_json::from_str(&folder.text("volts.json")).unwrap();
+    for (k, channel) in sidecar["channels"].as_array().unwrap().iter().enumerate() {
+        let of = |key: &str| channel[key].as_f64().unwrap();
+        assert!((of("gain") - gain(k + 1)).abs() < 1e-12, "{channel}");
+        // full scale is 0.5 V, whatever force that is
+        assert!(
+            (of("full_scale") * of("gain") - 0.5).abs() < 1e-12,
+            "{channel}"
+        );
+        assert_eq!(channel["unit"], "N");
+    }
+    let wav = folder.read("volts.wav");
+    let data = wav.windows(4).position(|id| id == b"data").unwrap() + 8;
+    let samples: Vec<f64> = wav[data..]
+        .chunks_exact(4)
+        .map(|bytes| f64::from(f32::from_le_bytes(bytes.try_into().unwrap())))
+        .collect();
+    let newtons: Vec<Vec<f64>> = folder
+        .text("newtons.csv")
+        .lines()
+        .skip(1)
+        .map(|line| {
+            line.split(',')
+                .skip(1)
+                .map(|v| v.parse().unwrap())
+                .collect()
+        })
+        .collect();
+    assert_eq!(samples.len(), 34 * newtons.len());
+    let mut most: f64 = 0.0;
+    for (frame, forces) in samples.chunks_exact(34).zip(&newtons) {
+        for (k, (sample, force)) in frame.iter().zip(forces).enumerate() {
+            let volts = force * gain(k + 1);
+            assert!((0.5 * sample - volts).abs() < 1e-7, "channel {}", k + 1);
+            most = most.max(volts.abs());
+        }
+    }
+    assert!(most > 1e-4, "{most} V");
 }

@@ -32,8 +32,8 @@ pub struct TimeMeasure {
     pub worst_hot_db: Option<f64>,
     /// Share of hot ground that keeps its limit so.
     pub hot_held_ratio: f64,
-    /// From the beginning of an event until all hot ground has its limit, s: the longest
-    /// of all events; `None` where one never has.
+    /// From when ground is to be felt, as at the beginning of a burst, until it has its
+    /// limit, s: the longest of all; `None` where some never has.
     pub hot_reached_s: Option<f64>,
     /// From the beginning of an event until all ground moves by less than the cold limit
     /// for good, s: the longest of all events; `None` where another begins before.
@@ -111,9 +111,10 @@ struct ColdRow {
 #[derive(Clone)]
 struct HotRow {
     level: f64,
+    /// First sample at which it was asked for.
+    asked: usize,
     /// First sample after which the row kept its limit, so far.
     reached: Option<usize>,
-    event: usize,
 }
 
 impl<'a> Judge<'a> {
@@ -231,8 +232,8 @@ impl<'a> Judge<'a> {
         let at_worst = self.measure == Measure::Peak;
         let known = place.get_or_insert(HotRow {
             level: if at_worst { f64::INFINITY } else { 0.0 },
+            asked: sample,
             reached: None,
-            event: segment.event,
         });
         if counts {
             known.level = match at_worst {
@@ -273,7 +274,10 @@ impl<'a> Judge<'a> {
         let since = |sample: usize, event: usize| self.step_s * sample as f64 - starts_s[event];
         let reached: Option<Vec<f64>> = hot
             .iter()
-            .map(|row| row.reached.map(|sample| since(sample, row.event)))
+            .map(|row| {
+                row.reached
+                    .map(|sample| self.step_s * (sample - row.asked) as f64)
+            })
             .collect();
         let quiet: Option<Vec<f64>> = (0..self.loud.len())
             .map(|event| match self.loud[event] {

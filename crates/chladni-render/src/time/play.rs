@@ -29,6 +29,8 @@ pub struct PlayOptions {
     pub area: bool,
     /// About so many pictures of the ground; 0: none.
     pub frames: usize,
+    /// Hear plain ramps of the same length, too.
+    pub plain: bool,
 }
 
 impl Default for PlayOptions {
@@ -38,6 +40,7 @@ impl Default for PlayOptions {
             render: RenderOptions::default(),
             area: true,
             frames: 0,
+            plain: false,
         }
     }
 }
@@ -59,6 +62,8 @@ pub struct Played {
     pub indices: TimeIndices,
     /// The responses over time.
     pub traces: TimeTraces,
+    /// The same under plain ramps, where they were asked for.
+    pub plain: Option<TimeTraces>,
     /// Pictures of the ground, where they were asked for.
     pub frames: Option<TimeFrames>,
     /// No ground misses its limit by the measure of the scene.
@@ -110,6 +115,10 @@ pub fn play(
     let length_s = take.chains.iter().map(Chain::end_s).fold(0.0, f64::max);
     let pictures = || stage.frames(&take.tones, length_s, options.frames);
     let frames = (options.frames > 0).then(pictures);
+    let plain = match options.plain {
+        true => rehearsal.plain(&take.chains)?,
+        false => None,
+    };
     let events: Vec<TimeEvent> = take
         .chains
         .iter()
@@ -128,6 +137,7 @@ pub fn play(
         feasible: is_met(&indices, &table),
         indices,
         traces: take.heard.traces.unwrap_or_default(),
+        plain,
         findings,
     })
 }
@@ -198,6 +208,17 @@ impl Rehearsal<'_> {
             longer_s += tolerances::AUTO_RAMP_STEP_S;
         }
         Ok(take)
+    }
+
+    /// The responses when the same chains come and go by plain ramps.
+    fn plain(&self, chains: &[Chain]) -> Result<Option<TimeTraces>> {
+        let (points, judging) = (self.points, self.judging);
+        let mut limited = Vec::new();
+        let (tones, _) = self
+            .stage
+            .drive(chains, Ramps::Plain, points, judging, &mut limited)?;
+        let heard = points.hear(&tones, chains, judging, &[Measure::Peak]);
+        Ok(heard.traces)
     }
 
     /// With ramps that are so much longer than `ramps_s` where the scene leaves them open.

@@ -130,7 +130,7 @@ impl Program<'_> {
     }
 
     /// The field, in thresholds, of all that is not free: what comes after a rise, or
-    /// what a fall leaves; axes (row, judged time).
+    /// what a fall leaves; axes (row, time).
     fn fixed(&self, splines: &Splines) -> Array2<Complex64> {
         let start_s = if self.falls {
             0.0
@@ -153,7 +153,7 @@ impl Program<'_> {
         };
         let drive = rest.sampled(splines.step_s(), 0, splines.times);
         let moved = Motion::new(&self.voice.model).under(&drive);
-        let moved = moved.select(Axis(0), &splines.judged).reversed_axes();
+        let moved = moved.reversed_axes();
         let scale = Complex64::from(1.0 / self.voice.limits.threshold_m_per_s);
         if !self.falls {
             return moved * scale;
@@ -187,7 +187,7 @@ impl Program<'_> {
         let slack = 10f64.powf(tolerances::PROGRAM_SLACK * aim_db / 20.0);
         let cold = limits.cold_m_per_s / limits.threshold_m_per_s / factor;
         let hot = limits.hot_m_per_s / limits.threshold_m_per_s * factor;
-        let times_s = splines.judged_s();
+        let times_s = splines.times_s();
         let shape = (positions.len(), times_s.len());
         let ended = |j: usize| self.falls && times_s[j] >= self.ramp_s + self.beyond_s;
         let held = |j: usize| match self.falls {

@@ -1,9 +1,11 @@
 //! The samples that a rig plays, and how large full scale is.
 
 use crate::time::channel_map::{ChannelMap, Mapped};
+use crate::time::indices::TimeEvent;
 use crate::time::play::Played;
 use crate::time::sidecar::{Channel, Sidecar, SIGNAL_FORMAT, SIGNAL_VERSION};
 use crate::time::wav_file::{wav_bytes, SampleFormat};
+use crate::tolerances;
 use chladni_frf::{Error, ErrorKind, Result};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
@@ -53,9 +55,9 @@ impl Played {
     /// The drive as samples, from time 0 to its end.
     ///
     /// # Errors
-    /// [`ErrorKind::Usage`]: a rate of at most twice the highest frequency, a signal too
-    /// long for a file, a full scale that clips, a map that lacks an actuator or knows
-    /// others.
+    /// [`ErrorKind::Usage`]: a rate of at most twice the highest frequency of tones and
+    /// ramps, a signal too long for a file, a full scale that clips, a map that lacks an
+    /// actuator or knows others.
     pub fn signal(&self, options: &SignalOptions, scene: &str) -> Result<Signal> {
         let rate = f64::from(options.rate_hz);
         let map = match &options.channels {
@@ -64,17 +66,13 @@ impl Played {
         };
         let columns = self.columns(&map)?;
         let width = map.0.iter().map(|mapped| mapped.channel).max().unwrap_or(0);
-        let highest_hz = self
-            .tones
-            .iter()
-            .map(|tone| tone.frequency_hz)
-            .fold(0.0, f64::max);
+        let highest_hz = self.highest_hz();
         if rate <= 2.0 * highest_hz {
             return Err(usage(
                 "rate_hz",
                 format!("{rate} Hz"),
                 format!(
-                    "more than {} Hz, twice the drive frequency",
+                    "more than {:.0} Hz, twice the highest frequency of the drive with its ramps",
                     2.0 * highest_hz
                 ),
             )
@@ -104,6 +102,14 @@ impl Played {
             }
         }
         self.scaled(drive, &map, options, scene)
+    }
+
+    /// Upper end of the highest tone, as its shortest ramp spreads it.
+    fn highest_hz(&self) -> f64 {
+        let tones = self.tones.iter().map(|tone| tone.frequency_hz);
+        let spread = |event: &TimeEvent| tolerances::RAMP_SPREAD / event.ramp_s;
+        let spreads = self.indices.events.iter().map(spread);
+        tones.fold(0.0, f64::max) + spreads.fold(0.0, f64::max)
     }
 
     fn scaled(

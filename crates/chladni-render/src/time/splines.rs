@@ -9,7 +9,7 @@ use crate::time::simulate::CubicStep;
 use crate::time::tracks::Track;
 use crate::tolerances;
 use chladni_linalg::{matmul, matmul_h};
-use ndarray::{Array1, Array2, ArrayView1, Axis};
+use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
 
 /// Knots over which a spline is not zero.
@@ -26,9 +26,6 @@ pub(crate) struct Splines<'a> {
     per_knot: usize,
     /// Times of the grid.
     pub(crate) times: usize,
-    /// Those that are judged: all of them while the splines last, then some, because what
-    /// rings on changes slowly.
-    pub(crate) judged: Vec<usize>,
     /// E of each pole from one time to the next.
     decays: Vec<Complex64>,
     /// The part that the first spline adds to each pole until it ends; axes (pole, time).
@@ -46,8 +43,6 @@ impl<'a> Splines<'a> {
         let per_knot = (knot_s / tolerances::PROGRAM_STEP_S - 1e-6).ceil().max(1.0) as usize;
         let step_s = knot_s / per_knot as f64;
         let times = (judged_s / step_s).ceil() as usize + 1;
-        let all = times.min((count + SUPPORT) * per_knot);
-        let later = (all..times).step_by(tolerances::PROGRAM_RINGING);
         let shape = |which: usize| {
             let spline = first(knot_s);
             let at = |j: usize| spline.at(step_s * j as f64)[which];
@@ -60,7 +55,6 @@ impl<'a> Splines<'a> {
             count,
             per_knot,
             times,
-            judged: (0..all).chain(later).collect(),
             decays: poles.map(|p| (-model.distance(p) * step_s).exp()).collect(),
             kicks: kicks(model, knot_s, per_knot),
             shape: [shape(0), shape(1), shape(2)],
@@ -81,13 +75,13 @@ impl<'a> Splines<'a> {
             .take_while(move |&(j, _)| j < times)
     }
 
-    /// The times that are judged, s.
-    pub(crate) fn judged_s(&self) -> Vec<f64> {
+    /// The times of the grid, s.
+    pub(crate) fn times_s(&self) -> Vec<f64> {
         let step_s = self.step_s();
-        self.judged.iter().map(|&j| step_s * j as f64).collect()
+        (0..self.times).map(|j| step_s * j as f64).collect()
     }
 
-    /// The field of control points, axes (spline, actuator); axes (row, judged time).
+    /// The field of control points, axes (spline, actuator); axes (row, time).
     pub(crate) fn field(&self, control: &Array2<Complex64>) -> Array2<Complex64> {
         let forces = matmul(self.model.inputs.view(), control.t());
         let mut states = Array2::<Complex64>::zeros((forces.nrows(), self.times));
@@ -103,7 +97,6 @@ impl<'a> Splines<'a> {
                 *value = z;
             }
         }
-        let states = states.select(Axis(1), &self.judged);
         let mut field = self.model.moved(states.view()).reversed_axes();
         for (direct, shape) in self.at_once() {
             let of_splines = matmul(direct.view(), control.t());
@@ -119,11 +112,7 @@ impl<'a> Splines<'a> {
 
     /// The adjoint of [`Self::field`].
     pub(crate) fn adjoint(&self, pull: &Array2<Complex64>) -> Array2<Complex64> {
-        let pulled = self.model.pulled(pull.view());
-        let mut states = Array2::<Complex64>::zeros((pulled.nrows(), self.times));
-        for (k, &j) in self.judged.iter().enumerate() {
-            states.column_mut(j).assign(&pulled.column(k));
-        }
+        let mut states = self.model.pulled(pull.view());
         let mut forces = Array2::<Complex64>::zeros((states.nrows(), self.count));
         for (p, mut state) in states.rows_mut().into_iter().enumerate() {
             let mut later = Complex64::ZERO;
@@ -224,7 +213,7 @@ mod tests {
     use super::*;
     use crate::time::simulate::Motion;
     use crate::time::tracks::Tracks;
-    use ndarray::concatenate;
+    use ndarray::{concatenate, Axis};
 
     fn model() -> CausalModel {
         let pole = |re: f64, im: f64| Complex64::new(re, im);
@@ -261,7 +250,7 @@ mod tests {
             })
         };
         let control = some(0.7, (splines.count, 3));
-        let pull = some(1.1, (5, splines.judged.len()));
+        let pull = some(1.1, (5, splines.times));
         let inner = |a: &Array2<Complex64>, b: &Array2<Complex64>| -> Complex64 {
             a.iter().zip(b).map(|(a, b)| a.conj() * b).sum()
         };
@@ -289,8 +278,7 @@ mod tests {
         let drive = tracks.sampled(splines.step_s() / fine as f64, 0, fine * splines.times);
         let moved = Motion::new(&model).under(&drive);
         let largest = field.iter().map(|v| v.norm()).fold(0.0, f64::max);
-        for ((row, k), v) in field.indexed_iter() {
-            let j = splines.judged[k];
+        for ((row, j), v) in field.indexed_iter() {
             let apart = (v - moved[[fine * j, row]]).norm();
             assert!(
                 apart < 1e-9 * largest,

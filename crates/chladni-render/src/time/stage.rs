@@ -46,7 +46,7 @@ impl<'a> Stage<'a> {
                     .field(format!("[[time.move]] {} path_m", number + 1))
                     .found(format!("[{}, {}]", outside[0], outside[1]))
                     .expected(format!(
-                        "points inside x {} to {} m, y {} to {} m",
+                        "points inside x {:.4} to {:.4} m, y {:.4} to {:.4} m",
                         area.x_min, area.x_max, area.y_min, area.y_max
                     )));
             }

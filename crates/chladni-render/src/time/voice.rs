@@ -8,7 +8,7 @@ use crate::options::RenderOptions;
 use crate::problem::{Drive, DriveLimits};
 use crate::render::render;
 use crate::scene::{Limits, Scene};
-use crate::setup::Setup;
+use crate::setup::{check_ground, drive_limits, Setup};
 use crate::time::causal::CausalModel;
 use crate::time::modal_ramp::{corrected, correction};
 use crate::time::plan::Place;
@@ -56,42 +56,30 @@ impl Voice {
         let operator =
             Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
         let mut patterns = Array2::zeros((places.len(), operator.references.len()));
-        let mut drive_limits = None;
-        let mut before: Option<Drive> = None;
-        for (place, mut row) in places.iter().zip(patterns.rows_mut()) {
-            let asked = match place {
-                Place::Spot(spot) => Place::Spot(spot.for_passing()),
-                other => other.clone(),
-            };
-            let there = Scene {
-                zones: zones_of(&asked, &scene.zones),
-                time: None,
-                ..scene.clone()
-            };
-            let setup = || Setup::new(model, &there, &options.drift);
-            let drive = match (place, given, &before) {
-                (Place::Scene, Some(weights), _) => {
-                    drive_limits.get_or_insert(setup()?.problem.drive_limits);
-                    drive_on(&operator, weights)
-                }
-                (Place::Spot(_), _, Some(before)) => {
-                    let setup = setup()?;
-                    drive_limits.get_or_insert(setup.problem.drive_limits);
-                    robust::follow(&setup, before, options.effort)?
-                }
-                _ => {
-                    drive_limits.get_or_insert(setup()?.problem.drive_limits);
-                    let weights = render(model, &there, options)?.weights;
-                    if !weights.feasible {
-                        findings.extend(weights.findings.iter().cloned());
-                    }
-                    drive_on(&operator, &weights)
-                }
-            };
-            if matches!(place, Place::Spot(_)) {
-                before = Some(drive.clone());
+        let (drive_limits, _) = drive_limits(scene, operator.unit)?;
+        let steady = SteadyDrives {
+            model,
+            scene,
+            operator: &operator,
+            given,
+            options,
+        };
+        let is_spot = |k: &usize| matches!(places[*k], Place::Spot(_));
+        let (spots, others): (Vec<usize>, Vec<usize>) = (0..places.len()).partition(is_spot);
+        // from the middle of the way to both of its ends at once
+        let middle = spots.len() / 2;
+        for &k in others.iter().chain(spots.get(middle)) {
+            let drive = steady.alone(&places[k], &mut findings)?;
+            patterns.row_mut(k).assign(&drive);
+        }
+        if let Some((&first, onward)) = spots[middle..].split_first() {
+            let start = patterns.row(first).to_owned();
+            let along = |spots: Vec<usize>| steady.following(&start, places, spots);
+            let back = spots[..middle].iter().rev().copied().collect();
+            let (onward, back) = rayon::join(|| along(onward.to_vec()), || along(back));
+            for (k, drive) in onward?.into_iter().chain(back?) {
+                patterns.row_mut(k).assign(&drive);
             }
-            row.assign(&drive);
         }
         let causal = CausalModel::new(model, &operator)?;
         let corrections = corrected(&correction(&causal)?, &patterns);
@@ -101,14 +89,67 @@ impl Voice {
             programs: Programs::default(),
             model: causal,
             limits: scene.limits()?,
-            drive_limits: drive_limits.unwrap_or(DriveLimits {
-                each: f64::INFINITY,
-                effort: f64::INFINITY,
-            }),
+            drive_limits,
             operator,
             patterns,
             corrections,
             findings,
         })
+    }
+}
+
+/// The steady drives of places.
+struct SteadyDrives<'a> {
+    model: &'a ModalModel,
+    scene: &'a Scene,
+    operator: &'a Operator,
+    given: Option<&'a Weights>,
+    options: &'a RenderOptions,
+}
+
+impl SteadyDrives<'_> {
+    /// The scene with the zones of a place.
+    fn scene_at(&self, place: &Place) -> Scene {
+        let asked = match place {
+            Place::Spot(spot) => Place::Spot(spot.for_passing()),
+            other => other.clone(),
+        };
+        Scene {
+            zones: zones_of(&asked, &self.scene.zones),
+            time: None,
+            ..self.scene.clone()
+        }
+    }
+
+    /// The drive of a place by itself; what cannot be met there goes into `findings`.
+    fn alone(&self, place: &Place, findings: &mut Vec<Finding>) -> Result<Drive> {
+        let there = self.scene_at(place);
+        if let (Place::Scene, Some(weights)) = (place, self.given) {
+            check_ground(&there, self.operator)?;
+            return Ok(drive_on(self.operator, weights));
+        }
+        let weights = render(self.model, &there, self.options)?.weights;
+        if !weights.feasible {
+            findings.extend(weights.findings.iter().cloned());
+        }
+        Ok(drive_on(self.operator, &weights))
+    }
+
+    /// The drives of some of the places, each like the one before, the first one like
+    /// `start`.
+    fn following(
+        &self,
+        start: &Drive,
+        places: &[Place],
+        spots: Vec<usize>,
+    ) -> Result<Vec<(usize, Drive)>> {
+        let mut drives: Vec<(usize, Drive)> = Vec::with_capacity(spots.len());
+        for k in spots {
+            let before = drives.last().map_or(start, |(_, drive)| drive);
+            let setup = Setup::new(self.model, &self.scene_at(&places[k]), &self.options.drift)?;
+            let drive = robust::follow(&setup, before, self.options.effort)?;
+            drives.push((k, drive));
+        }
+        Ok(drives)
     }
 }

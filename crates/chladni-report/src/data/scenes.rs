@@ -38,7 +38,7 @@ pub(crate) fn value(
         "stress": weights.stress,
         "sweep": weights.sweep,
         "curves": scene.curves.map(curves),
-        "time": scene.time.as_ref().map(super::time::value),
+        "time": scene.time.map(super::time::value),
         "field": scene.shown.as_ref().map(|shown| field(shown, geometry)),
         "modal": input.model.zip(drive).map(|(model, drive)| modal(model, &drive, geometry)),
     })

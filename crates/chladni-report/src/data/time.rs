@@ -1,9 +1,8 @@
 //! A scene in time: traces, forces, and pictures of the ground in a byte a place.
 
 use super::array::{f32s, u8s};
-use crate::input::ShownTime;
 use chladni_frf::ReferenceUnit;
-use chladni_render::{AreaFrames, TimeFrames, TimeTraces};
+use chladni_render::{AreaFrames, Played, TimeFrames, TimeTraces};
 use serde_json::{json, Value};
 
 /// Levels of the first and the last colour, dB re threshold.
@@ -13,8 +12,7 @@ const LAST: f64 = 254.0;
 const NONE: u8 = 255;
 
 /// Everything about it.
-pub(crate) fn value(shown: &ShownTime) -> Value {
-    let played = shown.played;
+pub(crate) fn value(played: &Played) -> Value {
     let traces = &played.traces;
     let frames = played.frames.as_ref();
     json!({
@@ -22,9 +20,10 @@ pub(crate) fn value(shown: &ShownTime) -> Value {
         "step_s": traces.step_s,
         "hot_db": levels(&traces.hot_db),
         "cold_db": levels(&traces.cold_db),
-        "plain": shown.plain.map(plain),
+        "plain": played.plain.as_ref().map(plain),
         "unit": match played.unit { ReferenceUnit::Newton => "N", ReferenceUnit::Volt => "V" },
         "forces": frames.map(forces),
+        "places": frames.map(places),
         "ground": frames.and_then(|frames| Some(ground(frames, frames.area.as_ref()?))),
     })
 }
@@ -39,6 +38,25 @@ fn plain(traces: &TimeTraces) -> Value {
 
 fn forces(frames: &TimeFrames) -> Value {
     json!({"shape": frames.drive.shape(), "step_s": frames.step_s, "values": f32s(frames.drive.iter().copied())})
+}
+
+/// Every response over time, from hot to cold ground.
+fn places(frames: &TimeFrames) -> Value {
+    let (order, hot) = frames.by_ground();
+    let levels = |&k: &usize| {
+        frames
+            .responses
+            .column(k)
+            .into_iter()
+            .map(|&value| code(value))
+    };
+    json!({
+        "names": order.iter().map(|&k| frames.names[k]).collect::<Vec<_>>(),
+        "hot": hot,
+        "count": frames.responses.nrows(),
+        "step_s": frames.step_s,
+        "codes": u8s(order.iter().flat_map(levels)),
+    })
 }
 
 fn ground(frames: &TimeFrames, area: &AreaFrames) -> Value {

@@ -85,18 +85,9 @@ pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
                 .and_then(|model| weights_around_edge::weights_around_edge(weights, model, number)),
         );
         figures.push(weights_around_edge::weights_by_actuator(weights, number));
-        figures.extend(scene.time.as_ref().map(|shown| {
-            let played = shown.played;
+        figures.extend(scene.time.map(|played| {
             let title = format!("{}: {}", weights.scene, played.indices.sentence());
-            let (frames, unit) = (played.frames.as_ref(), played.unit);
-            time::time(
-                &format!("time-{number}"),
-                &title,
-                &played.traces,
-                shown.plain,
-                frames,
-                unit,
-            )
+            time::time(&format!("time-{number}"), &title, played)
         }));
         figures.extend(sweep::sweep(weights, number));
         figures.extend(curves::curves(scene, number));

@@ -4,7 +4,7 @@ use crate::chart::{Axis, Chart, ColourBar, Figure, Height, Layer, Place};
 use crate::drawing::{Colour, ColourMap, Dash, Image, Stroke};
 use crate::sizes::{FIELD_RANGE_DB, WIDE_PX};
 use chladni_frf::ReferenceUnit;
-use chladni_render::{Ground, TimeFrames, TimeTraces};
+use chladni_render::{Played, TimeFrames, TimeTraces};
 use ndarray::ArrayView1;
 
 /// Levels below the limits that are shown, dB.
@@ -15,24 +15,22 @@ const SHOWN_ABOVE_DB: f64 = 10.0;
 /// Room above the largest drive.
 const ROOM: f64 = 1.05;
 
-/// The weakest hot and the loudest cold response over their limits, the drives, and with
-/// `frames` every response over time; `plain` are those of plain ramps, behind.
-pub fn time(
-    name: &str,
-    title: &str,
-    traces: &TimeTraces,
-    plain: Option<&TimeTraces>,
-    frames: Option<&TimeFrames>,
-    unit: ReferenceUnit,
-) -> Figure {
+/// The weakest hot and the loudest cold response over their limits, those of plain ramps
+/// behind, the drives, and every response over time.
+pub fn time(name: &str, title: &str, played: &Played) -> Figure {
+    let (traces, frames) = (&played.traces, played.frames.as_ref());
     let range = [SHOWN_BELOW_DB, SHOWN_ABOVE_DB];
-    let end_ms = 1e3 * traces.step_s * traces.drive.len() as f64;
+    let traced_s = traces.step_s * traces.drive.len() as f64;
+    let pictured_s = frames.map_or(0.0, |frames| {
+        frames.step_s * frames.responses.nrows() as f64
+    });
+    let end_ms = 1e3 * traced_s.max(pictured_s);
     let mut levels = Chart::new(
         time_axis(end_ms),
         Axis::linear("Over its own limit", "dB").range(range),
     )
     .height(Height::Px(280.0));
-    if let Some(plain) = plain {
+    if let Some(plain) = &played.plain {
         let names = ["hot, plain ramps", "cold, plain ramps"];
         levels = with_levels(levels, plain, names, 0.8);
     }
@@ -43,7 +41,7 @@ pub fn time(
         at: vec![0.0],
         stroke: Stroke::new(Colour::Muted, 1.2),
     });
-    let mut charts = vec![levels, forces(traces, frames, unit, end_ms)];
+    let mut charts = vec![levels, forces(traces, frames, played.unit, end_ms)];
     charts.extend(frames.map(|frames| places(frames, end_ms)));
     Figure {
         name: name.into(),
@@ -98,12 +96,7 @@ fn forces(
 
 /// Every response over time: hot ones above, cold ones below.
 fn places(frames: &TimeFrames, end_ms: f64) -> Chart {
-    let mut order: Vec<usize> = (0..frames.names.len()).collect();
-    order.sort_by_key(|&k| match frames.ground[k] {
-        Ground::Hot => 0,
-        Ground::Ignored => 1,
-        Ground::Cold => 2,
-    });
+    let (order, hot) = frames.by_ground();
     let (columns, rows) = (frames.responses.nrows(), order.len());
     let mut rgba = Vec::with_capacity(4 * columns * rows);
     for &response in &order {
@@ -114,11 +107,6 @@ fn places(frames: &TimeFrames, end_ms: f64) -> Chart {
         }
     }
     let last_ms = 1e3 * frames.step_s * columns as f64;
-    let hot = frames
-        .ground
-        .iter()
-        .filter(|&&ground| ground == Ground::Hot)
-        .count();
     let border = (rows - hot) as f64;
     let mut chart = Chart::new(
         time_axis(end_ms),

@@ -27,7 +27,7 @@ const CLICK = 5;
 /**
  * A chart in a figure. `spec`: {title, caption, height, x: {label, unit, range, log}, y: {...}, right: {label, unit, range},
  * series: [{name, x, y, style, right}], marks: [{name, points: [[x, y]], style, sign, right}], bars: [{x, y, dx, dy, style, right}],
- * stems: [{points, style}],
+ * stems: [{points, style}], strips: [{colour, runs: [[from, to, row]]}], each as high as one unit of y from its row on,
  * verticals: [{name, at, style}], labels: [{x, y, text}], onpick(x, y, distance), onrange(range|null), square, compact,
  * shades: [[low, high]], grips: [{name, at, label, words, low, high, step, onmove(value, moving)}], lines that are dragged along x}.
  * `update(spec)` draws it anew and keeps the zoom.
@@ -130,7 +130,9 @@ export function chart(first) {
   }
 
   function content(box, x, y, y2) {
-    const parts = [];
+    const high = Math.abs(y.place(1) - y.place(0));
+    const run = ([from, to, row]) => `M${x.place(from).toFixed(1)} ${y.place(row + 0.5).toFixed(1)}H${(x.place(to) + 0.3).toFixed(1)}`;
+    const parts = (spec.strips ?? []).map(({ colour, runs }) => s("path", { stroke: colour, "stroke-width": high + 0.3, d: runs.map(run).join("") }));
     for (const { at, style, name } of (spec.verticals ?? []).filter((line) => !hidden.has(line.name))) {
       const d = Array.from(at, (value) => x.place(value)).filter((p) => p >= box.left && p <= box.right).map((p) => `M${p.toFixed(1)} ${box.top}V${box.bottom}`);
       parts.push(s("path", { class: style, d: d.join(""), "data-name": name }));

@@ -5,7 +5,7 @@ import { fileOf } from "./ask.js";
 
 /** Names and words of the files; those with a scene need one that is rendered. */
 const FILES = [
-  ["model.json", "Model, without dropped modes", false], ["weights.json", "Weights", true], ["drive.wav", "Drive signals, 2 s", true], ["drive.json", "Channels and full scale of drive.wav", true],
+  ["model.json", "Model, without dropped modes", false], ["weights.json", "Weights", true], ["drive.wav", "Drive signals: the burst, or 2 s", true], ["drive.json", "Channels and full scale of drive.wav", true],
   ["scene.toml", "Scene", true], ["selection.toml", "Modes kept and dropped", false], ["report.html", "Report", false],
 ];
 

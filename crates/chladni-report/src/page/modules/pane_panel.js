@@ -6,6 +6,7 @@ import { fixed, significant } from "./numbers.js";
 import { levelMap } from "./colour.js";
 import { keeps, levelBar } from "./field.js";
 import { shapeView } from "./shapes.js";
+import { timeView } from "./time.js";
 import { PROFILES, sceneToml } from "./zones.js";
 import { actuatorList, used } from "./actuators.js";
 import { board } from "./board.js";
@@ -22,12 +23,14 @@ export function panelPane(oncancel) {
   const size = h("span", { class: "muted" });
   const chip = h("span", { class: "chip", id: "scene-status", role: "status" });
   const cancel = h("button", { type: "button", class: "link", hidden: true, onclick: oncancel }, "cancel");
-  const tabs = ["Field", "Mode"].map((name) => h("button", { type: "button", role: "tab", id: `tab-${name.toLowerCase()}`, "aria-selected": "false", onclick: () => open(name) }, name));
+  const tabs = ["Field", "Time", "Mode"].map((name) => h("button", { type: "button", role: "tab", id: `tab-${name.toLowerCase()}`, "aria-selected": "false", onclick: () => open(name) }, name));
   const field = h("div", { class: "field-tab", role: "tabpanel", "aria-labelledby": "tab-field" });
   const mode = h("div", { class: "mode-tab", role: "tabpanel", "aria-labelledby": "tab-mode", hidden: true });
+  const time = h("div", { class: "time-tab", role: "tabpanel", "aria-labelledby": "tab-time", hidden: true });
+  const inTime = h("div", { id: "in-time" });
   const result = h("div", { id: "result" });
   const element = h("section", { id: "pane-3", class: "pane", tabindex: -1, "aria-label": "Panel" },
-    h("div", { class: "pane-head" }, h("h2", {}, "3 Panel"), size, h("span", { class: "gap" }), chip, cancel, h("span", { role: "tablist", class: "segments" }, tabs)), field, mode);
+    h("div", { class: "pane-head" }, h("h2", {}, "3 Panel"), size, h("span", { class: "gap" }), chip, cancel, h("span", { role: "tablist", class: "segments" }, tabs)), field, time, mode);
   let geometry = null;
   let view = null;
   let actuators = null;
@@ -38,8 +41,7 @@ export function panelPane(oncancel) {
 
   function open(name) {
     tabs.forEach((tab) => tab.setAttribute("aria-selected", String(tab.textContent === name)));
-    field.hidden = name !== "Field";
-    mode.hidden = name === "Field";
+    [["Field", field], ["Time", time], ["Mode", mode]].forEach(([own, part]) => (part.hidden = own !== name));
   }
 
   const number = (label, id, key, unit, factor = 1) => {
@@ -47,6 +49,12 @@ export function panelPane(oncancel) {
     return { element: h("label", {}, `${label} `, input, ` ${unit}`), show: () => (input.value = Number((factor * work[key]).toFixed(3))) };
   };
   const numbers = [number("Drive", "scene-frequency", "frequency", "Hz"), number("±", "scene-limen", "limen", "dB"), number("Border", "scene-transition", "transition", "mm", 1e3)];
+  const duration = (label, id, key, words) => {
+    const input = h("input", { type: "number", id, step: "any", min: 1, placeholder: words, onchange: () => input.checkValidity() && edit({ [key]: input.value === "" ? null : input.valueAsNumber / 1e3 }) });
+    return { element: h("label", {}, `${label} `, input, " ms"), show: () => (input.value = work[key] === null ? "" : Number((1e3 * work[key]).toFixed(3))) };
+  };
+  const durations = [duration("Burst", "burst-duration", "burst", "none"), duration("Ramps", "burst-ramp", "ramp", "auto")];
+  time.append(h("div", { class: "row" }, durations.map((one) => one.element)), inTime);
   const profile = choice("Threshold", PROFILES, 0, () => edit({ profile: profile.select.value }));
   profile.select.id = "scene-threshold";
   const file = h("input", { type: "file", id: "scene-threshold-table", accept: ".csv,.txt", "aria-label": "Threshold table, CSV", onchange: async () => {
@@ -87,11 +95,19 @@ export function panelPane(oncancel) {
   }
 
   function showWork() {
-    numbers.forEach((one) => one.show());
+    [...numbers, ...durations].forEach((one) => one.show());
+    if (!work.burst) showTime(null);
+    else if (!inTime.dataset.burst) showTime({ error: "Computing the drive over time …" });
     profile.select.value = work.profile;
     actuators?.show();
     view?.editor.set(work.zones);
     if (view) showZone(chosen);
+  }
+
+  /** The scene over time; null where it is a steady tone. */
+  function showTime(said) {
+    inTime.dataset.burst = said?.time ? `${work.burst}` : "";
+    redraw(inTime, said?.time ? timeView(said.time, geometry, "time-field") : h("p", { class: "muted" }, said?.error ?? "A steady tone: set the length of a burst to see hot and cold ground over time."));
   }
 
   function tiles(scene, shown) {
@@ -133,7 +149,7 @@ export function panelPane(oncancel) {
     fit: (model, fitted, structure) => {
       // a draft says nothing of shapes
       const hasShapes = structure && model.inBand.length > 0;
-      if (structure !== undefined) tabs[1].disabled = !hasShapes;
+      if (structure !== undefined) tabs[2].disabled = !hasShapes;
       if (hasShapes) {
         forget?.();
         let parts;
@@ -157,7 +173,7 @@ export function panelPane(oncancel) {
     },
     /** The scene's file, and a threshold table that goes with it. */
     scene: () => {
-      const text = sceneToml({ frequencyHz: work.frequency, profile: work.profile, limenDb: work.limen, transitionM: work.transition, zones: work.zones, use: geometry && used(geometry.reference_names) });
+      const text = sceneToml({ frequencyHz: work.frequency, profile: work.profile, limenDb: work.limen, transitionM: work.transition, zones: work.zones, burst: [work.burst, work.ramp], use: geometry && used(geometry.reference_names) });
       return { toml: text, threshold: PROFILES.includes(work.profile) ? null : table };
     },
     hasHot: () => work.zones.some((zone) => zone.kind === "hot"),
@@ -175,6 +191,7 @@ export function panelPane(oncancel) {
       result.dataset.method = scene.method;
       result.dataset.answers = String(Number(result.dataset.answers ?? 0) + 1);
     },
+    showTime,
     key: (key) => view?.editor.toolKey(key) ?? false,
   };
 }

@@ -27,7 +27,7 @@ const OF_FIT = ["band", "modes", "added"];
 
 /** Questions about fits are numbered from page to page, and from question to question of a page: what comes later is newer. */
 const fits = { draft: new Asker("fit"), full: new Asker("fit"), data: new Asker("data"), page: embedded().page, asked: 0, shown: 0, open: 0 };
-const scenes = { draft: new Asker("scene"), best: new Asker("scene"), sweep: new Asker("sweep"), asked: 0, bestShown: 0, timer: 0 };
+const scenes = { draft: new Asker("scene"), best: new Asker("scene"), sweep: new Asker("sweep"), time: new Asker("time"), asked: 0, bestShown: 0, timer: 0 };
 
 /** The fit that is shown, the last full one, the scene that is shown. */
 let here = null;
@@ -259,6 +259,8 @@ function askScene(moving) {
   clearTimeout(scenes.timer);
   scenes.best.cancel();
   scenes.sweep.cancel();
+  scenes.time.cancel();
+  if (!work.burst) foot.set("play", "");
   if (!here || here.model.references.length < 2) return;
   if (!panel.hasHot()) return panel.busy("draw a hot zone");
   const number = ++scenes.asked;
@@ -272,6 +274,7 @@ function askScene(moving) {
     scenes.best.ask(best, (said) => {
       if (said.cancelled) return;
       showScene(said, best, number, false);
+      if (work.burst && !said.error) askTime(best, number);
       askSweep(question, number);
     });
   }, REST_MS);
@@ -294,6 +297,17 @@ function showScene(said, question, number, light) {
   showSentence();
 }
 
+/** The scene over time, under the best drive. */
+function askTime(question, number) {
+  scenes.time.ask(question, (said) => {
+    if (said.cancelled || number !== scenes.asked) return;
+    panel.showTime(said);
+    foot.set("play", said.command ?? "");
+    if (said.findings) shown.said.findings.push(...said.findings.map((one) => ({ ...one, about: "Time" })));
+    showSentence();
+  });
+}
+
 /** The scene at other frequencies, once the best drive is known. */
 function askSweep(question, number) {
   const [low, high] = here.model.band_hz;
@@ -310,7 +324,7 @@ function askSweep(question, number) {
 
 function cancelScene() {
   clearTimeout(scenes.timer);
-  [scenes.best, scenes.sweep].forEach((asker) => asker.cancel());
+  [scenes.best, scenes.sweep, scenes.time].forEach((asker) => asker.cancel());
   panel.busy("");
 }
 

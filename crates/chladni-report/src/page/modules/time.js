@@ -2,7 +2,7 @@
 
 import { h, slider } from "./dom.js";
 import { array } from "./data.js";
-import { colourAt } from "./colour.js";
+import { colourAt, cssColour } from "./colour.js";
 import { fixed } from "./numbers.js";
 import { chart } from "./chart.js";
 import { panelMap, colourBar } from "./panel_map.js";
@@ -10,6 +10,8 @@ import { panelMap, colourBar } from "./panel_map.js";
 /** Ends of the colours, dB re threshold, and the code of ground without a level. */
 const RANGE_DB = 12;
 const NONE = 255;
+/** Shades of a chart of levels: as many as the eye tells apart. */
+const SHADES = 24;
 /** Ends of the levels that are drawn, dB over the limit. */
 const [LOW_DB, HIGH_DB] = [-25, 10];
 /** Seconds of the scene in a second of the page. */
@@ -22,6 +24,7 @@ export function timeView(time, geometry, id) {
   const marker = levels(time);
   parts.push(marker.element);
   if (time.forces) parts.push(forces(time));
+  if (time.places) parts.push(...places(time));
   if (time.ground) parts.push(ground(time, geometry, id, marker.at));
   return h("div", { class: "time" }, parts);
 }
@@ -57,6 +60,35 @@ function forces(time) {
     title: "Amplitudes of the drives over time", caption: "One line per actuator.", height: 180, series,
     x: { label: "Time", unit: "ms", range: [0, x[rows - 1]] }, y: { label: "Amplitude", unit: `m${time.unit}`, range: [0, 1.05 * most] },
   }).element;
+}
+
+/** Every response over time, from hot to cold ground. */
+function places(time) {
+  const { names, hot, count, step_s: step } = time.places;
+  const codes = array(time.places.codes);
+  const level = (row, k) => codes[row * count + k];
+  const shade = (row, k) => Math.round((level(row, k) / (NONE - 1)) * (SHADES - 1));
+  const strips = Array.from({ length: SHADES }, (_, k) => ({ colour: cssColour("sequential", k / (SHADES - 1)), runs: [] }));
+  for (let row = 0; row < names.length; row++) {
+    let from = 0;
+    for (let k = 1; k <= count; k++) {
+      if (k < count && shade(row, k) === shade(row, from)) continue;
+      strips[shade(row, from)].runs.push([1e3 * step * from, 1e3 * step * k, names.length - 1 - row]);
+      from = k;
+    }
+  }
+  const said = (ms, y) => {
+    const [row, k] = [Math.ceil(names.length - y) - 1, Math.floor(ms / (1e3 * step))];
+    if (!names[row] || k < 0 || k >= count) return null;
+    return `${names[row]}: ${fixed(RANGE_DB * (2 * (level(row, k) / (NONE - 1)) - 1), 1)} dB re threshold`;
+  };
+  const view = chart({
+    title: "Every response over time", height: 260, strips, onhover: said, horizontals: [{ at: names.length - hot, style: "border-line" }],
+    caption: `${hot} hot responses above the line, cold ones below; colours as in the field.`,
+    x: { label: "Time", unit: "ms", range: [0, 1e3 * step * count] }, y: { label: "Responses", unit: "number", range: [0, names.length] },
+  });
+  view.element.classList.add("time-places");
+  return [view.element, levelBar()];
 }
 
 /** The ground at the instant of a slider. */
@@ -107,10 +139,13 @@ function ground(time, geometry, id, mark) {
   }
 
   show(0);
-  const colour = (value) => colourAt("sequential", 0.5 + (0.5 * value) / RANGE_DB);
-  const bar = colourBar(colour, [-RANGE_DB, RANGE_DB], "velocity, dB re threshold");
   const caption = `Level of the amplitude re the threshold. "Play" runs ${fixed(1 / PACE, 0)} times slower than the scene.`;
-  return h("figure", {}, title, map.element, bar, h("div", { class: "controls" }, control.element, button), h("figcaption", {}, caption));
+  return h("figure", {}, title, map.element, levelBar(), h("div", { class: "controls" }, control.element, button), h("figcaption", {}, caption));
+}
+
+function levelBar() {
+  const colour = (value) => colourAt("sequential", 0.5 + (0.5 * value) / RANGE_DB);
+  return colourBar(colour, [-RANGE_DB, RANGE_DB], "velocity, dB re threshold");
 }
 
 function axis(step, count) {

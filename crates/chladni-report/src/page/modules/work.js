@@ -4,6 +4,8 @@
 export const work = {
   band: null, modes: null, added: [], dropped: [],
   frequency: 300, profile: "paper", limen: 2, transition: 0.01, off: [], zones: [],
+  // a burst in place of a steady tone, and its ramps, s; null ramps are found
+  burst: null, ramp: null,
 };
 
 /** Most steps that are kept. */
@@ -26,6 +28,7 @@ const isList = (of) => (list) => Array.isArray(list) && list.every(of);
 const SOUND = {
   band: (ends) => ends === null || isPlace(ends), modes: (count) => count === null || Number.isInteger(count), added: isList(isNumber), dropped: isList(isNumber),
   frequency: (hz) => isNumber(hz) && hz > 0, profile: (name) => typeof name === "string", limen: (db) => isNumber(db) && db >= 0, transition: (m) => isNumber(m) && m >= 0,
+  burst: (s) => s === null || (isNumber(s) && s > 0), ramp: (s) => s === null || (isNumber(s) && s > 0),
   off: isList((name) => typeof name === "string"), zones: isList(isZone),
 };
 

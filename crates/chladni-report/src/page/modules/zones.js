@@ -8,13 +8,15 @@ import { inWords } from "./zone_shapes.js";
 /** Threshold profiles that need no table; the first one holds where a scene names none. */
 export const PROFILES = ["paper", "classic", "press-flat"];
 
-/** The scene as TOML. `zones`: [{kind, points, level_db}] in m; `use`: the actuators that may be driven, where these are not all. */
-export function sceneToml({ frequencyHz, profile, limenDb, transitionM, zones, use }) {
+/** The scene as TOML. `zones`: [{kind, points, level_db}] in m; `use`: the actuators that may be driven, where these are not all; `burst`: length and
+ ramps of a burst in place of a steady tone, s. */
+export function sceneToml({ frequencyHz, profile, limenDb, transitionM, zones, use, burst }) {
   const point = ([x, y]) => `[${tomlNumber(x, 4)}, ${tomlNumber(y, 4)}]`;
   const level = ({ kind, level_db: db }) => (db && kind === "hot" ? `level_db = ${tomlNumber(db, 2)}\n` : "");
   const polygons = zones.map((zone) => `\n[[zones.polygon]]\nkind = "${zone.kind}"\n${level(zone)}points_m = [${zone.points.map(point).join(", ")}]\n`);
   const actuators = use ? `\n[actuators]\nuse = [${use.map((name) => JSON.stringify(name)).join(", ")}]\n` : "";
-  return `frequency_hz = ${tomlNumber(frequencyHz, 3)}\n\n[threshold]\n${profile === PROFILES[0] ? "" : `profile = ${JSON.stringify(profile)}\n`}limen_db = ${tomlNumber(limenDb, 2)}\n\n[zones]\ntransition_m = ${tomlNumber(transitionM, 4)}\n${polygons.join("")}${actuators}`;
+  const time = burst?.[0] ? `\n[time]\n[[time.burst]]\nduration_s = ${tomlNumber(burst[0], 4)}\nramp_s = ${burst[1] ? tomlNumber(burst[1], 4) : '"auto"'}\n` : "";
+  return `frequency_hz = ${tomlNumber(frequencyHz, 3)}\n\n[threshold]\n${profile === PROFILES[0] ? "" : `profile = ${JSON.stringify(profile)}\n`}limen_db = ${tomlNumber(limenDb, 2)}\n\n[zones]\ntransition_m = ${tomlNumber(transitionM, 4)}\n${polygons.join("")}${actuators}${time}`;
 }
 
 /** What a scene says beside its zones: inputs and their values. */
