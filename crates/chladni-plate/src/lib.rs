@@ -26,6 +26,7 @@
 //! | FRFs of chosen modes | [`Synthetic::build`] | [`SyntheticSet`] |
 //! | a measurement in time | [`TimeTest`] | [`TimeSet`] |
 //! | the least possible error | [`cramer_rao()`] | [`CramerRao`] |
+//! | mass-scaled shapes without a driving point | [`scale_by_panel`] | [`PanelScale`] |
 //!
 //! Errors are [`chladni_frf::Error`]; the feature `system` computes with LAPACK.
 //!
@@ -58,6 +59,7 @@ mod plate;
 mod point_mass;
 mod response;
 mod ritz;
+mod scaling;
 mod simulate;
 mod synthetic;
 mod time;
@@ -73,6 +75,7 @@ pub use panel::{Measurement, Panel, ReferenceFrame, ResponseGrid};
 pub use plate::{LossFactor, Plate};
 pub use point_mass::PointMass;
 pub use response::{synthesise, DampedPlate};
+pub use scaling::{scale_by_panel, PanelScale, RigidBody, ScaleRoute};
 pub use simulate::{simulate, Simulation};
 pub use synthetic::{Synthetic, SyntheticSet, SyntheticShapes};
 pub use time::{Excitation, TimeSet, TimeTest, Window};

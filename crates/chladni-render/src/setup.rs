@@ -61,11 +61,10 @@ impl Setup {
         findings.extend(unlimited);
         findings.extend(controllability(model, &operator));
         findings.extend(mode_on(model, scene.frequency_hz).map(|hz| {
-            Finding::caution(
+            Finding::note(
                 "mode-on-drive",
                 format!(
-                    "the mode at {hz:.1} Hz is {:.1} Hz from the drive: a touch or a little \
-                     warming changes the field",
+                    "the mode at {hz:.1} Hz is {:.1} Hz from the drive",
                     (hz - scene.frequency_hz).abs()
                 ),
             )

@@ -24,6 +24,7 @@ mod pieces;
 mod pipes;
 mod play;
 mod render;
+mod scaling;
 mod shell;
 mod spoiled;
 mod structure;
