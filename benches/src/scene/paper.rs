@@ -267,6 +267,7 @@ fn without_others(mut model: ModalModel) -> ModalModel {
 fn options(method: MethodChoice) -> RenderOptions {
     RenderOptions {
         method,
+        drift: super::TRUE_DRIVES,
         ..RenderOptions::default()
     }
 }

@@ -40,6 +40,13 @@ pub const THIN_PLATE_WAVELENGTH_PER_THICKNESS: f64 = 20.0;
 /// that damping cannot be identified. Three lines are comfortable.
 pub const LEAST_LINES_PER_BANDWIDTH: f64 = 1.0;
 
+/// σ that is added to ω² where springs hold a plate, 1/s²: 1 Hz, below any mode and above
+/// the rounding of a stiffness that spans twelve decades.
+pub const SPRING_SHIFT: f64 = 39.478;
+
+/// A motion with ω² below this share of σ is one that no spring holds.
+pub const STILL_SHARE: f64 = 1e-3;
+
 /// Shapes of the nominal plate that a measured shape is made of, over the number of
 /// responses: half of these leave room to see what does not fit.
 pub const SCALING_SHARE: f64 = 0.5;

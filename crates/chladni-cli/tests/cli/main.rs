@@ -12,6 +12,7 @@ mod documentation;
 mod doors;
 mod errors;
 mod folders;
+mod following;
 mod formats;
 mod hostile;
 mod info;

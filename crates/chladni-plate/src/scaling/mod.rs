@@ -16,6 +16,7 @@ pub use rigid::RigidBody;
 use crate::modes::PlateModes;
 use crate::panel::Panel;
 use crate::point_mass::PointMass;
+use crate::point_spring::PointSpring;
 use crate::tolerances;
 use chladni_frf::{Error, Finding, ModalModel, Mode, Result, Scaling, Trust};
 use places::Places;
@@ -87,9 +88,14 @@ pub fn scale_by_panel(model: &ModalModel, panel: &Panel, route: ScaleRoute) -> R
         .in_band_modes()
         .map(|mode| mode.frequency_hz)
         .fold(0.0, f64::max);
-    let ritz = PlateModes::up_to(
+    let springs = places.references_m.iter().map(|&position_m| PointSpring {
+        position_m,
+        stiffness_n_per_m: panel.references.stiffness_n_per_m,
+    });
+    let ritz = PlateModes::held(
         &panel.plate,
         &masses.collect::<Vec<_>>(),
+        &springs.collect::<Vec<_>>(),
         top_hz,
         tolerances::MOST_SCALING_SHAPES,
     )?;

@@ -36,7 +36,8 @@ impl RigidBody {
             .in_band_modes()
             .map(|mode| mode.frequency_hz)
             .fold(f64::INFINITY, f64::min);
-        let is_free = panel.plate.edges.rigid_products().len() == 3;
+        let is_free = panel.plate.edges.rigid_products().len() == 3
+            && panel.references.stiffness_n_per_m == 0.0;
         let begins = model.band_hz[0] <= tolerances::RIGID_BAND * first_hz;
         let [rows, columns] = [&places.responses_m, &places.references_m].map(Vec::len);
         let terms = &model.residual_terms;
