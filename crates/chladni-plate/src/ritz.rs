@@ -10,9 +10,9 @@
 //!
 //! M = I + Σ_k m_k/(ρh ab/4) φ(x_k) φ(x_k)ᵀ
 //!
-//! for point masses m_k. Springs k_s at points add k_s/(ρh ab/4) φφᵀ to K, an elastic edge of
-//! k N/m per m 2k/(ρh a)·φ_m(∓1)φ_p(∓1)⊗I. Two things keep the lowest frequencies exact although K spans
-//! twelve decades:
+//! for point masses m_k. Springs k_s at points add k_s/(ρh ab/4) φφᵀ to K, an elastic edge
+//! of k N/m per m 2k/(ρh a)·φ_m(∓1)φ_p(∓1)⊗I. Two things keep the lowest frequencies exact
+//! although K spans twelve decades:
 //!
 //! - rigid-body motions are polynomials of the basis with no strain energy; they are
 //!   split off exactly (M loses a Schur complement, K is unchanged), so that K is
