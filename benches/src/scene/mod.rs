@@ -25,7 +25,7 @@ use crate::journal::{nan, Journal};
 use crate::statistics::{mean, quantile};
 use chladni_frf::{Error, ErrorKind, FrfKind, ModalModel, Result};
 use chladni_linalg::svd_thin;
-use chladni_render::{render_measured, Count, Drift, Effort, Finger, MethodChoice, RenderOptions};
+use chladni_render::{render_measured, Count, Effort, Finger, MethodChoice, RenderOptions};
 use chladni_rfp::{fit, FitOptions};
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -35,16 +35,6 @@ use std::time::Instant;
 /// Scenes on which the search for κ is turned: one that is easy, one near what is
 /// possible.
 const KNOB_SCENES: [&str; 2] = ["quarter-1", "ninth-5"];
-/// The default drift of a panel, under amplifiers that do not err: what is compared is the
-/// panel and the methods.
-pub(crate) const TRUE_DRIVES: Drift = Drift {
-    frequency_relative: 1e-3,
-    loss_factor_relative: 0.1,
-    shape_relative: 0.0,
-    isotropic_relative: 3e-3,
-    drive_relative: 0.0,
-};
-
 /// Drifts that each drive has to bear.
 const DRIFTS: u64 = 10;
 /// Repetitions of the clock for methods that take less than so long, s.
@@ -241,7 +231,6 @@ pub fn scenes(
                             modes,
                             actuators,
                             effort,
-                            drift: TRUE_DRIVES,
                             ..RenderOptions::default()
                         };
                         drive(

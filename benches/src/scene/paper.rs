@@ -267,7 +267,6 @@ fn without_others(mut model: ModalModel) -> ModalModel {
 fn options(method: MethodChoice) -> RenderOptions {
     RenderOptions {
         method,
-        drift: super::TRUE_DRIVES,
         ..RenderOptions::default()
     }
 }

@@ -53,17 +53,14 @@ impl Default for Drift {
     /// that could be had. The shapes carry the error bars of the fit. The isotropic part,
     /// 0.3 %, lies above the error of a mobility fitted to 40 dB data (0.03 % at 300 Hz,
     /// 0.2 % at 335 Hz); 1 % halves the forces of `mls` and takes the corner scene from κ
-    /// = 2.6 to 0.5, 2 % loses some of its responses. The drives err by 2 %, half of what
-    /// amplifiers of 2 % and 2° do: more buys nothing (docs/accuracy.md). It is free
-    /// between modes. Beside one the drive may no longer cancel it with large forces: at 300
-    /// Hz that takes 2.4 mN for 1.7, and natural frequencies may be 0.2 % off for 0.9 %.
+    /// = 2.6 to 0.5, 2 % loses some of its responses.
     fn default() -> Self {
         Self {
             frequency_relative: 1e-3,
             loss_factor_relative: 0.1,
             shape_relative: 0.0,
             isotropic_relative: 3e-3,
-            drive_relative: 2e-2,
+            drive_relative: 0.0,
         }
     }
 }

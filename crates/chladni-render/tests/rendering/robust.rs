@@ -62,13 +62,10 @@ fn on_window(rendering: &Rendering) -> [f64; 3] {
     ]
 }
 
-/// Amplifiers that do not err: what the panel itself allows.
-const TRUE_DRIVES: &str = "[drift]\ndrive_relative = 0.0\n";
-
 #[test]
 fn every_quarter_is_served_between_the_responses_and_under_drift_by_two_millinewtons() {
     for cell in 1..=4 {
-        let scene = cell_scene([2, 2], cell, TRUE_DRIVES);
+        let scene = cell_scene([2, 2], cell, "");
         let rendering = rendered(
             &disturbed(truth(), FIT_40_DB, cell as u64),
             &scene,
@@ -114,7 +111,7 @@ fn the_four_kinds_of_cells_of_a_3_by_3_grid_are_served_between_the_responses() {
     for cell in [1, 2, 4, 5] {
         let rendering = rendered(
             &disturbed(truth(), FIT_40_DB, 3),
-            &cell_scene([3, 3], cell, TRUE_DRIVES),
+            &cell_scene([3, 3], cell, ""),
             Method::Robust,
         );
         let [hot, _, total] = on_window(&rendering);

@@ -4,7 +4,7 @@ use crate::common::{cell_scene, truth};
 use chladni_frf::{ErrorKind, FieldPoint, MeasuredField, ModalModel, Scaling};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{
-    calibrate, evaluate, finger_places, render, stress, sweep, Finger, Ground, Method, On,
+    calibrate, evaluate, finger_places, render, stress, sweep, Drift, Finger, Ground, Method, On,
     RenderOptions, Scene, StressOptions, StressRow, Weights,
 };
 use ndarray::Array1;
@@ -340,7 +340,12 @@ fn survives(weights: &Weights, scene: &Scene, seed: u64) -> bool {
 fn the_share_of_rigs_that_a_drive_serves_is_told_and_true() {
     const RIGS: u64 = 100;
     let default = |hz: f64| {
-        render(&simulation().truth, &corner(hz), &RenderOptions::default())
+        let mut scene = corner(hz);
+        scene.drift = Some(Drift {
+            drive_relative: 0.02,
+            ..Drift::default()
+        });
+        render(&simulation().truth, &scene, &RenderOptions::default())
             .unwrap()
             .weights
     };
