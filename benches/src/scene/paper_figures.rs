@@ -2,7 +2,8 @@
 //! and places.
 
 use super::paper::{places, PaperModes, PaperRow, PaperRun, PAPER_CUTS, PAPER_MODES};
-use chladni_frf::{ComplexVector, Result};
+use chladni_frf::{ComplexVector, Dof, Result};
+use chladni_plate::Plate;
 use chladni_render::{Evaluation, Ground};
 use chladni_report::{
     field_map, weights_around_edge, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place,
@@ -34,7 +35,8 @@ pub fn paper_figures(run: &PaperRun) -> Result<Vec<Figure>> {
         return Ok(Vec::new());
     };
     let [of_paper, of_ours] = [run.on_the_panel(paper)?, run.on_the_panel(ours)?];
-    let mut figures = Vec::from_iter(coefficients(paper));
+    let mut figures = vec![layout(run, &of_paper)];
+    figures.extend(coefficients(paper));
     figures.extend(weightings(run, paper, &of_paper));
     figures.push(levels([
         ("the two steps", &of_paper),
@@ -130,6 +132,70 @@ fn coefficients(row: &PaperRow) -> Option<Figure> {
 
 fn degrees(value: num_complex::Complex64) -> f64 {
     value.arg().to_degrees()
+}
+
+/// Fig. 1: the panel, where it is driven and where it is measured.
+fn layout(run: &PaperRun, evaluation: &Evaluation) -> Figure {
+    let mm = |place: [f64; 2]| place.map(|metres| 1e3 * metres);
+    let places = |dofs: &[Dof]| -> Vec<Place> {
+        let node = |dof: &Dof| run.exact.nodes.iter().find(|node| node.label == dof.node);
+        let known = dofs.iter().filter_map(node);
+        known
+            .map(|node| mm([node.xyz_m[0], node.xyz_m[1]]))
+            .collect()
+    };
+    let Plate {
+        length_m, width_m, ..
+    } = Plate::default();
+    let outline = |name: &str, points: Vec<Place>, stroke: Stroke| Layer::Outline {
+        name: Some(name.into()),
+        points,
+        stroke,
+        casing: false,
+    };
+    let corners = [
+        [0.0, 0.0],
+        [length_m, 0.0],
+        [length_m, width_m],
+        [0.0, width_m],
+    ]
+    .map(mm);
+    let mut chart = Chart::new(Axis::linear("x", "mm"), Axis::linear("y", "mm"))
+        .height(Height::EqualScales(CHART_PX * 3.0))
+        .with(outline(
+            "edge of the panel",
+            corners.to_vec(),
+            Stroke::new(Colour::Muted, 1.2),
+        ));
+    for hot in evaluation.zones.hot_outlines() {
+        let points = hot.iter().map(|&place| mm(place)).collect();
+        let stroke = Stroke::new(Colour::Rgb([200, 30, 30]), 2.4);
+        chart = chart.with(outline("hot zone, quarter 1", points, stroke));
+    }
+    let chart = chart
+        .marks(
+            "34 actuators",
+            places(&run.exact.references),
+            Mark::Square,
+            Colour::Ink,
+            7.0,
+        )
+        .marks(
+            "77 responses",
+            places(&run.exact.responses),
+            Mark::Ring,
+            Colour::Series(0),
+            5.0,
+        );
+    Figure {
+        name: "paper-layout".into(),
+        title: "Layout of the panel".into(),
+        caption: "As in Fig. 1 of the paper: 34 actuators along the edge, 20 mm apart; the \
+                  distance from the edge, 5 mm, is a guess. Responses stand on a grid of 20 mm."
+            .into(),
+        width: WIDTH_PX,
+        charts: vec![chart],
+    }
 }
 
 /// Fig. 3b: weights around the edge, and the hot zone.

@@ -1,5 +1,7 @@
 //! `chladni fit`: modes from FRFs.
 
+mod following;
+mod scale;
 mod text;
 
 pub use text::text;
@@ -30,6 +32,8 @@ use std::path::{Path, PathBuf};
   chladni fit panel.h5                                 a table of the modes
   chladni fit panel.h5 -o model.json --band 10:700     save the model of one band
   chladni fit panel.h5 -o model.json --scene corner.toml     only the band that a scene needs
+  chladni fit panel.h5 -o model.json --panel panel.toml      shapes scaled by the panel, without a driving point
+  chladni fit few.h5 -o today.json --poles-of model.json     shapes as they were, poles of six FRFs
   chladni fit scan_*.uff --frf-kind mobility -o model.json")]
 pub struct Args {
     /// FRF files, folders of them, or patterns; all are merged into one set. - is the
@@ -90,6 +94,10 @@ pub struct Args {
     #[arg(long, conflicts_with_all = ["rfp_weight", "rfp_bands"])]
     rfp_local: bool,
     #[command(flatten)]
+    scale: scale::Args,
+    #[command(flatten)]
+    following: following::Args,
+    #[command(flatten)]
     asked: AskedModel,
     #[command(flatten)]
     reading: Reading,
@@ -137,6 +145,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .map(|path| Output::new(path, MODEL, &files, console))
         .transpose()?;
     let mut options = args.fit_options()?;
+    let panel = args.scale.panel(args.memory)?;
     let frf_bytes = frf_bytes(&files)?;
     let in_parts = too_large(frf_bytes, args.memory);
     if args.dry_run {
@@ -153,13 +162,20 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         };
         return Ok(plan.outcome());
     }
+    if in_parts && args.following.is_given() {
+        return Err(args.following.too_large());
+    }
     if in_parts {
         let (model, resume) = streamed(args, &files, &options, console)?;
+        let model = args.scale.scaled(model, panel.as_ref())?;
         let outcome = written(args, model, output.as_ref(), console)?;
         resume.done();
         return Ok(outcome);
     }
     let (frf, mut sources) = read_frf(&files, &args.reading, console)?;
+    if let Some(model) = args.following.followed(&frf, &sources, console)? {
+        return written(args, model, output.as_ref(), console);
+    }
     let scene = args
         .scene
         .as_deref()
@@ -188,6 +204,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .push(Finding::note("scene-band", said));
     }
     drop(frf);
+    let model = args.scale.scaled(model, panel.as_ref())?;
     written(args, model, output.as_ref(), console)
 }
 

@@ -262,14 +262,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 /// A sweep where the drive is too sensitive, the suggested frequency after one; else the
 /// report.
 fn next_step(args: &Args, weights: &Weights) -> Option<String> {
-    const SENSITIVE: [&str; 3] = ["mode-on-drive", "frequency-sensitive", "touch-sensitive"];
     let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
     let again = format!("chladni render {model} {scene}");
     let drive_hz = weights.frequency_hz;
     let is_sensitive = weights
         .findings
         .iter()
-        .any(|finding| SENSITIVE.contains(&&*finding.code));
+        .any(|finding| finding.code == "rig-sensitive");
     match (&weights.sweep, is_sensitive || !weights.feasible) {
         (Some(sweep), true) => {
             let hz = sweep.suggested_hz.filter(|hz| *hz != drive_hz)?;

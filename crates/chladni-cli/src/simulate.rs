@@ -175,8 +175,7 @@ fn play(file: &Path, args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("simulating the field");
     let frequency_hz = weights.frequency_hz;
     let top_hz = panel.frf.stop_hz.max(frequency_hz);
-    let plate = DampedPlate::new(&panel.plate, &layout.masses, top_hz)
-        .map_err(|error| error.file(&args.panel))?;
+    let plate = DampedPlate::of_panel(&panel, top_hz).map_err(|error| error.file(&args.panel))?;
     let mobility =
         plate.mobility_matrix(&layout.responses_m, &layout.references_m, frequency_hz)?;
     let mut values = mobility

@@ -14,7 +14,7 @@ pub fn option_for(code: &str) -> Option<&'static str> {
         "window-bias" | "window-found" => "--window hann, rectangular, none or another one",
         "window-modelled" => "--window none",
         "decays-not-windowed" => "--exponential-window",
-        "mode-on-drive" | "frequency-sensitive" | "touch-sensitive" => "--sweep LO:HI",
+        "mode-on-drive" | "rig-sensitive" => "--sweep LO:HI",
         "ground-between" | "too-few-actuators" => "--actuators",
         "quicker-method" => "--method robust",
         "replayed-worse" => "--modes",

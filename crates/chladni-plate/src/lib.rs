@@ -26,6 +26,7 @@
 //! | FRFs of chosen modes | [`Synthetic::build`] | [`SyntheticSet`] |
 //! | a measurement in time | [`TimeTest`] | [`TimeSet`] |
 //! | the least possible error | [`cramer_rao()`] | [`CramerRao`] |
+//! | mass-scaled shapes without a driving point | [`scale_by_panel`] | [`PanelScale`] |
 //!
 //! Errors are [`chladni_frf::Error`]; the feature `system` computes with LAPACK.
 //!
@@ -33,8 +34,8 @@
 //!
 //! Kirchhoff's plate, D ∇⁴w − ρh ω² w = 0 with D = E h³/(12(1−ν²)), solved by the
 //! Rayleigh-Ritz method with products of orthonormal polynomials along the sides (module
-//! `ritz`; Leissa, *J. Sound Vib.* 31, 1973, 257-293). Any mix of free, simply supported
-//! and clamped edges, and point masses. FRFs are modal sums with structural damping
+//! `ritz`; Leissa, *J. Sound Vib.* 31, 1973, 257-293). Any mix of free, simply supported,
+//! clamped and elastic edges, point masses and springs. FRFs are modal sums with structural damping
 //! (module `response`).
 //!
 //! # When not to use it
@@ -56,8 +57,10 @@ mod panel;
 mod panel_file;
 mod plate;
 mod point_mass;
+mod point_spring;
 mod response;
 mod ritz;
+mod scaling;
 mod simulate;
 mod synthetic;
 mod time;
@@ -72,7 +75,9 @@ pub use noise::{add_noise_of_variance, add_white_noise, gain_noise, mean_square,
 pub use panel::{Measurement, Panel, ReferenceFrame, ResponseGrid};
 pub use plate::{LossFactor, Plate};
 pub use point_mass::PointMass;
+pub use point_spring::PointSpring;
 pub use response::{synthesise, DampedPlate};
+pub use scaling::{scale_by_panel, PanelScale, RigidBody, ScaleRoute};
 pub use simulate::{simulate, Simulation};
 pub use synthetic::{Synthetic, SyntheticSet, SyntheticShapes};
 pub use time::{Excitation, TimeSet, TimeTest, Window};

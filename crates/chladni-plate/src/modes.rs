@@ -1,9 +1,11 @@
 //! Modes of a plate: natural frequencies, and mass-normalised shapes that can be asked
 //! anywhere.
 
+use crate::checks::not_negative;
 use crate::edge_basis::EdgeBasis;
 use crate::plate::Plate;
 use crate::point_mass::PointMass;
+use crate::point_spring::PointSpring;
 use crate::ritz::{self, ModeRange};
 use crate::tolerances::{EDGE_SLACK, EXTRA_TERMS, MOST_BLOCK_TERMS};
 use chladni_frf::{Error, Result};
@@ -42,6 +44,20 @@ impl PlateModes {
         frequency_hz: f64,
         least: usize,
     ) -> Result<Self> {
+        Self::held(plate, masses, &[], frequency_hz, least)
+    }
+
+    /// The same of a plate that springs hold, too.
+    ///
+    /// # Errors
+    /// As [`Self::up_to`]; springs off the plate, or of no usable stiffness.
+    pub fn held(
+        plate: &Plate,
+        masses: &[PointMass],
+        springs: &[PointSpring],
+        frequency_hz: f64,
+        least: usize,
+    ) -> Result<Self> {
         plate.check()?;
         let omega_max = TAU * frequency_hz;
         let [x, y] = needed_terms(plate, frequency_hz, least);
@@ -59,7 +75,8 @@ impl PlateModes {
             ))
             .help("lower stop_hz, or check thickness, stiffness and units of the plate"));
         }
-        Self::with_terms(plate, masses, [x as usize, y as usize], frequency_hz, least)
+        let terms = [x as usize, y as usize];
+        Self::solved(plate, masses, springs, terms, frequency_hz, least)
     }
 
     /// The same with a given number of polynomials along x and y, for studies of
@@ -74,7 +91,22 @@ impl PlateModes {
         frequency_hz: f64,
         least: usize,
     ) -> Result<Self> {
+        Self::solved(plate, masses, &[], terms, frequency_hz, least)
+    }
+
+    fn solved(
+        plate: &Plate,
+        masses: &[PointMass],
+        springs: &[PointSpring],
+        terms: [usize; 2],
+        frequency_hz: f64,
+        least: usize,
+    ) -> Result<Self> {
         plate.check()?;
+        for spring in springs {
+            natural_coordinates(spring.position_m, [plate.length_m, plate.width_m])?;
+            not_negative("stiffness_n_per_m", spring.stiffness_n_per_m)?;
+        }
         let (omega_max, sides_m) = (TAU * frequency_hz, [plate.length_m, plate.width_m]);
         for mass in masses {
             natural_coordinates(mass.position_m, sides_m)?;
@@ -96,9 +128,12 @@ impl PlateModes {
             .copied()
             .filter(|mass| mass.mass_kg > 0.0)
             .collect();
+        let holds = |spring: &PointSpring| spring.stiffness_n_per_m > 0.0;
+        let held: Vec<PointSpring> = springs.iter().copied().filter(holds).collect();
         let (rigid_count, modes) = ritz::solve(
             plate,
             &loaded,
+            &held,
             [&bases[0], &bases[1]],
             ModeRange { omega_max, least },
         )?;

@@ -68,6 +68,10 @@ pub struct ReferenceFrame {
     pub inset_m: f64,
     /// Mass of each actuator, kg, loading the plate.
     pub mass_kg: f64,
+    /// Stiffness of each actuator to the ground, N/m.
+    pub stiffness_n_per_m: f64,
+    /// Damping of each actuator to the ground, N s/m.
+    pub damping_n_s_per_m: f64,
 }
 
 impl Default for ReferenceFrame {
@@ -77,6 +81,8 @@ impl Default for ReferenceFrame {
             spacing_m: 0.020,
             inset_m: 0.005,
             mass_kg: 0.0,
+            stiffness_n_per_m: 0.0,
+            damping_n_s_per_m: 0.0,
         }
     }
 }
@@ -144,6 +150,9 @@ impl Panel {
         positive("references.spacing_m", references.spacing_m)?;
         not_negative("references.inset_m", references.inset_m)?;
         not_negative("references.mass_kg", references.mass_kg)?;
+        let (stiffness, damping) = (references.stiffness_n_per_m, references.damping_n_s_per_m);
+        not_negative("references.stiffness_n_per_m", stiffness)?;
+        not_negative("references.damping_n_s_per_m", damping)?;
         if responses.grid.contains(&0) {
             return Err(Error::bad_data("a grid needs a column and a row")
                 .field("responses.grid")
@@ -225,7 +234,9 @@ impl Panel {
                 .found(frf.stop_hz)
                 .expected(format!("at least start_hz, {}", frf.start_hz)));
         }
-        if frf.start_hz == 0.0 && !self.plate.edges.rigid_products().is_empty() {
+        let may_float =
+            self.plate.edges.is_elastic() || !self.plate.edges.rigid_products().is_empty();
+        if frf.start_hz == 0.0 && may_float {
             return Err(Error::bad_data(
                 "a plate that can move as a rigid body has no finite FRF at 0 Hz",
             )

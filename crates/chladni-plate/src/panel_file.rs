@@ -22,12 +22,20 @@ const SECTIONS: [(&str, &[&str]); 4] = [
             "density_kg_per_m3",
             "loss_factor",
             "edges",
+            "stiffness_n_per_m2",
         ],
     ),
     ("responses", &["grid", "spacing_m", "at_references"]),
     (
         "references",
-        &["edge_count", "spacing_m", "inset_m", "mass_kg"],
+        &[
+            "edge_count",
+            "spacing_m",
+            "inset_m",
+            "mass_kg",
+            "stiffness_n_per_m",
+            "damping_n_s_per_m",
+        ],
     ),
     (
         "frf",

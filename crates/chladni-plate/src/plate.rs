@@ -67,6 +67,8 @@ pub struct Plate {
     pub loss_factor: LossFactor,
     /// Supports of the edges.
     pub edges: Edges,
+    /// Stiffness of elastic edges, N/m per m of edge.
+    pub stiffness_n_per_m2: f64,
 }
 
 impl Default for Plate {
@@ -81,6 +83,7 @@ impl Default for Plate {
             density_kg_per_m3: 2440.0,
             loss_factor: LossFactor::Common(0.010),
             edges: Edges::FREE,
+            stiffness_n_per_m2: 0.0,
         }
     }
 }
@@ -148,6 +151,14 @@ impl Plate {
             .entries()
             .iter()
             .try_for_each(|&eta| crate::checks::positive("plate.loss_factor", eta))?;
+        crate::checks::not_negative("plate.stiffness_n_per_m2", self.stiffness_n_per_m2)?;
+        if self.edges.is_elastic() && self.stiffness_n_per_m2 == 0.0 {
+            return Err(Error::bad_data("an elastic edge has a stiffness")
+                .field("plate.stiffness_n_per_m2")
+                .found(0.0)
+                .expected("N/m per m of edge, above 0")
+                .help("call the edge F where nothing holds it"));
+        }
         let shortest = self.length_m.min(self.width_m);
         if self.thickness_m > shortest / 10.0 {
             return Err(Error::bad_data(

@@ -7,8 +7,10 @@
 //! section 2.5); mobility is jω α, accelerance −ω² α.
 
 use crate::modes::PlateModes;
+use crate::panel::Panel;
 use crate::plate::{LossFactor, Plate};
 use crate::point_mass::PointMass;
+use crate::point_spring::PointSpring;
 use crate::tolerances::{BAND_FACTOR, LEAST_MODES};
 use chladni_frf::{Damping, FrfKind, ModalModel, Mode, Result, Trust};
 use chladni_linalg::matmul;
@@ -46,6 +48,42 @@ impl DampedPlate {
             modes,
             loss_factor: plate.loss_factor.clone(),
         })
+    }
+
+    /// The plate of a panel under its actuators, with every mode up to four times
+    /// `band_top_hz` and 60 at least.
+    ///
+    /// Dampers enter the loss factor of each elastic mode, η_n + c·Σψ_n²(x_k)/ω_n; that they
+    /// couple modes, and damp rigid-body motions, is left out: both are small where c is far
+    /// below ω_n times the modal mass.
+    ///
+    /// # Errors
+    /// As [`PlateModes::up_to`].
+    pub fn of_panel(panel: &Panel, band_top_hz: f64) -> Result<Self> {
+        let layout = panel.layout();
+        let top_hz = BAND_FACTOR * band_top_hz;
+        let (plate, frame) = (&panel.plate, &panel.references);
+        let springs = layout.references_m.iter().map(|&position_m| PointSpring {
+            position_m,
+            stiffness_n_per_m: frame.stiffness_n_per_m,
+        });
+        let springs: Vec<PointSpring> = springs.collect();
+        let modes = PlateModes::held(plate, &layout.masses, &springs, top_hz, LEAST_MODES)?;
+        if frame.damping_n_s_per_m == 0.0 {
+            return Ok(Self {
+                modes,
+                loss_factor: plate.loss_factor.clone(),
+            });
+        }
+        let shapes = modes.evaluate(&layout.references_m)?;
+        let rigid = modes.rigid_count();
+        let of_mode = |n: usize| {
+            let moved: f64 = shapes.column(n).iter().map(|value| value * value).sum();
+            let own = plate.loss_factor.of_mode(n - rigid);
+            own + frame.damping_n_s_per_m * moved / modes.omega()[n]
+        };
+        let loss_factor = LossFactor::PerMode((rigid..modes.len()).map(of_mode).collect());
+        Ok(Self { modes, loss_factor })
     }
 
     /// Loss factor of each mode, zero for rigid-body modes.

@@ -10,8 +10,9 @@
 //!
 //! M = I + Σ_k m_k/(ρh ab/4) φ(x_k) φ(x_k)ᵀ
 //!
-//! for point masses m_k. Two things keep the lowest frequencies exact although K spans
-//! twelve decades:
+//! for point masses m_k. Springs k_s at points add k_s/(ρh ab/4) φφᵀ to K, an elastic edge
+//! of k N/m per m 2k/(ρh a)·φ_m(∓1)φ_p(∓1)⊗I. Two things keep the lowest frequencies exact
+//! although K spans twelve decades:
 //!
 //! - rigid-body motions are polynomials of the basis with no strain energy; they are
 //!   split off exactly (M loses a Schur complement, K is unchanged), so that K is
@@ -19,12 +20,17 @@
 //! - the inverse problem L⁻¹ M L⁻ᵀ y = ω⁻² y, K = L Lᵀ, is solved, whose largest
 //!   eigenvalues are the lowest modes.
 //!
-//! Symmetric edges and masses split the problem into parity classes.
+//! Springs may leave some rigid-body motions and hold others: with them K + σM takes the
+//! place of K, and σ is taken off the eigenvalues.
+//!
+//! Symmetric edges, masses and springs split the problem into parity classes.
 
 use crate::edge_basis::{EdgeBasis, Integrals};
+use crate::edges::Edge;
 use crate::plate::Plate;
 use crate::point_mass::PointMass;
-use crate::tolerances::SYMMETRY_SLACK;
+use crate::point_spring::PointSpring;
+use crate::tolerances::{SPRING_SHIFT, STILL_SHARE, SYMMETRY_SLACK};
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_linalg::{
     cholesky, eigh, matmul, matmul_h, solve_lower, solve_lower_adjoint, LinalgError,
@@ -40,6 +46,7 @@ pub(crate) struct ModeRange {
 }
 
 /// One mode: ω², and its mass-normalised coefficients over all products, x degree first.
+#[derive(Clone)]
 pub(crate) struct RitzMode {
     pub omega_squared: f64,
     pub coefficients: Array1<f64>,
@@ -56,26 +63,37 @@ struct Problem<'a> {
     terms: [usize; 2],
     /// √(m_k / (ρh ab/4)) φ_m φ_n at each mass; axes (mass, product).
     loads: Array2<f64>,
+    /// √(k_s / (ρh ab/4)) φ_m φ_n at each spring, 1/s; axes (spring, product).
+    springs: Array2<f64>,
+    /// Products of degree along x, along y, that elastic edges add to K, 1/s².
+    edges: [Array2<f64>; 2],
+    /// σ, 1/s²; 0 without springs.
+    shift: f64,
 }
 
 /// Rigid-body modes (ω = 0) first, then elastic modes by rising frequency.
 pub(crate) fn solve(
     plate: &Plate,
     masses: &[PointMass],
+    springs: &[PointSpring],
     bases: [&EdgeBasis; 2],
     range: ModeRange,
 ) -> Result<(usize, Vec<RitzMode>)> {
+    let is_held = plate.edges.is_elastic() || !springs.is_empty();
     let problem = Problem {
         plate,
         x: bases[0].integrals(),
         y: bases[1].integrals(),
         terms: bases.map(EdgeBasis::terms),
-        loads: mass_loads(plate, masses, bases),
+        loads: point_loads(plate, &loads_of_masses(masses), bases),
+        springs: point_loads(plate, &loads_of_springs(springs), bases),
+        edges: edge_springs(plate, bases),
+        shift: if is_held { SPRING_SHIFT } else { 0.0 },
     };
-    let symmetric_x =
-        plate.edges.x[0] == plate.edges.x[1] && masses_mirror(masses, 0, plate.length_m);
-    let symmetric_y =
-        plate.edges.y[0] == plate.edges.y[1] && masses_mirror(masses, 1, plate.width_m);
+    let mirrors =
+        |axis, side| masses_mirror(masses, axis, side) && springs_mirror(springs, axis, side);
+    let symmetric_x = plate.edges.x[0] == plate.edges.x[1] && mirrors(0, plate.length_m);
+    let symmetric_y = plate.edges.y[0] == plate.edges.y[1] && mirrors(1, plate.width_m);
     let blocks: Vec<Products> = parity_classes(problem.terms[0], symmetric_x)
         .iter()
         .flat_map(|m| {
@@ -119,7 +137,10 @@ impl Problem<'_> {
         block: &[(usize, usize)],
         range: ModeRange,
     ) -> std::result::Result<(Vec<RitzMode>, Vec<RitzMode>), LinalgError> {
-        let rigid_products = self.plate.edges.rigid_products();
+        let rigid_products = match self.shift > 0.0 {
+            true => Vec::new(),
+            false => self.plate.edges.rigid_products(),
+        };
         let (rigid, elastic): (Vec<_>, Vec<_>) =
             block.iter().partition(|pair| rigid_products.contains(pair));
         let (load_r, load_e) = (self.loads_of(&rigid), self.loads_of(&elastic));
@@ -129,7 +150,7 @@ impl Problem<'_> {
         let mass_re = matmul_h(load_r.view(), load_e.view());
         let factor_r = cholesky(mass_r.view())?;
         let rigid_shapes = solve_lower_adjoint(factor_r.view(), Array2::eye(rigid.len()).view())?;
-        let rigid_modes = rigid_shapes
+        let rigid_modes: Vec<RitzMode> = rigid_shapes
             .columns()
             .into_iter()
             .map(|q| self.mode(0.0, &[(&rigid, q.to_owned())]))
@@ -140,12 +161,13 @@ impl Problem<'_> {
         let mut mass =
             matmul_h(load_e.view(), load_e.view()) - matmul_h(coupling.view(), coupling.view());
         mass.diag_mut().mapv_inplace(|m| m + 1.0);
-        let factor = cholesky(self.stiffness(&elastic).view())?;
+        let stiffness = self.stiffness(&elastic) + &mass * self.shift;
+        let factor = cholesky(stiffness.view())?;
         let half = solve_lower(factor.view(), mass.view())?;
         let inverse = solve_lower(factor.view(), half.t())?;
         let (inverse_omega_squared, vectors) = eigh(inverse.view())?;
 
-        let limit = range.omega_max.powi(-2);
+        let limit = (range.omega_max.powi(2) + self.shift).recip();
         let kept = inverse_omega_squared
             .iter()
             .filter(|&&value| value >= limit)
@@ -160,19 +182,21 @@ impl Problem<'_> {
             factor_r.view(),
             matmul(coupling.view(), shapes.view()).view(),
         )?;
-        let elastic_modes = (0..kept)
-            .rev()
-            .map(|k| {
-                let value = inverse_omega_squared[first + k];
-                let scale = 1.0 / value.sqrt();
-                let (q, r) = (
-                    shapes.column(k).mapv(|v| v * scale),
-                    rigid_part.column(k).mapv(|v| -v * scale),
-                );
-                self.mode(1.0 / value, &[(&elastic, q), (&rigid, r)])
-            })
-            .collect();
-        Ok((rigid_modes, elastic_modes))
+        let modes = (0..kept).rev().map(|k| {
+            let value = inverse_omega_squared[first + k];
+            let scale = 1.0 / value.sqrt();
+            let (q, r) = (
+                shapes.column(k).mapv(|v| v * scale),
+                rigid_part.column(k).mapv(|v| -v * scale),
+            );
+            let omega_squared = 1.0 / value - self.shift;
+            let moves = omega_squared > STILL_SHARE * self.shift;
+            let omega_squared = if moves { omega_squared } else { 0.0 };
+            self.mode(omega_squared, &[(&elastic, q), (&rigid, r)])
+        });
+        let (still, elastic_modes): (Vec<_>, Vec<_>) =
+            modes.partition(|mode| mode.omega_squared == 0.0);
+        Ok(([rigid_modes, still].concat(), elastic_modes))
     }
 
     /// K over the products in `pairs`, 1/s².
@@ -186,23 +210,31 @@ impl Problem<'_> {
             (2.0 / self.plate.width_m).powi(2),
         );
         let (a, b) = (&self.x, &self.y);
-        Array2::from_shape_fn((pairs.len(), pairs.len()), |(i, j)| {
+        let springs = self.columns(&self.springs, pairs);
+        let held = matmul_h(springs.view(), springs.view());
+        let [along_x, along_y] = &self.edges;
+        let bending = Array2::from_shape_fn((pairs.len(), pairs.len()), |(i, j)| {
             let ((m, n), (p, q)) = (pairs[i], pairs[j]);
             let mut sum = 2.0 * (1.0 - nu) * cx2 * cy2 * a.d11[[m, p]] * b.d11[[n, q]]
                 + nu * cx2 * cy2 * (a.d20[[m, p]] * b.d20[[q, n]] + a.d20[[p, m]] * b.d20[[n, q]]);
             if n == q {
-                sum += cx2 * cx2 * a.d22[[m, p]];
+                sum += cx2 * cx2 * a.d22[[m, p]] + along_x[[m, p]] / scale;
             }
             if m == p {
-                sum += cy2 * cy2 * b.d22[[n, q]];
+                sum += cy2 * cy2 * b.d22[[n, q]] + along_y[[n, q]] / scale;
             }
             scale * sum
-        })
+        });
+        bending + held
     }
 
     fn loads_of(&self, pairs: &[(usize, usize)]) -> Array2<f64> {
+        self.columns(&self.loads, pairs)
+    }
+
+    fn columns(&self, loads: &Array2<f64>, pairs: &[(usize, usize)]) -> Array2<f64> {
         let columns: Vec<usize> = pairs.iter().map(|&(m, n)| m * self.terms[1] + n).collect();
-        self.loads.select(Axis(1), &columns)
+        loads.select(Axis(1), &columns)
     }
 
     /// Spreads the parts over all products, divides by √(ρh ab/4), and makes the largest
@@ -226,12 +258,49 @@ impl Problem<'_> {
     }
 }
 
-fn mass_loads(plate: &Plate, masses: &[PointMass], bases: [&EdgeBasis; 2]) -> Array2<f64> {
-    let mut loads = Array2::zeros((masses.len(), bases[0].terms() * bases[1].terms()));
-    for (mut row, mass) in loads.rows_mut().into_iter().zip(masses) {
-        let scale = (mass.mass_kg / (plate.mass() / 4.0)).sqrt();
-        let x = bases[0].evaluate(2.0 * mass.position_m[0] / plate.length_m - 1.0);
-        let y = bases[1].evaluate(2.0 * mass.position_m[1] / plate.width_m - 1.0);
+/// A place, m, and the mass or stiffness there.
+type PointLoad = ([f64; 2], f64);
+
+fn loads_of_masses(masses: &[PointMass]) -> Vec<PointLoad> {
+    masses
+        .iter()
+        .map(|mass| (mass.position_m, mass.mass_kg))
+        .collect()
+}
+
+fn loads_of_springs(springs: &[PointSpring]) -> Vec<PointLoad> {
+    springs
+        .iter()
+        .map(|spring| (spring.position_m, spring.stiffness_n_per_m))
+        .collect()
+}
+
+/// What springs along the edges at x = ∓ and y = ∓ add to the products of one degree.
+fn edge_springs(plate: &Plate, bases: [&EdgeBasis; 2]) -> [Array2<f64>; 2] {
+    let along = |edges: [Edge; 2], basis: &EdgeBasis, side: f64| {
+        let scale = 2.0 * plate.stiffness_n_per_m2 / (plate.mass_per_area() * side);
+        let mut sum = Array2::zeros((basis.terms(), basis.terms()));
+        for (edge, xi) in edges.into_iter().zip([-1.0, 1.0]) {
+            if edge == Edge::Elastic {
+                let values = basis.evaluate(xi);
+                sum +=
+                    &Array2::from_shape_fn(sum.dim(), |(m, p)| scale * values[m][0] * values[p][0]);
+            }
+        }
+        sum
+    };
+    [
+        along(plate.edges.x, bases[0], plate.length_m),
+        along(plate.edges.y, bases[1], plate.width_m),
+    ]
+}
+
+fn point_loads(plate: &Plate, points: &[PointLoad], bases: [&EdgeBasis; 2]) -> Array2<f64> {
+    let mut loads = Array2::zeros((points.len(), bases[0].terms() * bases[1].terms()));
+    for (mut row, (position_m, load)) in loads.rows_mut().into_iter().zip(points) {
+        let scale = (load / (plate.mass() / 4.0)).sqrt();
+        let x = bases[0].evaluate(2.0 * position_m[0] / plate.length_m - 1.0);
+        let y = bases[1].evaluate(2.0 * position_m[1] / plate.width_m - 1.0);
         for (value, (u, v)) in row
             .iter_mut()
             .zip(x.iter().flat_map(|u| y.iter().map(move |v| (u, v))))
@@ -240,6 +309,15 @@ fn mass_loads(plate: &Plate, masses: &[PointMass], bases: [&EdgeBasis; 2]) -> Ar
         }
     }
     loads
+}
+
+/// The same of springs.
+fn springs_mirror(springs: &[PointSpring], axis: usize, side: f64) -> bool {
+    let as_masses = springs.iter().map(|spring| PointMass {
+        position_m: spring.position_m,
+        mass_kg: spring.stiffness_n_per_m,
+    });
+    masses_mirror(&as_masses.collect::<Vec<_>>(), axis, side)
 }
 
 /// True where every mass has a twin of the same weight mirrored along `axis`.

@@ -50,7 +50,7 @@ pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result
     panel.frf.snr_db = snr_db.unwrap_or(panel.frf.snr_db);
 
     let layout = panel.layout();
-    let plate = DampedPlate::new(&panel.plate, &layout.masses, panel.frf.stop_hz)?;
+    let plate = DampedPlate::of_panel(&panel, panel.frf.stop_hz)?;
     let frequency_hz = panel.frf.frequency_hz();
     let mut values = plate.frfs(
         panel.frf.kind,

@@ -100,7 +100,8 @@ pub use rig::{
     CALIBRATION_FORMAT, CALIBRATION_VERSION,
 };
 pub use scene::{
-    Actuators, Limits, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N, DEFAULT_TRANSITION_M,
+    Actuators, Circuit, Limits, Load, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N,
+    DEFAULT_TRANSITION_M,
 };
 pub use signals::signal_csv;
 pub use stress::{stress, StressOptions};

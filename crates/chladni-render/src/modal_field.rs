@@ -135,10 +135,47 @@ impl<'a> ModalField<'a> {
         row: usize,
         scale: impl Fn(&Mode) -> f64,
     ) -> Array1<Complex64> {
-        let from_finger = self.due_to_response(row, scale);
-        let force = self.free[row]
-            / (finger.impedance(self.operator.frequency_hz).inv() + from_finger[row]);
-        &self.free - &(from_finger * force)
+        self.under(&self.free, finger, row, self.due_to_response(row, scale))
+    }
+
+    /// Velocities with the natural frequency of each mode multiplied by its factor, and
+    /// `finger` at `row`; where the model is not mass-scaled with the guess of
+    /// [`Self::perhaps_touched`].
+    pub(crate) fn touched_and_moved(
+        &self,
+        finger: &Finger,
+        row: usize,
+        factors: &[f64],
+    ) -> Array1<Complex64> {
+        let mut from_finger = Array1::zeros(self.free.len());
+        for ((n, _), factor) in self.parts.iter().zip(factors) {
+            let mut mode = self.model.modes[*n].clone();
+            let here = self.shape_at(&mode, row) * self.guessed_scale(&mode);
+            mode.frequency_hz *= factor;
+            from_finger += &self.mode_at(&mode, here, here.conj());
+        }
+        let free = self.with_frequencies(|n| factors[n]);
+        self.under(&free, finger, row, from_finger)
+    }
+
+    /// The velocities `free` with `finger` at `row`, from where the panel answers with
+    /// `from_finger`.
+    fn under(
+        &self,
+        free: &Array1<Complex64>,
+        finger: &Finger,
+        row: usize,
+        from_finger: Array1<Complex64>,
+    ) -> Array1<Complex64> {
+        let compliance = finger.impedance(self.operator.frequency_hz).inv();
+        let force = free[row] / (compliance + from_finger[row]);
+        free - &(from_finger * force)
+    }
+
+    /// The shape of a mode at a response of the operator, along its sense.
+    fn shape_at(&self, mode: &Mode, row: usize) -> Complex64 {
+        mode.shape.0[self.operator.response_rows[row]]
+            * self.operator.responses[row].direction.sign()
     }
 
     /// Mobility from the response `row` to all, of the modes alone, where ψψᵀ of a mode is
@@ -147,9 +184,7 @@ impl<'a> ModalField<'a> {
         let mut sum = Array1::zeros(self.free.len());
         for (n, _) in &self.parts {
             let mode = &self.model.modes[*n];
-            let here = mode.shape.0[self.operator.response_rows[row]]
-                * self.operator.responses[row].direction.sign()
-                * scale(mode);
+            let here = self.shape_at(mode, row) * scale(mode);
             sum += &self.mode_at(mode, here, here.conj());
         }
         sum

@@ -11,7 +11,7 @@ use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::methods::{Method, MethodChoice, Solution};
 use crate::options::RenderOptions;
 use crate::problem::Drive;
-use crate::rig::Calibrated;
+use crate::rig::{Calibrated, Calibration};
 use crate::scene::{Limits, Scene};
 use crate::setup::Setup;
 use crate::tolerances;
@@ -117,6 +117,8 @@ fn render_tone(
             Setup::new(&model, &scene, &options.drift)
         })
         .collect::<Result<Vec<_>>>()?;
+    let calibration = scene.actuators.calibration.as_deref();
+    let gain_error = calibration.and_then(Calibration::gain_error);
     let Calibrated {
         model,
         scene,
@@ -231,8 +233,8 @@ fn render_tone(
     );
     // what is quick must stay so, and what is not met needs no limit of what it endures
     let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
-    let endurance = endures.then(|| Endurance::of(&setup, model, &drive));
-    findings.extend(endurance.iter().flat_map(Endurance::findings));
+    let endurance = endures.then(|| Endurance::of(&setup, model, &drive, gain_error));
+    findings.extend(endurance.iter().filter_map(Endurance::finding));
     let touch = under_fingers(model, scene, &setup, &drive);
     if let (Some(told), Some(plan)) = (&touch, &setup.touch) {
         let asked = [scene.frequency_hz, limits.apart_db()];

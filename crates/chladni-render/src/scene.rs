@@ -2,12 +2,14 @@
 
 mod actuators;
 mod beside;
+mod circuit;
 mod keys;
 mod limits;
 mod read_threshold;
 mod read_zones;
 
 pub use self::actuators::{Actuators, DEFAULT_MAX_FORCE_N};
+pub use self::circuit::{Circuit, Load};
 pub use self::limits::Limits;
 pub use self::read_threshold::DEFAULT_LIMEN_DB;
 pub use self::read_zones::DEFAULT_TRANSITION_M;
@@ -132,6 +134,7 @@ impl Scene {
                     only: None,
                     max_force_n: None,
                     max_voltage_v: None,
+                    circuit: None,
                     max_effort: None,
                     dead: Vec::new(),
                     calibration: None,

@@ -61,11 +61,10 @@ impl Setup {
         findings.extend(unlimited);
         findings.extend(controllability(model, &operator));
         findings.extend(mode_on(model, scene.frequency_hz).map(|hz| {
-            Finding::caution(
+            Finding::note(
                 "mode-on-drive",
                 format!(
-                    "the mode at {hz:.1} Hz is {:.1} Hz from the drive: a touch or a little \
-                     warming changes the field",
+                    "the mode at {hz:.1} Hz is {:.1} Hz from the drive",
                     (hz - scene.frequency_hz).abs()
                 ),
             )
@@ -310,19 +309,31 @@ pub(crate) fn drive_limits(
 /// The largest |A_i| that the scene allows, N or V.
 fn largest_weight(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<Finding>)> {
     let actuators = &scene.actuators;
+    let electrical = actuators
+        .circuit
+        .map(|circuit| circuit.max_voltage_v(scene.frequency_hz));
     match unit {
+        ReferenceUnit::Newton if electrical.is_some() => Err(Error::bad_data(
+            "a limit of current or power cannot be kept: the references of the model are newtons",
+        )
+        .field("actuators")
+        .found("max_current_a or max_apparent_power_va")
+        .expected("max_force_n")
+        .help("measure FRFs per volt, or give the force that the current makes")),
         ReferenceUnit::Newton => Ok((actuators.max_force_n.unwrap_or(DEFAULT_MAX_FORCE_N), None)),
-        ReferenceUnit::Volt => match (actuators.max_voltage_v, actuators.max_force_n) {
-            (Some(limit), _) => Ok((limit, None)),
-            (None, Some(limit)) => Err(Error::bad_data(
-                "a force limit cannot be kept: the \
-                                                        references of the model are volts",
+        ReferenceUnit::Volt => match (actuators.max_voltage_v, electrical, actuators.max_force_n) {
+            (Some(limit), electrical, _) => {
+                Ok((electrical.unwrap_or(f64::INFINITY).min(limit), None))
+            }
+            (None, Some(limit), _) => Ok((limit, None)),
+            (None, None, Some(limit)) => Err(Error::bad_data(
+                "a force limit cannot be kept: the references of the model are volts",
             )
             .field("actuators.max_force_n")
             .found(limit)
             .expected("actuators.max_voltage_v")
             .help("give the limit in volts peak, or leave both out")),
-            (None, None) => Ok((
+            (None, None, None) => Ok((
                 f64::INFINITY,
                 Some(
                     Finding::caution(

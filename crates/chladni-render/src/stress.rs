@@ -59,6 +59,13 @@ impl Default for StressOptions {
     }
 }
 
+impl StressOptions {
+    /// Rms of the complex error of a gain.
+    pub(crate) fn gain_error(&self) -> f64 {
+        self.amplitude_relative.hypot(self.phase_deg.to_radians())
+    }
+}
+
 /// Indices of `weights` in `scene` when the panel is not `model`.
 ///
 /// Touch and added mass need mass-scaled modes; where the model has none, the second
@@ -240,6 +247,11 @@ impl Draw {
         for value in &mut mode.shape.0 {
             *value *= 1.0 + drift.shape_relative * self.normal();
         }
+    }
+
+    /// A factor on each of `count` natural frequencies, of a relative rms error.
+    pub(crate) fn factors(&mut self, count: usize, error: f64) -> Vec<f64> {
+        (0..count).map(|_| 1.0 + error * self.normal()).collect()
     }
 
     pub(crate) fn gain(&mut self, options: &StressOptions) -> Complex64 {

@@ -55,8 +55,7 @@ pub struct Weights {
     /// or method `best` was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ceiling: Option<Ceiling>,
-    /// Endurance of the drive beyond the errors that κ speaks of; for drives that are
-    /// feasible.
+    /// Share of simulated rigs on which the scene survives; for drives that are feasible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub endurance: Option<Endurance>,
     /// Modal coefficients; of method `modal`, which goes through them.

@@ -21,6 +21,7 @@
 //! | FRFs | [`fit()`] with [`FitOptions`]; [`fit_watched`] with progress and a [`CancelToken`] | [`Fit`]: the model with error bars and grades |
 //! | FRFs, before a fit | [`cmif()`], [`stabilization`], [`reciprocity()`] | indicator functions, diagrams, checks |
 //! | two models | [`compare()`], [`track`] | modes paired, MAC with its uncertainty, shifts |
+//! | a model and a few new FRFs | [`poles_of`] | [`MovedPoles`]: the model with its poles moved, shapes kept |
 //! | more FRFs than memory | [`pieces`] | the same fit, block by block |
 //!
 //! Errors are [`FitError`]; the feature `system` computes with LAPACK.
@@ -50,6 +51,7 @@ pub use driver::{fit, fit_watched};
 pub use methods::auto::Fit;
 pub use methods::bars::stabilization;
 pub use methods::found::{OrderPole, Stability, Stabilization};
+pub use model::moved_poles::{poles_of, MovedPoles};
 pub use validation::cmif::cmif;
 pub use validation::compare::{
     compare, track, CompareOptions, Comparison, LoneMode, MacEstimate, ModePair, ModeTrack,

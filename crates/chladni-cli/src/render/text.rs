@@ -88,13 +88,13 @@ fn sentence(weights: &Weights, judged: &Judged) -> String {
         .points
         .margin_db
         .map_or_else(String::new, |db| format!(" with {db:.1} dB to spare"));
-    let but = match (finding("mode-on-drive"), finding("frequency-sensitive")) {
-        (Some(mode), _) => match mode.modes.first() {
+    let but = match (finding("rig-sensitive"), finding("mode-on-drive")) {
+        (Some(_), Some(mode)) => match mode.modes.first() {
             Some(number) => format!(", but mode {number} lies on the drive"),
             None => ", but a mode lies on the drive".into(),
         },
-        (None, Some(_)) => ", but only while natural frequencies stay as they are".into(),
-        (None, None) => String::new(),
+        (Some(_), None) => ", but not on every rig".into(),
+        (None, _) => String::new(),
     };
     format!("The scene is met at {hz} Hz{spare}{but}.")
 }
@@ -181,14 +181,13 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
         rows.push(one("bears", format!("{kappa:.1}"), bears));
     }
     if let Some(endurance) = weights.endurance {
-        let off = format!("{:.1} %", 100.0 * endurance.frequency_relative);
-        rows.push(one("frequencies off by", off, "rms, all at random".into()));
-        let touched = format!("{:.0} %", 100.0 * endurance.touched_min_ratio);
+        let survives = format!("{:.0} %", 100.0 * endurance.survival_ratio);
         let how = match endurance.touch_is_known {
-            true => "of the worse zone meet their limit",
-            false => "of the worse zone meet their limit (estimated)",
+            true => "gains, frequencies and a light finger",
+            false => "gains, frequencies and a light finger (estimated)",
         };
-        rows.push(one("under a light touch", touched, how.into()));
+        let rigs = format!("of {} simulated: {how}", endurance.rigs);
+        rows.push(one("rigs that are served", survives, rigs));
     }
     if let Some(touch) = &weights.touch {
         let kappa = touch.kappa.unwrap_or(f64::INFINITY);

@@ -180,6 +180,43 @@ fn bad_fields_are_refused_by_name() {
     assert!(!run.stderr.is_empty());
 }
 
+#[test]
+fn permuted_rows_are_the_same_field_and_half_of_the_points_are_used_as_such() {
+    let folder = prepared();
+    let good = folder.text("field.csv");
+    let (head, rows) = good.split_at(good.find("response,").unwrap());
+    let mut lines: Vec<&str> = rows.lines().collect();
+    let name = lines.remove(0);
+    let file = |lines: &[&str]| format!("{head}{name}\n{}\n", lines.join("\n"));
+    let corrected = |field: &str| {
+        let line = format!("correct model.json scene.toml --weights w0.json --field {field}.csv");
+        folder
+            .run(&format!("{line} -o {field}.json --force -q"))
+            .exits(0);
+        weights_in(&folder, &format!("{field}.json"))
+    };
+    let half: Vec<&str> = lines.iter().copied().step_by(2).collect();
+    folder.write("half.csv", file(&half));
+    lines.reverse();
+    folder.write("permuted.csv", file(&lines));
+    assert_eq!(
+        corrected("permuted")["weights"],
+        corrected("field")["weights"]
+    );
+    let on = "evaluate w0.json --scene scene.toml --on model.json --field half.csv --json";
+    let run = folder.run(on).exits(0);
+    assert!(
+        run.said().contains("56 of the 111 responses"),
+        "{}",
+        run.said()
+    );
+    let dead = dead_channel(&folder);
+    let likeliest = &run.json()["agreement"]["hypotheses"][0];
+    assert_eq!(likeliest["place"], dead.as_str(), "{likeliest}");
+    let told = &corrected("half")["correction"];
+    assert!(told["predicted"].as_f64().unwrap() > 0.99, "{told}");
+}
+
 /// The scene on the opposite corner, with more lines under [actuators].
 fn next_scene(folder: &Folder, actuators: &str) -> String {
     let scene = folder.text("scene.toml").replace("hot = [1]", "hot = [4]");

@@ -1,6 +1,6 @@
 //! Natural frequencies against converged values, and what shapes must satisfy.
 
-use chladni_plate::{Edges, Plate, PlateModes, PointMass};
+use chladni_plate::{DampedPlate, Edges, Panel, Plate, PlateModes, PointMass, PointSpring};
 use std::f64::consts::PI;
 
 /// Relative tolerance: the values are given to five or six digits.
@@ -306,4 +306,116 @@ fn what_lies_off_the_plate_is_refused_with_its_position() {
         mass_kg: 1.0,
     }];
     assert!(PlateModes::up_to(&Plate::default(), &mass, 100.0, 5).is_err());
+}
+
+/// A plate on elastic edges or springs of a stiffness, and its frequencies, Hz.
+fn held(edges: &str, stiffness_n_per_m2: f64, springs: &[PointSpring]) -> PlateModes {
+    let plate = Plate {
+        edges: Edges::try_from(edges.to_string()).unwrap(),
+        stiffness_n_per_m2,
+        ..Plate::default()
+    };
+    PlateModes::held(&plate, &[], springs, 500.0, 10).unwrap()
+}
+
+#[test]
+fn elastic_edges_go_from_free_to_supported() {
+    let [free, supported] = ["FFFF", "SFSF"].map(|edges| held(edges, 0.0, &[]).frequency_hz());
+    // soft edges: two rigid motions on springs, ω² = 2k/(ρh a) and 6k/(ρh a), and a tilt about
+    // the long axis of the same stiffness as up and down
+    let (k, plate) = (10.0, Plate::default());
+    let soft = held("EFEF", k, &[]);
+    let omega2 = 2.0 * k / (plate.mass_per_area() * plate.length_m);
+    let expected = [omega2, omega2, 3.0 * omega2].map(|w2| w2.sqrt() / std::f64::consts::TAU);
+    assert_eq!(soft.rigid_count(), 0);
+    for (found, expected) in soft.frequency_hz().iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+    }
+    let first = soft.frequency_hz()[3] / free[3] - 1.0;
+    assert!((0.0..2e-2).contains(&first), "{first}");
+    // hard ones: the frequencies of supports, from below
+    let hard = held("EFEF", 1e8, &[]).frequency_hz();
+    for (found, expected) in hard.iter().zip(&supported).take(8) {
+        let off = found / expected - 1.0;
+        assert!((-5e-3..1e-6).contains(&off), "{found} {expected}");
+    }
+    // one elastic edge leaves the rotation about it
+    assert_eq!(held("EFFF", 1e3, &[]).rigid_count(), 1);
+}
+
+#[test]
+fn springs_hold_a_plate_as_they_must() {
+    let plate = Plate::default();
+    // four soft springs in the corners: up and down is ω² = 4k/M, tilts have thrice that
+    let corners = [[0.0, 0.0], [0.268, 0.0], [0.268, 0.170], [0.0, 0.170]];
+    let springs = |stiffness_n_per_m: f64| {
+        corners.map(|position_m| PointSpring {
+            position_m,
+            stiffness_n_per_m,
+        })
+    };
+    let found = held("FFFF", 0.0, &springs(0.05));
+    let square = 4.0 * 0.05 / plate.mass();
+    let expected = [square, 3.0 * square, 3.0 * square].map(|w2: f64| w2.sqrt());
+    for (found, expected) in found.omega().iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+    }
+    // one spring holds one motion, two hold two
+    assert_eq!(held("FFFF", 0.0, &springs(1e3)[..1]).rigid_count(), 2);
+    assert_eq!(held("FFFF", 0.0, &springs(1e3)[..2]).rigid_count(), 1);
+    // shapes stay mass-normalised: springs of the same place and twice half the stiffness
+    let once = held("FFFF", 0.0, &springs(1e3));
+    let twice = held("FFFF", 0.0, &[springs(5e2), springs(5e2)].concat());
+    let apart = once.omega() - twice.omega();
+    assert!(apart.iter().all(|d| d.abs() < 1e-6), "{apart}");
+    let off = PointSpring {
+        position_m: [0.3, 0.0],
+        stiffness_n_per_m: 1.0,
+    };
+    assert!(PlateModes::held(&plate, &[], &[off], 100.0, 4).is_err());
+}
+
+#[test]
+fn actuators_load_hold_and_damp_a_panel() {
+    let text = |keys: &str| format!("[references]\n{keys}\n[frf]\nstop_hz = 400\n");
+    let plate = |keys: &str| {
+        let panel = Panel::from_toml(&text(keys), 2 << 30).unwrap();
+        DampedPlate::of_panel(&panel, panel.frf.stop_hz).unwrap()
+    };
+    let plain = plate("");
+    let damped = plate("damping_n_s_per_m = 0.01");
+    assert_eq!(plain.modes.omega(), damped.modes.omega());
+    let rigid = plain.modes.rigid_count();
+    let added = damped.loss_factors() - plain.loss_factors();
+    // ω·η·m of a mode is what its dampers take: c·Σψ²
+    let places = Panel::default().layout().references_m;
+    let shapes = plain.modes.evaluate(&places).unwrap();
+    for n in rigid..rigid + 8 {
+        let taken: f64 = shapes.column(n).iter().map(|v| 0.01 * v * v).sum();
+        let found = added[n] * plain.modes.omega()[n];
+        assert!((found / taken - 1.0).abs() < 1e-9, "{found} {taken}");
+    }
+    let held = plate("stiffness_n_per_m = 2\nmass_kg = 0.0005");
+    let mass = Plate::default().mass() + 34.0 * 5e-4;
+    let expected = (34.0 * 2.0 / mass).sqrt();
+    let nearest = held
+        .modes
+        .omega()
+        .iter()
+        .map(|w| (w / expected - 1.0).abs());
+    assert!(held.modes.rigid_count() == 0 && nearest.fold(1.0, f64::min) < 0.05);
+    for (keys, field) in [
+        ("stiffness_n_per_m = -1", "references.stiffness_n_per_m"),
+        ("damping_n_s_per_m = nan", "references.damping_n_s_per_m"),
+    ] {
+        let error = Panel::from_toml(&text(keys), 2 << 30)
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(field) && error.contains("line 2"), "{error}");
+    }
+    let error = Panel::from_toml("[plate]\nedges = \"EFFF\"", 2 << 30).unwrap_err();
+    assert!(
+        error.to_string().contains("plate.stiffness_n_per_m2"),
+        "{error}"
+    );
 }

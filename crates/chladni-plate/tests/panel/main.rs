@@ -6,4 +6,5 @@ mod fixtures;
 mod frequencies;
 mod leakage;
 mod response;
+mod scaling;
 mod time;

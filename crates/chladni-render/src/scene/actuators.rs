@@ -1,6 +1,7 @@
 //! The table `[actuators]`.
 
 use super::beside::Beside;
+use super::circuit::Circuit;
 use super::keys::KEYS;
 use crate::rig::calibration::Calibration;
 use chladni_frf::{Dof, Result};
@@ -20,6 +21,8 @@ pub struct Actuators {
     pub max_force_n: Option<f64>,
     /// Voltage limit of each, V peak, where the references are volts.
     pub max_voltage_v: Option<f64>,
+    /// Limits of current and apparent power of each, where the references are volts.
+    pub circuit: Option<Circuit>,
     /// Limit of √Σ|A_i|² over all actuators, N or V peak.
     pub max_effort: Option<f64>,
     /// Reference DOFs that do not move the panel, and are known not to.
@@ -50,6 +53,7 @@ pub(super) fn read_actuators(table: &Table, beside: Beside) -> Result<Actuators>
             .flatten(),
         max_force_n: limit("max_force_n")?,
         max_voltage_v: limit("max_voltage_v")?,
+        circuit: Circuit::read(table)?,
         max_effort: limit("max_effort")?,
         dead: table
             .get("dead")

@@ -1,14 +1,18 @@
 //! Fingers, stress tables and frequency sweeps, judged by the true plate.
 
 use crate::common::{cell_scene, truth};
-use chladni_frf::{ErrorKind, ModalModel, Scaling};
+use chladni_frf::{ErrorKind, FieldPoint, MeasuredField, ModalModel, Scaling};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{
-    evaluate, finger_places, render, stress, sweep, Finger, Method, On, RenderOptions, Scene,
-    StressOptions, StressRow, Weights,
+    calibrate, evaluate, finger_places, render, stress, sweep, Drift, Finger, Ground, Method, On,
+    RenderOptions, Scene, StressOptions, StressRow, Weights,
 };
 use ndarray::Array1;
 use num_complex::Complex64;
+use rand_chacha::rand_core::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
 /// The panel with driving points; few lines, the truth is what is used.
@@ -72,9 +76,9 @@ fn touched_on_plate(weights: &Weights, scene: &Scene, place: [f64; 2]) -> f64 {
     let field = mobility(places, &actuators).dot(&drive)
         - mobility(places, &[place]).column(0).mapv(|y| y * force);
     let inside = |k: usize| match evaluation.field.ground[k] {
-        chladni_render::Ground::Hot => Some(evaluation.limits.is_felt(field[k].norm())),
-        chladni_render::Ground::Cold => Some(evaluation.limits.is_quiet(field[k].norm())),
-        chladni_render::Ground::Ignored => None,
+        Ground::Hot => Some(evaluation.limits.is_felt(field[k].norm())),
+        Ground::Cold => Some(evaluation.limits.is_quiet(field[k].norm())),
+        Ground::Ignored => None,
     };
     let judged: Vec<bool> = (0..places.len()).filter_map(inside).collect();
     judged.iter().filter(|&&served| served).count() as f64 / judged.len() as f64
@@ -276,55 +280,135 @@ fn trials_do_what_they_are_called() {
     );
 }
 
-#[test]
-fn what_a_drive_endures_is_told_and_true() {
-    let model = &simulation().truth;
-    let centre = Scene {
-        frequency_hz: 300.0,
-        ..cell_scene([3, 3], 5, "area_m = [0.034, 0.025, 0.234, 0.145]\n")
+/// True where 95 % of the hot and of the cold responses are served on a rig of a seed: gains
+/// of 2 % and 2°, natural frequencies of 0.1 %, a light finger on a hot response.
+fn survives(weights: &Weights, scene: &Scene, seed: u64) -> bool {
+    let errors = crate::common::Errors {
+        frequency: 1e-3,
+        loss_factor: 0.0,
+        shape: 0.0,
+        residual: 0.0,
     };
-    let [on_a_mode, between_modes, hardest] = [corner(300.0), corner(335.0), centre].map(|scene| {
-        let weights = weights(&scene);
-        let endurance = weights.endurance.expect("a drive that is met");
-        assert!(endurance.touch_is_known);
-        // models that are off by half and by three times of what it endures
-        let served = |error: f64| {
-            let served = |seed| {
-                let errors = crate::common::Errors {
-                    frequency: error,
-                    loss_factor: 0.0,
-                    shape: 0.0,
-                    residual: 0.0,
-                };
-                let other = crate::common::disturbed(model, errors, seed);
-                evaluate(&weights, &scene, On::Model(&other))
-                    .unwrap()
-                    .indices
-                    .points
-                    .min_ratio
-                    >= 0.95
-            };
-            (100..120).filter(|&seed| served(seed)).count()
+    let panel = crate::common::disturbed(&simulation().truth, errors, seed);
+    let mut rig = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rig) };
+    let mut driven = weights.clone();
+    for weight in &mut driven.weights {
+        let gain = Complex64::from_polar(1.0 + 0.02 * normal(), 2f64.to_radians() * normal());
+        let value = weight.value() * gain;
+        (weight.re, weight.im) = (value.re, value.im);
+    }
+    let evaluation = evaluate(&driven, scene, On::Model(&panel)).unwrap();
+    let field = &evaluation.field;
+    let hot = (0..field.ground.len()).filter(|&k| field.ground[k] == Ground::Hot);
+    let hot: Vec<usize> = hot.collect();
+    let here = hot[seed as usize * 7 % hot.len()];
+    let row = |k: usize| {
+        let dof = field.responses[k];
+        panel
+            .responses
+            .iter()
+            .position(|known| *known == dof)
+            .unwrap()
+    };
+    let omega = TAU * scene.frequency_hz;
+    let from_finger = |k: usize| -> Complex64 {
+        let [to, from] = [row(k), row(here)];
+        let modes = panel
+            .modes
+            .iter()
+            .map(|mode| mode.structural_factor(omega) * mode.shape.0[to] * mode.shape.0[from]);
+        modes.sum::<Complex64>() * Complex64::new(0.0, omega)
+    };
+    let impedance = Finger::LIGHT.impedance(scene.frequency_hz);
+    let force = field.velocity_m_per_s[here] / (impedance.inv() + from_finger(here));
+    let mut counts = [[0.0; 2]; 2];
+    for k in 0..field.ground.len() {
+        let speed = (field.velocity_m_per_s[k] - from_finger(k) * force).norm();
+        let (kind, inside) = match field.ground[k] {
+            Ground::Hot => (0, evaluation.limits.is_felt(speed)),
+            Ground::Cold => (1, evaluation.limits.is_quiet(speed)),
+            Ground::Ignored => continue,
         };
-        let [half, thrice] = [0.5, 3.0].map(|factor| served(factor * endurance.frequency_relative));
-        assert!(half >= 18, "{half} of 20 at half of {endurance:?}");
-        assert!(thrice <= 15, "{thrice} of 20 at three times {endurance:?}");
-        (endurance, weights.findings.warnings().join("\n"))
-    });
-    // the finger breaks what hangs on the mode at 299.4 Hz
+        counts[kind][0] += f64::from(u8::from(inside));
+        counts[kind][1] += 1.0;
+    }
+    counts.iter().all(|[inside, all]| inside / all >= 0.95)
+}
+
+#[test]
+fn the_share_of_rigs_that_a_drive_serves_is_told_and_true() {
+    const RIGS: u64 = 100;
+    let default = |hz: f64| {
+        let mut scene = corner(hz);
+        scene.drift = Some(Drift {
+            drive_relative: 0.02,
+            ..Drift::default()
+        });
+        render(&simulation().truth, &scene, &RenderOptions::default())
+            .unwrap()
+            .weights
+    };
+    for (scene, weights, is_sure) in [
+        (corner(300.0), default(300.0), false),
+        (corner(330.0), default(330.0), true),
+        (corner(318.0), weights(&corner(318.0)), false),
+    ] {
+        let endurance = weights.endurance.expect("a drive that is met");
+        assert!(endurance.touch_is_known && endurance.rigs == 200);
+        let served = (0..RIGS).filter(|&seed| survives(&weights, &scene, seed));
+        let served = served.count() as f64 / RIGS as f64;
+        eprintln!("{} Hz: {served} {endurance:?}", scene.frequency_hz);
+        // three standard deviations of the two counts at their worst
+        assert!(
+            (served - endurance.survival_ratio).abs() <= 0.18,
+            "{} Hz: {served} of {endurance:?}",
+            scene.frequency_hz
+        );
+        let mut warned = weights.findings.iter();
+        let warned = warned.any(|finding| finding.code == "rig-sensitive");
+        assert_eq!(warned, endurance.survival_ratio < 0.95, "{endurance:?}");
+        assert!(!is_sure || !warned, "{endurance:?}");
+    }
+}
+
+#[test]
+fn a_calibrated_rig_errs_by_what_its_calibration_left() {
+    let told = |scene: &Scene| {
+        let rendering = render(&simulation().truth, scene, &RenderOptions::default());
+        rendering.unwrap().weights.endurance.unwrap()
+    };
+    let plain = told(&corner(330.0));
+    assert!((plain.gain_error - 0.0402).abs() < 1e-4, "{plain:?}");
+    let weights = weights(&corner(330.0));
+    let field = evaluate(&weights, &corner(330.0), On::Model(&simulation().truth)).unwrap();
+    let points = field
+        .field
+        .responses
+        .iter()
+        .zip(&field.field.velocity_m_per_s);
+    let seen = MeasuredField {
+        frequency_hz: 330.0,
+        weights_sha256: None,
+        magnitudes_only: false,
+        points: points
+            .map(|(&response, &velocity_m_per_s)| FieldPoint {
+                response,
+                velocity_m_per_s,
+                std_m_per_s: Some(1e-6),
+                repeats: 1,
+            })
+            .collect(),
+    };
+    let played = [(weights, seen, None)];
+    let options = RenderOptions::default();
+    let (_, calibration) =
+        calibrate(&simulation().truth, &corner(330.0), &played, &options).unwrap();
+    let mut scene = corner(330.0);
+    scene.actuators.calibration = Some(std::sync::Arc::new(calibration));
+    let calibrated = told(&scene);
     assert!(
-        on_a_mode.0.touched_min_ratio < 0.8 && on_a_mode.1.contains("under a light touch"),
-        "{on_a_mode:?}"
-    );
-    assert!(
-        between_modes.0.touched_min_ratio > 0.9 && !between_modes.1.contains("the drive holds for"),
-        "{between_modes:?}"
-    );
-    assert!(
-        hardest.0.frequency_relative < 0.01
-            && hardest
-                .1
-                .contains("the drive holds for natural frequencies up to 0."),
-        "{hardest:?}"
+        calibrated.gain_error < 0.9 * plain.gain_error,
+        "{calibrated:?}"
     );
 }

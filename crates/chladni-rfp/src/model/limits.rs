@@ -30,3 +30,31 @@ pub(super) const LOSS_FACTOR_UNKNOWN: f64 = 2.0;
 pub(super) const KNOWN: f64 = 1e-9;
 /// FRFs per block.
 pub(super) const RESIDUAL_ENERGY_BLOCK: usize = 256;
+
+// moved_poles.rs
+
+/// Gauss-Newton steps on the poles of a known model; five are usual.
+pub(super) const TRACK_STEPS: usize = 20;
+/// Change of a natural frequency, bandwidths, from which on they are done.
+pub(super) const TRACK_CHANGE: f64 = 1e-6;
+/// Largest common shift that is looked for, relative: 200 K in glass.
+pub(super) const MOST_TRACKED_SHIFT: f64 = 0.02;
+/// Spacing of the trials for it, bandwidths of the narrowest mode: a quarter of one leads
+/// to the nearest minimum.
+pub(super) const TRACK_SPACING: f64 = 0.25;
+/// Trials on either side at most.
+pub(super) const MOST_TRACK_TRIALS: f64 = 60.0;
+/// Standard deviation of each natural frequency about the common shift, and of each loss
+/// factor, relative, before any data: wide, and enough to hold modes that the FRFs do not
+/// show.
+pub(super) const TRACK_FREQUENCY_PRIOR: f64 = 3e-3;
+/// See [`TRACK_FREQUENCY_PRIOR`].
+pub(super) const TRACK_LOSS_PRIOR: f64 = 0.3;
+/// Noise that FRFs are taken to have at least, over their rms: rounding.
+pub(super) const TRACK_ROUNDING: f64 = 1e-9;
+/// Relative step of numerical slopes: differences keep ten digits.
+pub(super) const TRACK_SLOPE_STEP: f64 = 1e-5;
+/// Misfit over that of the model from which on its shapes no longer hold.
+pub(super) const TRACK_MISFIT: f64 = 3.0;
+/// Misfit that is granted to any model.
+pub(super) const LEAST_MISFIT: f64 = 0.01;

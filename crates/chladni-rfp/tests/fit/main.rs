@@ -7,6 +7,7 @@ mod identification;
 mod limits;
 mod measured;
 mod measured_faults;
+mod moved_poles;
 mod noise_only;
 mod number_of_modes;
 mod pieces;

@@ -91,3 +91,62 @@ fn volts_have_a_limit_of_their_own() {
     .weights;
     assert!(limited.indices.points.max_voltage_v.unwrap() <= 0.001 * (1.0 + 1e-12));
 }
+
+#[test]
+fn current_and_apparent_power_limit_the_voltage_of_coils_and_piezos() {
+    let mut model = truth().clone();
+    model.reference_unit = chladni_frf::ReferenceUnit::Volt;
+    let largest = |actuators: &str| {
+        let scene = cell_scene([2, 2], 1, &format!("[actuators]\n{actuators}\n"));
+        let weights = rendered(&model, &scene, Method::Mls).weights;
+        assert!(!weights.findings.iter().any(|w| w.code == "no-drive-limit"));
+        weights.indices.points.max_voltage_v.unwrap()
+    };
+    let omega = std::f64::consts::TAU * 300.0;
+    let coil = 8f64.hypot(omega * 2e-3);
+    let piezo = (omega * 1e-7).recip();
+    for (actuators, limit) in [
+        (
+            "max_current_a = 1e-4\nresistance_ohm = 8\ninductance_h = 2e-3",
+            1e-4 * coil,
+        ),
+        ("max_current_a = 1e-7\ncapacitance_f = 1e-7", 1e-7 * piezo),
+        (
+            "max_apparent_power_va = 1e-8\nresistance_ohm = 8\ninductance_h = 2e-3",
+            (2e-8 * coil).sqrt(),
+        ),
+        (
+            "max_voltage_v = 3e-4\nmax_current_a = 1e-4\nresistance_ohm = 8",
+            3e-4,
+        ),
+    ] {
+        let used = largest(actuators);
+        // a drive of `mls` takes more than each of these where it may
+        assert!(
+            used <= limit * (1.0 + 1e-12),
+            "{actuators}: {used} of {limit}"
+        );
+        assert!(used >= 0.5 * limit, "{actuators}: {used} of {limit}");
+    }
+    let refused = |model: &chladni_frf::ModalModel, actuators: &str| {
+        let scene = cell_scene([2, 2], 1, &format!("[actuators]\n{actuators}\n"));
+        render(model, &scene, &options(Method::Mls))
+            .unwrap_err()
+            .to_string()
+    };
+    let said = refused(truth(), "max_current_a = 1\nresistance_ohm = 8");
+    assert!(
+        said.contains("newtons") && said.contains("max_force_n"),
+        "{said}"
+    );
+    let text = |actuators: &str| {
+        let scene = format!(
+            "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\n[actuators]\n{actuators}\n"
+        );
+        let scene = chladni_render::Scene::parse(&scene, std::path::Path::new(""));
+        scene.map(|_| ()).unwrap_err().to_string()
+    };
+    assert!(text("max_current_a = 1").contains("needs the impedance"));
+    let both = text("max_current_a = 1\nresistance_ohm = 8\ncapacitance_f = 1e-7");
+    assert!(both.contains("coil or a piezo"), "{both}");
+}

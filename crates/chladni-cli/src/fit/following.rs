@@ -1,0 +1,89 @@
+//! `chladni fit --poles-of`: shapes of a known model, poles of new FRFs.
+
+use chladni_console::input::source;
+use chladni_console::Console;
+use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
+use chladni_rfp::{poles_of, MovedPoles};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments that follow a known model.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Keep the shapes of this model and move its poles to the FRFs, of which six are
+    /// enough: temperature, another day
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["band", "scene", "method", "resume", "panel"])]
+    poles_of: Option<PathBuf>,
+    /// Relative change of natural frequencies per kelvin, to say the drift in kelvin
+    #[arg(long, value_name = "1/K", requires = "poles_of", value_parser = parse_coefficient,
+        allow_negative_numbers = true)]
+    per_kelvin: Option<f64>,
+}
+
+fn parse_coefficient(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value != 0.0 => Ok(value),
+        _ => Err("no relative change per kelvin such as -1e-4".into()),
+    }
+}
+
+impl Args {
+    /// True where a model is to be followed.
+    pub fn is_given(&self) -> bool {
+        self.poles_of.is_some()
+    }
+
+    /// Refuses a set that is read part by part.
+    pub fn too_large(&self) -> Error {
+        Error::new(
+            ErrorKind::Usage,
+            "the set is larger than half of the memory allowed",
+        )
+        .field("--poles-of")
+        .found("a set that is read part by part")
+        .expected("a few FRFs: six are enough")
+        .help("give some of the files, or raise --memory")
+    }
+
+    /// The model with its poles moved to `frf`; `None` where none is to be followed.
+    ///
+    /// # Errors
+    /// Those of reading the model; FRFs between DOFs that it lacks.
+    pub fn followed(
+        &self,
+        frf: &FrfSet,
+        sources: &[Source],
+        console: &Console,
+    ) -> Result<Option<ModalModel>> {
+        let Some(file) = &self.poles_of else {
+            return Ok(None);
+        };
+        let known = chladni_io::read_model(file)?;
+        console.stage("following the poles");
+        let MovedPoles {
+            mut model,
+            common_shift,
+            common_shift_std,
+            ..
+        } = poles_of(&known, frf).map_err(|error| error.file(file))?;
+        model.source = [sources, &[source(file)?]].concat();
+        model
+            .options
+            .insert("poles_of".into(), json!(chladni_text::file_name(file)));
+        if let Some(per_kelvin) = self.per_kelvin {
+            let [kelvin, std] = [common_shift, common_shift_std.abs()].map(|v| v / per_kelvin);
+            let words = format!(
+                "the panel is {:.2} K {} than when the model was measured (± {:.2} K)",
+                kelvin.abs(),
+                if kelvin < 0.0 { "colder" } else { "warmer" },
+                std.abs()
+            );
+            let told = Finding::note("drift-in-kelvin", words)
+                .value("kelvin", kelvin)
+                .value("kelvin_std", std.abs());
+            model.quality.findings.push(told);
+            model.options.insert("per_kelvin".into(), json!(per_kelvin));
+        }
+        Ok(Some(model))
+    }
+}
