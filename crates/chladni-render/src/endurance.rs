@@ -8,8 +8,8 @@
 use crate::finger::Finger;
 use crate::modal_field::ModalField;
 use crate::problem::{amplitude, Drive};
+use crate::rig_draw::{Draw, StressOptions};
 use crate::setup::Setup;
-use crate::stress::{Draw, StressOptions};
 use crate::tolerances;
 use chladni_frf::{Finding, ModalModel, Scaling};
 use ndarray::Array1;

@@ -64,6 +64,7 @@ mod plane;
 mod problem;
 mod render;
 mod rig;
+mod rig_draw;
 mod scene;
 mod setup;
 mod signals;
@@ -99,12 +100,13 @@ pub use rig::{
     FieldEvaluation, Hypothesis, KalmanOperator, Place, PointAgreement, TakenField,
     CALIBRATION_FORMAT, CALIBRATION_VERSION,
 };
+pub use rig_draw::StressOptions;
 pub use scene::{
     Actuators, Circuit, Limits, Load, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N,
     DEFAULT_TRANSITION_M,
 };
 pub use signals::signal_csv;
-pub use stress::{stress, StressOptions};
+pub use stress::stress;
 pub use threshold::{Threshold, ThresholdTable};
 pub use time::{
     modal_ramp, AreaFrames, AreaMeasures, Burst, Channel, ChannelMap, Fade, Level, Mapped, Measure,

@@ -3,8 +3,8 @@
 
 use super::calibrated::Calibrated;
 use crate::drift::Drift;
+use crate::rig_draw::StressOptions;
 use crate::scene::Scene;
-use crate::stress::StressOptions;
 use crate::time::{self, PlayOptions, Played, Recorded, TimeEvent, TimeIndices, TimeStressRow};
 use crate::weights::Weights;
 use chladni_frf::{Finding, ModalModel, Result};

@@ -3,8 +3,8 @@
 
 use crate::finger::{finger_rows_of, Finger};
 use crate::plane::Rectangle;
+use crate::rig_draw::{Draw, StressOptions};
 use crate::scene::Scene;
-use crate::stress::{Draw, StressOptions};
 use crate::time::contact::Touch;
 use crate::time::judge::TimeMeasure;
 use crate::time::listener::{Judging, Listener};

@@ -4,7 +4,7 @@ use crate::damping::verdict::shift;
 use crate::data::columns::Columns;
 use crate::poles::estimate::{uncertainty_grade, Grade, PoleEstimate};
 use crate::poles::pole::{structural_pole, value_in, Pole};
-use crate::shapes::search::Structured;
+use crate::shapes::structure::Structured;
 use chladni_frf::{Damping, Finding, Reason, Trust};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;

@@ -20,5 +20,6 @@ pub(crate) mod residues;
 pub(crate) mod scale;
 pub(crate) mod search;
 pub(crate) mod step;
+pub(crate) mod structure;
 pub(crate) mod tangent;
 pub(crate) mod target;
