@@ -60,7 +60,7 @@ impl RigidBody {
             column.mapv_inplace(|value| value * sign);
         }
         let [u, v] = [&places.responses_m, &places.references_m].map(|places| motions(places));
-        let seen = lstsq(u.view(), residual.view()).map_err(internal)?;
+        let seen = lstsq(u.view(), residual.view()).map_err(unsolvable)?;
         let (compliance, gains) = split(&seen, &v)?;
         let mass = chladni_linalg::inverse_hermitian(compliance.view());
         let Ok(mass) = mass else {
@@ -98,7 +98,7 @@ fn split(seen: &Array2<f64>, v: &Array2<f64>) -> Result<(Array2<f64>, Array1<f64
         for (mut row, gain) in driven.rows_mut().into_iter().zip(&gains) {
             row.mapv_inplace(|value| value * gain);
         }
-        let k = lstsq(driven.view(), seen.t()).map_err(internal)?;
+        let k = lstsq(driven.view(), seen.t()).map_err(unsolvable)?;
         compliance = (&k + &k.t()) * 0.5;
         let whole = compliance.dot(&v.t());
         let new: Array1<f64> = whole
@@ -111,7 +111,7 @@ fn split(seen: &Array2<f64>, v: &Array2<f64>) -> Result<(Array2<f64>, Array1<f64
     Ok((compliance, gains))
 }
 
-fn internal(error: chladni_linalg::LinalgError) -> Error {
+fn unsolvable(error: chladni_linalg::LinalgError) -> Error {
     Error::new(
         ErrorKind::BadData,
         format!("the rigid-body residual cannot be solved: {error}"),

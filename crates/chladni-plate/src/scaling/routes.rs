@@ -83,7 +83,7 @@ impl Routes {
         };
         let [responses, references] = [at(&places.responses_m)?, at(&places.references_m)?];
         let both = concatenate![Axis(0), responses, references];
-        let (span, _) = qr_thin(both.view()).map_err(internal)?;
+        let (span, _) = qr_thin(both.view()).map_err(unsolvable)?;
         let gains = match rigid {
             Some(body) => Array1::from_vec(body.gains.clone()),
             None => Array1::ones(columns),
@@ -116,10 +116,10 @@ impl Routes {
         columns.slice_mut(s![own.len().., 1]).assign(&(&other / b));
         let outside = &columns - &self.span.dot(&self.span.t().dot(&columns));
         let gram = outside.t().dot(&outside);
-        let (_, vectors) = eigh(gram.view()).map_err(internal)?;
+        let (_, vectors) = eigh(gram.view()).map_err(unsolvable)?;
         let [alpha, beta] = [vectors[[0, 0]] / a, vectors[[1, 0]] / b];
         let column = own.insert_axis(Axis(1));
-        let parts = lstsq(self.responses.view(), column.view()).map_err(internal)?;
+        let parts = lstsq(self.responses.view(), column.view()).map_err(unsolvable)?;
         let modal_mass = self.mass_ratio * parts.iter().map(|part| part * part).sum::<f64>();
         Ok(Some(Scales {
             continuity: alpha / beta,
@@ -134,7 +134,7 @@ fn mean_phase(shape: &[Complex64]) -> Complex64 {
     Complex64::from_polar(1.0, 0.5 * square.arg())
 }
 
-fn internal(error: chladni_linalg::LinalgError) -> Error {
+fn unsolvable(error: chladni_linalg::LinalgError) -> Error {
     Error::new(
         ErrorKind::Internal,
         format!("the shapes of the panel cannot be solved: {error}"),
