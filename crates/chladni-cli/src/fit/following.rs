@@ -14,9 +14,10 @@ pub struct Args {
     /// enough: temperature, another day
     #[arg(long, value_name = "MODEL", conflicts_with_all = ["band", "scene", "method", "resume", "panel"])]
     poles_of: Option<PathBuf>,
+    // clap takes -1e-4 for no number
     /// Relative change of natural frequencies per kelvin, to say the drift in kelvin
     #[arg(long, value_name = "1/K", requires = "poles_of", value_parser = parse_coefficient,
-        allow_negative_numbers = true)]
+        allow_hyphen_values = true)]
     per_kelvin: Option<f64>,
 }
 

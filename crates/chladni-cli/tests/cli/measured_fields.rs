@@ -205,11 +205,8 @@ fn permuted_rows_are_the_same_field_and_half_of_the_points_are_used_as_such() {
     );
     let on = "evaluate w0.json --scene scene.toml --on model.json --field half.csv --json";
     let run = folder.run(on).exits(0);
-    assert!(
-        run.said().contains("56 of the 111 responses"),
-        "{}",
-        run.said()
-    );
+    let findings = run.json()["findings"].to_string();
+    assert!(findings.contains("56 of the 111 responses"), "{findings}");
     let dead = dead_channel(&folder);
     let likeliest = &run.json()["agreement"]["hypotheses"][0];
     assert_eq!(likeliest["place"], dead.as_str(), "{likeliest}");
