@@ -108,7 +108,7 @@ pub fn scale_by_panel(model: &ModalModel, panel: &Panel, route: ScaleRoute) -> R
         .map(|mode| routes.scales(mode, &places))
         .collect::<Result<Vec<_>>>()?;
     let disagreement = disagreement(model, &scales)?;
-    if !(disagreement <= tolerances::SCALE_DISAGREEMENT) {
+    if disagreement.is_nan() || disagreement > tolerances::SCALE_DISAGREEMENT {
         return Err(disagree(disagreement, rigid.as_ref(), panel));
     }
     let mut scaled = model.clone();

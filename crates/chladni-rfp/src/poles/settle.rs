@@ -101,7 +101,7 @@ impl InVain {
     fn after(&mut self, refined: &Refined) -> bool {
         let (count, share) = limits::ADDED_IN_VAIN;
         self.added += 1;
-        if self.added % count != 0 {
+        if !self.added.is_multiple_of(count) {
             return false;
         }
         let (before, now) = (self.before, Self::look(refined));
