@@ -7,7 +7,7 @@
 //! # let mut panel = Panel::default();
 //! # panel.frf.stop_hz = 300.0;
 //!
-//! let frf = simulate(&panel, None, None)?.frf; // or chladni_io::read_frf, or an FrfSet of your arrays
+//! let frf = simulate(&panel, None, None)?.frf; // or an FrfSet of your own
 //! let model = fit(&frf, &FitOptions::default())?.model;
 //! for mode in model.in_band_modes() {
 //!     println!("{:.3} Hz, loss factor {:.4}", mode.frequency_hz, mode.loss_factor);
