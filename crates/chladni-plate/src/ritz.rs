@@ -275,7 +275,7 @@ fn loads_of_springs(springs: &[PointSpring]) -> Vec<PointLoad> {
         .collect()
 }
 
-/// What springs along the edges at x = ∓ and y = ∓ add to the products of one degree.
+/// Part of springs along the edges at x = ∓ and y = ∓ in the products of one degree.
 fn edge_springs(plate: &Plate, bases: [&EdgeBasis; 2]) -> [Array2<f64>; 2] {
     let along = |edges: [Edge; 2], basis: &EdgeBasis, side: f64| {
         let scale = 2.0 * plate.stiffness_n_per_m2 / (plate.mass_per_area() * side);

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 /// The panel of the study, and a band that begins below its first mode.
 const MEASURED: &str = "[frf]\nstart_hz = 5.0\nstop_hz = 500.0\nstep_hz = 1.0\n";
-/// What is believed of it: Poisson's ratio 20 % off.
+/// The panel as it is believed to be: Poisson's ratio 20 % off.
 const BELIEVED: &str = "[plate]\npoisson_ratio = 0.252\n";
 
 fn fitted(panel: &str, options: &str) -> (Folder, Run) {

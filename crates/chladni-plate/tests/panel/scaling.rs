@@ -12,7 +12,7 @@ fn panel(coil_kg: f64) -> Panel {
     panel
 }
 
-/// What is believed of it: 20 % off in Poisson's ratio, and no coils.
+/// The panel as it is believed to be: 20 % off in Poisson's ratio, and no coils.
 fn nominal(panel: &Panel) -> Panel {
     let mut nominal = panel.clone();
     nominal.plate.poisson_ratio *= 1.2;

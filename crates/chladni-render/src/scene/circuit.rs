@@ -19,7 +19,7 @@ pub struct Circuit {
     pub max_apparent_power_va: f64,
 }
 
-/// What an amplifier drives.
+/// Electrical load of an amplifier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
     /// A coil: resistance and inductance in series.

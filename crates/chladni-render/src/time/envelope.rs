@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 /// A value with its first three derivatives by time; where one jumps, either side.
 pub(crate) type Course = [f64; 4];
 
-/// What is not there.
+/// Course of an envelope that is zero.
 const NOTHING: Course = [0.0; 4];
-/// What is there and stays.
+/// Course of an envelope that stays 1.
 const WHOLE: Course = [1.0, 0.0, 0.0, 0.0];
 
 fn sum(a: Course, b: Course) -> Course {

@@ -146,7 +146,7 @@ impl Data {
         })
     }
 
-    /// What `model` leaves of the FRFs; 0 where nothing was measured.
+    /// FRFs less those of `model`; 0 where nothing was measured.
     fn residual(&self, model: &ModalModel) -> ndarray::Array3<Complex64> {
         let mut left = &self.frf - &model.synthesise(&self.frequency_hz);
         left.mapv_inplace(|value| {

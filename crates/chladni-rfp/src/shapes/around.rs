@@ -49,7 +49,7 @@ pub(crate) struct Rest<'a> {
 }
 
 impl<'a> Rest<'a> {
-    /// What is left by the poles of `state`, a state on `whole`.
+    /// The data less the poles of `state`, a state on `whole`.
     pub fn new(whole: &Target, state: &State, powers: &'a [i32]) -> Self {
         let work = whole.work;
         let residues = state.residues();

@@ -98,7 +98,7 @@ impl<'a> Attempt<'a> {
         threshold(sides[0] + sides[1], self.whole.work.lines()) * self.found.variance
     }
 
-    /// What rounding makes of differences of sums of squares.
+    /// Rounding of a difference of sums of squares.
     fn rounding(&self) -> f64 {
         limits::STRUCTURE_ROUNDING * self.target().energy
     }

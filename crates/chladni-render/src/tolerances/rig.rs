@@ -1,0 +1,73 @@
+//! Constants of what a measured field tells of its rig: meaning, unit, origin.
+
+/// Isotropic error of a prediction beside its error bars, over its rms. With ten times as
+/// much nothing but a dead channel is seen, with ten times less the error of a fit is a
+/// fault of the rig.
+pub const ISOTROPIC_FIELD_ERROR: f64 = 2e-3;
+
+/// Prior standard deviation of a common gain error: calibration, delay, a wrong factor.
+pub const GLOBAL_GAIN_ERROR: f64 = 0.3;
+
+/// The same of each channel of a batch of amplifiers.
+pub const CHANNEL_GAIN_ERROR: f64 = 0.04;
+
+/// The same of one odd channel: from dead to reversed.
+pub const ODD_GAIN_ERROR: f64 = std::f64::consts::SQRT_2;
+
+/// Prior standard deviation of a shift of natural frequencies, relative.
+pub const FREQUENCY_ERROR: f64 = 5e-3;
+
+/// Prior standard deviation of the force of a load over the free velocity under it, N·s/m:
+/// fingers have 0.5 to 4.
+pub const LOAD_IMPEDANCE: f64 = 3.0;
+
+/// Distance of the places where a load is looked for, m.
+pub const LOAD_GRID_M: f64 = 0.010;
+
+/// Grids on which a load is looked for, each finer than the one before by [`LOAD_FINER`]:
+/// the last has half a millimetre.
+pub const LOAD_GRIDS: usize = 3;
+
+/// See [`LOAD_GRIDS`].
+pub const LOAD_FINER: f64 = 4.0;
+
+/// Most steps of that grid along one side.
+pub const LOAD_GRID_MOST: usize = 40;
+
+/// Unexplained parts of a field that are tried, over its rms.
+pub const UNEXPLAINED: [f64; 3] = [0.01, 0.03, 0.1];
+
+/// Scales of the unexplained part of the mobility that a structured update tries, over its
+/// rms; likewise of gains, of a common shift of natural frequencies, and of single ones.
+pub const UNEXPLAINED_SCALES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
+
+/// See [`UNEXPLAINED_SCALES`].
+pub const GAIN_SCALES: [f64; 3] = [0.003, 0.03, 0.1];
+
+/// See [`UNEXPLAINED_SCALES`].
+pub const COMMON_SCALES: [f64; 3] = [1e-4, 1e-3, 4e-3];
+
+/// See [`UNEXPLAINED_SCALES`].
+pub const MODE_SCALES: [f64; 3] = [3e-4, 1e-3, 4e-3];
+
+/// ln of the evidence, alternatives counted, from which on a channel is odd: 150 to 1.
+pub const ODD_EVIDENCE: f64 = 5.0;
+
+/// Most odd channels that are looked for.
+pub const MOST_ODD: usize = 4;
+
+/// Most Gauss-Newton steps of a structured update; 3 are usual.
+pub const STRUCTURED_STEPS: usize = 6;
+
+/// Relative change of the unknowns below which a step was the last one.
+pub const STRUCTURED_CHANGE: f64 = 1e-3;
+
+/// Share of the covariance before any field that an operator keeps beside the posterior of
+/// its gains and poles: what these cannot express.
+pub const DESIGN_SHARE: f64 = 0.1;
+
+/// NIS of a corrected prediction above which a field was not what was foretold.
+pub const SCAN_NIS: f64 = 3.0;
+
+/// Unexplained part of the mobility from which on a new scan is due.
+pub const SCAN_UNEXPLAINED: f64 = 0.03;
