@@ -49,6 +49,13 @@ impl Figure {
     }
 }
 
+impl Chart {
+    /// Ends of the x axis and of the y axis.
+    pub(crate) fn ends(&self) -> [[f64; 2]; 2] {
+        [ends(&self.x, self, 0), ends(&self.y, self, 1)]
+    }
+}
+
 fn ends(axis: &Axis, chart: &Chart, which: usize) -> [f64; 2] {
     axis.ends(extent(&chart.layers, which, axis.scale == Scale::Log))
 }
@@ -105,7 +112,7 @@ fn right_ends(right: &RightAxis) -> [f64; 2] {
 /// Draws below `top` and returns where it ends.
 fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]) -> f64 {
     let top = draw_legend(drawing, chart, [left, top, right]);
-    let (x_ends, y_ends) = (ends(&chart.x, chart, 0), ends(&chart.y, chart, 1));
+    let [x_ends, y_ends] = chart.ends();
     let (right, height) = match chart.height {
         Height::Px(height) => (right, height),
         Height::EqualScales(highest) => {
