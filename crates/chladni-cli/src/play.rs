@@ -1,5 +1,6 @@
 //! `chladni play`: drive signals of a scene in time.
 
+use crate::limits::{PLAY_FRAMES, PNG_SCALE, STRESS_DRAWS};
 use crate::render::of_scene;
 use crate::signal_files::SignalFiles;
 use crate::time_table::{stress_table, time_table};
@@ -18,12 +19,6 @@ use chladni_text::read_text;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 use std::path::{Path, PathBuf};
-
-/// Pictures of the ground, in a chart of places over time and in a moving one.
-const FRAMES: usize = 120;
-
-/// Pixels of a PNG file per px of the picture.
-const PNG_SCALE: f64 = 2.0;
 
 /// Arguments of `play`.
 #[derive(Debug, clap::Args)]
@@ -144,7 +139,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             method: args.method,
             ..RenderOptions::default()
         },
-        frames: if args.charts.is_some() { FRAMES } else { 0 },
+        frames: if args.charts.is_some() {
+            PLAY_FRAMES
+        } else {
+            0
+        },
         plain: args.charts.is_some(),
         ..PlayOptions::default()
     };
@@ -191,10 +190,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     };
     Ok(outcome.doubted(doubt))
 }
-
-/// Draws of each random trial in time: each plays the whole scene, and the worst twentieth
-/// is two of them.
-const STRESS_DRAWS: usize = 40;
 
 fn tried(
     played: &Played,

@@ -2,14 +2,9 @@
 //! the drive endures.
 
 use crate::indices::{stress_table, sweep_table, weights_table};
+use crate::limits::{MOST_COLUMNS, MOST_ROWS, SAME_M};
 use chladni_console::table::{counted, significant, table};
 use chladni_render::{Field, Ground, Limits, Rendering, Weights};
-
-/// Columns and rows of responses that a terminal shows as a map.
-const MOST_COLUMNS: usize = 36;
-const MOST_ROWS: usize = 12;
-/// Two coordinates nearer than this are one column or row, m.
-const SAME_M: f64 = 1e-6;
 
 /// All tones, one below the other; `weights` carry what the trials added to the rendering.
 pub fn text(weights: &Weights, rendering: &Rendering, verbose: bool) -> String {

@@ -3,11 +3,10 @@
 use super::array::u8s;
 use super::chart;
 use crate::figures::time::time;
+use crate::sizes::RANGE_DB;
 use chladni_render::{AreaFrames, Played, TimeFrames};
 use serde_json::{json, Value};
 
-/// Levels of the first and the last colour, dB re threshold.
-const RANGE_DB: f64 = 12.0;
 /// Codes of levels, and that of ground without one.
 const LAST: f64 = 254.0;
 const NONE: u8 = 255;

@@ -253,14 +253,13 @@ pub(crate) fn enough(
 
 /// The first of a list of pairs, in words.
 fn named(frf: &FrfSet, pairs: &[(usize, usize)]) -> String {
-    const SHOWN: usize = 6;
     let mut names: Vec<String> = pairs
         .iter()
-        .take(SHOWN)
+        .take(limits::PAIRS_SHOWN)
         .map(|&(i, j)| format!("{} from {}", frf.responses[i], frf.references[j]))
         .collect();
-    if pairs.len() > SHOWN {
-        names.push(format!("and {} more", pairs.len() - SHOWN));
+    if pairs.len() > limits::PAIRS_SHOWN {
+        names.push(format!("and {} more", pairs.len() - limits::PAIRS_SHOWN));
     }
     names.join(", ")
 }
