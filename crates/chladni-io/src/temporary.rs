@@ -10,7 +10,6 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
-use std::time::Duration;
 use tempfile::NamedTempFile;
 
 const PREFIX: &str = ".chladni-";

@@ -18,7 +18,6 @@ use hyper_util::service::TowerToHyperService;
 use serde_json::{json, Value};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
-use std::time::Duration;
 use tokio::net::TcpStream;
 
 /// Condition of entry: a request to this address, from its own page, with the token.

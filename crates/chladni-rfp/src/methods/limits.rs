@@ -246,7 +246,7 @@ pub(super) const SPARE_POLES: usize = 6;
 
 /// Random mixtures of the compressed columns: twice those of a starter, since nothing
 /// refines the result.
-pub(super) const MIXTURES: usize = 2 * tol::POOL_MIXTURES;
+pub(super) const MIXTURES: usize = 2 * crate::tolerances::POOL_MIXTURES;
 
 // windows.rs
 

@@ -24,7 +24,6 @@ use crate::methods::found::MethodPoles;
 use crate::methods::selection::modes_of;
 use crate::methods::survey::{Compressed, Survey};
 use crate::poles::pool::{mixtures, starts, vector_fit, Pool, Products};
-use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 

@@ -1,7 +1,7 @@
 //! The poles that a path found, and how far each pole is to be trusted by its error bar
 //! alone.
 
-use super::limits::{FAINT, FAINT_OVER_USUAL};
+use super::limits::{FAINT, FAINT_OVER_USUAL, UNCERTAIN};
 use crate::data::columns::Columns;
 use crate::data::information::covariance;
 use crate::poles::refine::Refined;
