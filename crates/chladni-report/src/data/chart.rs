@@ -4,7 +4,7 @@
 use super::array::f32s;
 use crate::chart::{Axis, Chart, Figure, Height, Layer, Mark, Place};
 use crate::drawing::{Colour, Dash, Stroke};
-use serde_json::{json, Value};
+use serde_json::{json, Map, Value};
 
 /// Lines up to so wide, and from so wide, have a width of their own on the page, px.
 const THIN_PX: f64 = 1.0;
@@ -30,7 +30,12 @@ fn chart(chart: &Chart) -> Value {
 }
 
 fn axis(axis: &Axis, ends: [f64; 2]) -> Value {
-    json!({"label": axis.label, "unit": axis.unit, "range": ends, "step": axis.step})
+    let names = axis.names.iter().flatten();
+    let names: Map<String, Value> = names
+        .map(|(place, name)| (place.to_string(), name.as_str().into()))
+        .collect();
+    let names = (!names.is_empty()).then_some(names);
+    json!({"label": axis.label, "unit": axis.unit, "range": ends, "step": axis.step, "names": names})
 }
 
 /// `None` for layers of areas, which the page draws as maps.
@@ -53,6 +58,16 @@ fn layer(layer: &Layer) -> Option<Value> {
             let (sign, is_open) = sign(*mark);
             let style = format!("{}{}", role(*colour), if is_open { " open" } else { "" });
             json!({"points": places(points), "name": name, "sign": sign, "style": style})
+        }
+        Layer::Stems {
+            points,
+            mark,
+            colour,
+            ..
+        } => {
+            let (at, hints): (Vec<Place>, Vec<&str>) =
+                points.iter().map(|(at, hint)| (*at, hint.as_str())).unzip();
+            json!({"stems": places(&at), "hints": hints, "sign": sign(*mark).0, "style": role(*colour)})
         }
         Layer::Horizontals { at, stroke, .. } => json!({"levels": at, "style": style(*stroke)}),
         Layer::Verticals { name, at, stroke } => {

@@ -7,6 +7,7 @@ use super::chart;
 use super::geometry::Geometry;
 use crate::figures::curves::curves;
 use crate::figures::sweep::sweep;
+use crate::figures::weights_around_edge::weights_by_actuator;
 use crate::input::{RenderedScene, ReportInput, ShownField};
 use crate::text::{counted, fixed, plain};
 use chladni_frf::{ModalModel, ReferenceUnit};
@@ -41,6 +42,7 @@ pub(crate) fn value(
             "place": geometry.and_then(|geometry| geometry.place(weight.reference))})).collect::<Vec<_>>(),
         "stress": weights.stress,
         "sweep": sweep(weights, number).map(|figure| chart::value(&figure, 1)),
+        "by_actuator": chart::value(&weights_by_actuator(weights, number), 2),
         "curves": curves(scene, number).map(|figure| chart::value(&figure, 2)),
         "time": scene.time.map(super::time::value),
         "field": scene.shown.as_ref().map(|shown| field(shown, geometry)),

@@ -16,7 +16,7 @@ mod stabilization;
 mod stress;
 pub(crate) mod sweep;
 pub(crate) mod time;
-mod weights_around_edge;
+pub(crate) mod weights_around_edge;
 mod zones;
 
 pub(crate) use cmif::Cmif;

@@ -22,12 +22,14 @@ function series(x, points) {
   return [["hot", "hot-line"], ["cold", "cold-line"], ["both", "both-line"]].map(([key, style]) => ({ name: key, x, y: toPercent(points.map((point) => point[key])), style }));
 }
 
+const drawn = (figure) => described(figure, `${figure.name}-chart`).map((one) => one.element);
+
 /** All curves that a scene's data allow. */
 export function curvesView(scene, model) {
   const parts = [];
-  if (scene.sweep) parts.push(described(scene.sweep, `${scene.sweep.name}-chart`).element);
+  if (scene.sweep) parts.push(...drawn(scene.sweep));
   if (scene.field && scene.modal) parts.push(overFrequency(scene, model));
-  if (scene.curves) parts.push(described(scene.curves, `${scene.curves.name}-chart`).element);
+  if (scene.curves) parts.push(...drawn(scene.curves));
   return parts.length ? h("div", { class: "curves" }, parts) : null;
 }
 

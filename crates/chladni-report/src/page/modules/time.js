@@ -21,8 +21,8 @@ export function timeView(time, geometry, id) {
   if (!time) return null;
   const parts = [h("h3", {}, "In time"), h("p", {}, `${time.sentence}.`)];
   const traces = described(time.figure, `${id}-traces`);
-  const mark = (seconds) => traces.charts[0].update({ verticals: [{ name: "shown below", at: [1e3 * seconds], style: "pole-line" }] });
-  parts.push(traces.element);
+  const mark = (seconds) => traces[0].update({ verticals: [{ name: "shown below", at: [1e3 * seconds], style: "pole-line" }] });
+  parts.push(...traces.map((one) => one.element));
   if (time.places) parts.push(...places(time));
   if (time.ground) parts.push(ground(time, geometry, id, mark));
   return h("div", { class: "time" }, parts);
