@@ -118,36 +118,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
     let weights = args.weights.as_deref().map(read_weights).transpose()?;
-    let channels = match &args.channel_map {
-        None => None,
-        Some(file) => {
-            let text = read_text(file, "a channel map, CSV")?;
-            Some(ChannelMap::parse(&text).map_err(|error| error.file(file))?)
-        }
-    };
+    let channels = args.channel_map.as_deref().map(channel_map).transpose()?;
     let sources = inputs
         .iter()
         .map(|file| source(file))
         .collect::<Result<Vec<_>>>()?;
     console.stage("rendering");
-    let options = PlayOptions {
-        ramps: args
-            .ramps
-            .as_deref()
-            .and_then(|name| Ramps::ALL.into_iter().find(|ramps| ramps.as_str() == name)),
-        render: RenderOptions {
-            method: args.method,
-            ..RenderOptions::default()
-        },
-        frames: if args.charts.is_some() {
-            PLAY_FRAMES
-        } else {
-            0
-        },
-        plain: args.charts.is_some(),
-        ..PlayOptions::default()
-    };
-    let played = play(&model, &scene, weights.as_ref(), &options)
+    let played = play(&model, &scene, weights.as_ref(), &args.options())
         .map_err(|error| of_scene(error, &scene))?;
     console.find_all(&played.findings);
     let stress = match args.stress {
@@ -189,6 +166,28 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         None => Outcome::shown(json, text),
     };
     Ok(outcome.doubted(doubt))
+}
+
+impl Args {
+    fn options(&self) -> PlayOptions {
+        let is_named = |ramps: &Ramps| self.ramps.as_deref() == Some(ramps.as_str());
+        let draws = self.charts.is_some();
+        PlayOptions {
+            ramps: Ramps::ALL.into_iter().find(is_named),
+            render: RenderOptions {
+                method: self.method,
+                ..RenderOptions::default()
+            },
+            frames: if draws { PLAY_FRAMES } else { 0 },
+            plain: draws,
+            ..PlayOptions::default()
+        }
+    }
+}
+
+fn channel_map(file: &Path) -> Result<ChannelMap> {
+    let text = read_text(file, "a channel map, CSV")?;
+    ChannelMap::parse(&text).map_err(|error| error.file(file))
 }
 
 fn tried(
