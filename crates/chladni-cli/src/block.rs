@@ -168,6 +168,25 @@ impl Reduce {
     }
 }
 
+impl Reduce {
+    /// The block of the files that is asked for, all of them where they are one.
+    fn data(&self, files: &[PathBuf]) -> Result<FrfParts> {
+        let data = FrfParts::open(files, &self.reading.options())?;
+        match self.blocks {
+            None => Ok(data),
+            Some(blocks) if self.block < blocks => data.share(self.block, blocks),
+            Some(blocks) => Err(Error::new(ErrorKind::Usage, "there is no such block")
+                .field("--block")
+                .found(self.block)
+                .expected(format!(
+                    "0 to {}, of {blocks} blocks",
+                    blocks.saturating_sub(1)
+                ))
+                .help("blocks are counted from 0")),
+        }
+    }
+}
+
 fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::new(&args.output, PARTIAL, &files, console)?;
@@ -183,21 +202,7 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
         window: args.window.or(first.window),
         ..first
     };
-    let mut data = FrfParts::open(&files, &args.reading.options())?;
-    if let Some(blocks) = args.blocks {
-        if args.block >= blocks {
-            return Err(Error::new(ErrorKind::Usage, "there is no such block")
-                .field("--block")
-                .found(args.block)
-                .expected(format!(
-                    "0 to {}, of {blocks} blocks",
-                    blocks.saturating_sub(1)
-                ))
-                .help("blocks are counted from 0"));
-        }
-        data = data.share(args.block, blocks)?;
-    }
-    let stream = Stream::new(data, &files, args.memory, &options, console)?;
+    let stream = Stream::new(args.data(&files)?, &files, args.memory, &options, console)?;
     if args.dry_run {
         let plan = Plan {
             files: &files,
