@@ -1,11 +1,9 @@
 //! Words for a measured field: which limits it keeps, and the likely causes of its
 //! deviation from the prediction. The terminal and the studio say the same.
 
+use crate::limits::EXPLAINED_NIS;
 use chladni_console::table::significant;
 use chladni_render::{FieldEvaluation, Ground, Hypothesis, Place};
-
-/// Normalised deviation up to which the error bars explain it.
-const EXPLAINED_NIS: f64 = 1.5;
 
 /// The verdict on a measured field, and its likeliest cause.
 pub fn sentence(judged: &FieldEvaluation) -> String {

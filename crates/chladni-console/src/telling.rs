@@ -1,19 +1,11 @@
 //! Findings as a terminal shows them: one paragraph for each code, in the order of their
 //! weight.
 
+use crate::limits::{COLUMNS, INDENT, MOST_WITH_HELP};
 use crate::next_step::option_for;
 use crate::table::counted;
 use chladni_frf::{Finding, Severity};
 use std::cmp::Reverse;
-
-/// Columns of a terminal; pipes get the same text.
-const COLUMNS: usize = 80;
-/// Columns of the word before a finding: `caution`, and two blanks.
-const INDENT: usize = 9;
-
-/// Cautions up to which each shows its next step; of more, the sentence alone, so that a
-/// result fits on one screen. Faults always do.
-const MOST_WITH_HELP: usize = 2;
 
 /// Notes that ask how the data were measured: they are shown in full, for nobody else can
 /// answer.

@@ -44,6 +44,7 @@ mod backend;
 mod beside;
 #[doc(hidden)] // for the crates of Chladni: no promise
 pub mod blocked;
+mod limits;
 mod scalar;
 
 pub use back_ends::{back_ends, BackEnd, Dense, Factors, Given};

@@ -3,6 +3,7 @@
 use super::Args;
 use crate::field_words::{cause, deviation, sentence};
 use crate::indices::indices_table;
+use crate::limits::CAUSES_SHOWN;
 use chladni_console::input::source;
 use chladni_console::table::{significant, table};
 use chladni_console::{Console, Outcome};
@@ -10,9 +11,6 @@ use chladni_frf::{ModalModel, Result, Source};
 use chladni_io::{read_field, sha256_of};
 use chladni_render::{evaluate_field, FieldEvaluation, Scene, Weights};
 use serde_json::{json, Value};
-
-/// Causes that the text lists.
-const CAUSES_SHOWN: usize = 5;
 
 /// Scores every field that was named.
 ///
