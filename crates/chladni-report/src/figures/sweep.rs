@@ -1,5 +1,4 @@
-//! The scene at other drive frequencies, each with weights of its own (`chladni render
-//! --sweep`).
+//! The scene at other drive frequencies, each with weights of its own (a sweep).
 
 use crate::chart::{Axis, Chart, Figure, Height, Mark, Place};
 use crate::drawing::{Colour, Dash, Stroke};
