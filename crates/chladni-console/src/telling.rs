@@ -70,7 +70,8 @@ fn alike(a: &Finding, b: &Finding) -> bool {
     (&a.code, a.severity) == (&b.code, b.severity)
 }
 
-/// The first of the group, how many more there are, and with `help` the next step.
+/// The first of the group, how many more there are, and with `help` the next step; a step
+/// that is an option is always named.
 fn sentence(group: &[&Finding], verbose: bool, help: bool) -> String {
     let first = group[0];
     let mut sentence = first.text.clone();
@@ -82,10 +83,8 @@ fn sentence(group: &[&Finding], verbose: bool, help: bool) -> String {
         let noun = if modes.len() == 1 { "mode" } else { "modes" };
         sentence += &format!(" [{noun} {}]", modes.join(", "));
     }
-    if !help {
-        return sentence;
-    }
-    if !first.help.is_empty() {
+    let is_option = first.help.contains("--");
+    if (help || is_option) && !first.help.is_empty() {
         sentence += &format!("; {}", first.help);
     }
     match option_for(&first.code) {
@@ -162,7 +161,7 @@ mod tests {
             Finding::fault("kind", "wrong kind").help("say it"),
             Finding::caution("a", "first").help("do this"),
             Finding::caution("b", "second").help("do that"),
-            Finding::caution("c", "third").help("do more"),
+            Finding::caution("c", "third").help("say --it"),
             Finding::note("d", "a note"),
         ];
         let texts = |findings: &[Finding], verbose| -> Vec<String> {
@@ -175,7 +174,7 @@ mod tests {
                 "wrong kind; say it",
                 "first",
                 "second",
-                "third",
+                "third; say --it",
                 "next steps, 1 note: -v shows them"
             ]
         );
