@@ -19,19 +19,14 @@ pub fn text(weights: &Weights, rendering: &Rendering, verbose: bool) -> String {
 
 fn tone(weights: &Weights, field: &Field, limits: &Limits, verbose: bool) -> String {
     let judged = Judged::of(field, limits);
-    let mut text = format!("{}\n\n", sentence(weights, &judged));
+    let mut text = format!("{}\n", sentence(weights, &judged));
     if let Some(map) = map(field, limits) {
         text += &format!("{map}▲ felt  · quiet  △ ✕ limit missed; blank: not judged\n");
     }
     text += &indices(weights, &judged, limits);
-    text += &match verbose {
-        true => format!("\n{}", weights_table(weights)),
-        false => format!(
-            "{} driven by method {}: -v lists the weights\n",
-            counted(weights.actuators_used, "actuator"),
-            weights.method
-        ),
-    };
+    if verbose {
+        text += &format!("\n{}", weights_table(weights));
+    }
     text + &weights
         .stress
         .as_deref()
@@ -170,7 +165,12 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
         (None, Some(voltage)) => Some(format!("{} V", significant(voltage, 3))),
         (None, None) => None,
     };
-    rows.extend(drive.map(|drive| one("largest drive", drive, String::new())));
+    let driven = format!(
+        "{}, method {} (-v: all)",
+        counted(weights.actuators_used, "actuator"),
+        weights.method
+    );
+    rows.extend(drive.map(|drive| one("largest drive", drive, driven)));
     if let Some(kappa) = weights.kappa {
         let bears = "standard deviations of the model's error".into();
         rows.push(one("bears", format!("{kappa:.1}"), bears));

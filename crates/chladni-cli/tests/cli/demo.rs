@@ -39,6 +39,18 @@ fn the_demonstration_finds_its_known_truth() {
         .exits(0);
     assert!(folder.read("model.json") == folder.read("chladni-demo/model.json"));
 
+    // by default a result fits on a terminal of 80 by 24, the next prompt with it
+    for line in [
+        "fit chladni-demo/panel.h5",
+        "render chladni-demo/model.json chladni-demo/scene-1.toml",
+    ] {
+        let run = folder.run(line);
+        let shown = format!("{}{}", run.stdout, run.stderr);
+        assert!(shown.lines().count() < 24, "{shown}");
+        let widest = shown.lines().map(|line| line.chars().count()).max();
+        assert!(widest <= Some(80), "{shown}");
+    }
+
     let again = folder.run("demo").exits(73);
     assert!(again.stderr.contains("--force"), "{}", again.stderr);
 }
