@@ -63,6 +63,7 @@ const STUDIO_MODULES: &[Module] = modules!(
     "actuators",
     "board",
     "sweep",
+    "measured",
     "pane_panel",
     "drawer",
     "downloads",
@@ -71,7 +72,7 @@ const STUDIO_MODULES: &[Module] = modules!(
 );
 
 /// Modules of the studio alone: the last ones.
-const OF_STUDIO: usize = 12;
+const OF_STUDIO: usize = 13;
 
 /// The report's script.
 fn report_modules() -> &'static [Module] {
