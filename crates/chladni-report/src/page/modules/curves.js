@@ -40,7 +40,7 @@ function sweepChart(scene) {
   if (touched) list.push({ name: "with a finger in the hot zone", x, y: rows.map((row) => (row.touched_ratio === null ? NaN : 100 * row.touched_ratio)), style: "cold-line" });
   const suggested = scene.sweep.suggested_hz === null ? "" : `Suggested: ${fixed(scene.sweep.suggested_hz, 1)} Hz.`;
   return chart({
-    title: "The scene at other drive frequencies, each with weights of its own (render --sweep)", caption: suggested, height: 240,
+    title: "The scene at other drive frequencies, each with weights of its own", caption: suggested, height: 240,
     x: { label: "Drive frequency", unit: "Hz", range: [Math.min(...x), Math.max(...x)] }, y: percentAxis, series: list,
     marks: [{ points: rows.map((row) => [row.frequency_hz, 100 * row.success_ratio]), style: "kept", sign: "dot" }],
   }).element;
@@ -74,11 +74,11 @@ function overCount(points, label, title, caption, own, scene) {
 }
 
 function overModes({ method, modes }, scene) {
-  const caption = `For each number weights of their own, made by method ${method} with the modes that count most at the drive frequency, the others folded into residual terms (render --modes N); judged in the whole model.`;
+  const caption = `For each number weights of their own, made by method ${method} with the modes that count most at the drive frequency, the others folded into residual terms. All are judged in the whole model.`;
   return overCount(modes, "Modes summed", "The scene with fewer modes", caption, scene.modes_used, scene);
 }
 
 function overActuators({ method, actuators }, scene) {
-  const caption = `For each number weights of their own, made by method ${method} for the actuators that are strongest in this scene's weights; render --actuators N chooses them better.`;
+  const caption = `For each number weights of their own, made by method ${method} for the actuators that are strongest in this scene's weights. A choice by search needs fewer.`;
   return overCount(actuators, "Actuators driven", "The scene with fewer actuators", caption, scene.actuators_used, scene);
 }
