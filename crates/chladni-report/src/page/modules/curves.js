@@ -79,6 +79,6 @@ function overModes({ method, modes }, scene) {
 }
 
 function overActuators({ method, actuators }, scene) {
-  const caption = `For each number weights of their own, made by method ${method} for the actuators that are strongest in this scene's weights. A choice by search needs fewer.`;
+  const caption = `For each number weights of their own, made by method ${method} for the actuators that are strongest in this scene's weights. Rendering for a given number of actuators chooses them better.`;
   return overCount(actuators, "Actuators driven", "The scene with fewer actuators", caption, scene.actuators_used, scene);
 }
