@@ -31,6 +31,11 @@ pub(crate) const LEAST_RATIO: f64 = 0.95;
 /// Causes that the text lists.
 pub(crate) const CAUSES_SHOWN: usize = 5;
 
+// field_words.rs
+
+/// Normalised deviation of a measured field up to which the error bars explain it.
+pub(crate) const EXPLAINED_NIS: f64 = 1.5;
+
 // fit.rs
 
 /// Files that a command to copy may name.
@@ -45,6 +50,8 @@ pub(crate) const FEW_MODES: usize = 16;
 pub(crate) const MOST_MODES: usize = 40;
 /// Width of one of two columns.
 pub(crate) const COLUMN_WIDTH: usize = 38;
+/// Columns of a terminal.
+pub(crate) const TERMINAL_WIDTH: usize = 80;
 
 // in_time.rs
 

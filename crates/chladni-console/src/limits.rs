@@ -27,3 +27,6 @@ pub(crate) const TICK: Duration = Duration::from_millis(100);
 pub(crate) const COLUMNS: usize = 80;
 /// Columns of the word before a finding: `caution`, and two blanks.
 pub(crate) const INDENT: usize = 9;
+/// Cautions up to which each shows its next step; of more, the sentence alone, so that a
+/// result fits on one screen. Faults always do.
+pub(crate) const MOST_WITH_HELP: usize = 2;

@@ -1,7 +1,7 @@
 //! Findings as a terminal shows them: one paragraph for each code, in the order of their
 //! weight.
 
-use crate::limits::{COLUMNS, INDENT};
+use crate::limits::{COLUMNS, INDENT, MOST_WITH_HELP};
 use crate::next_step::option_for;
 use crate::table::counted;
 use chladni_frf::{Finding, Severity};
@@ -39,19 +39,28 @@ pub(crate) fn told(findings: &[Finding], verbose: bool) -> Vec<Told> {
         .filter(|group| !is_shown(group))
         .map(Vec::len)
         .sum();
+    let is_caution = |group: &&Vec<&Finding>| group[0].severity == Severity::Caution;
+    let many = !verbose && groups.iter().filter(is_caution).count() > MOST_WITH_HELP;
     let mut paragraphs: Vec<Told> = groups
         .iter()
         .filter(is_shown)
         .map(|group| Told {
             severity: Some(group[0].severity),
-            text: wrapped(&sentence(group, verbose)),
+            text: wrapped(&sentence(group, verbose, !(many && is_caution(&group)))),
         })
         .collect();
-    if folded > 0 {
-        let them = if folded == 1 { "it" } else { "them" };
+    let left_out: Vec<String> = [
+        many.then(|| "next steps".to_owned()),
+        (folded > 0).then(|| counted(folded, "note")),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if !left_out.is_empty() {
+        let them = if folded == 1 && !many { "it" } else { "them" };
         paragraphs.push(Told {
             severity: None,
-            text: format!("{}: -v shows {them}", counted(folded, "note")),
+            text: format!("{}: -v shows {them}", left_out.join(", ")),
         });
     }
     paragraphs
@@ -61,8 +70,8 @@ fn alike(a: &Finding, b: &Finding) -> bool {
     (&a.code, a.severity) == (&b.code, b.severity)
 }
 
-/// The first of the group, how many more there are, and what to do.
-fn sentence(group: &[&Finding], verbose: bool) -> String {
+/// The first of the group, how many more there are, and with `help` the next step.
+fn sentence(group: &[&Finding], verbose: bool, help: bool) -> String {
     let first = group[0];
     let mut sentence = first.text.clone();
     if group.len() > 1 {
@@ -72,6 +81,9 @@ fn sentence(group: &[&Finding], verbose: bool) -> String {
         let modes: Vec<String> = first.modes.iter().map(usize::to_string).collect();
         let noun = if modes.len() == 1 { "mode" } else { "modes" };
         sentence += &format!(" [{noun} {}]", modes.join(", "));
+    }
+    if !help {
+        return sentence;
     }
     if !first.help.is_empty() {
         sentence += &format!("; {}", first.help);
@@ -142,6 +154,33 @@ mod tests {
         let lines: Vec<&str> = told.text.lines().collect();
         assert!(lines.len() == 3 && lines[1].starts_with("         word"));
         assert!(lines.iter().all(|line| line.len() <= 80), "{lines:?}");
+    }
+
+    #[test]
+    fn of_many_cautions_the_sentences_are_shown_and_the_steps_of_faults() {
+        let findings = [
+            Finding::fault("kind", "wrong kind").help("say it"),
+            Finding::caution("a", "first").help("do this"),
+            Finding::caution("b", "second").help("do that"),
+            Finding::caution("c", "third").help("do more"),
+            Finding::note("d", "a note"),
+        ];
+        let texts = |findings: &[Finding], verbose| -> Vec<String> {
+            let all = told(findings, verbose).into_iter();
+            all.map(|told| told.text).collect()
+        };
+        assert_eq!(
+            texts(&findings, false),
+            [
+                "wrong kind; say it",
+                "first",
+                "second",
+                "third",
+                "next steps, 1 note: -v shows them"
+            ]
+        );
+        assert_eq!(texts(&findings, true)[1], "first; do this");
+        assert_eq!(texts(&findings[..3], false)[1], "first; do this");
     }
 
     #[test]

@@ -109,6 +109,17 @@ pub enum Damping {
     Viscous,
 }
 
+impl Damping {
+    /// The law that this one is weighed against.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Structural => Self::Viscous,
+            Self::Viscous => Self::Structural,
+        }
+    }
+}
+
 /// Scaling of the shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

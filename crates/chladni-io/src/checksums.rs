@@ -37,7 +37,7 @@ fn feed(hash: &mut Sha256, path: &Path, from: u64, to: u64) -> Result<()> {
 }
 
 /// SHA-256 of bytes, in hexadecimal digits.
-pub(super) fn sha256_of_bytes(bytes: &[u8]) -> String {
+pub fn sha256_of_bytes(bytes: &[u8]) -> String {
     hexadecimal(Sha256::new_with_prefix(bytes))
 }
 

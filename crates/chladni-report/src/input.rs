@@ -2,7 +2,8 @@
 
 use chladni_frf::{Error, Finding, FrfKind, FrfSet, ModalModel, ReferenceUnit, Result};
 use chladni_render::{
-    AreaField, Evaluation, Field, Indices, Limits, Played, Rendering, Weights, ZoneMap,
+    AreaField, Evaluation, Field, FieldEvaluation, Indices, Limits, Played, Rendering, Weights,
+    ZoneMap,
 };
 use num_complex::Complex64;
 
@@ -119,6 +120,25 @@ impl<'a> RenderedScene<'a> {
             on,
             field: &evaluation.field,
             area: evaluation.area.as_ref(),
+            zones: &evaluation.zones,
+            limits: evaluation.limits,
+            indices: &evaluation.indices,
+            findings: &evaluation.findings,
+        };
+        Self {
+            weights,
+            shown: Some(shown),
+            curves: None,
+            time: None,
+        }
+    }
+
+    /// Weights and the field that was measured under them: points, nothing between them.
+    pub fn of_measured(weights: &'a Weights, evaluation: &'a FieldEvaluation) -> Self {
+        let shown = ShownField {
+            on: "the measured field",
+            field: &evaluation.measured,
+            area: None,
             zones: &evaluation.zones,
             limits: evaluation.limits,
             indices: &evaluation.indices,

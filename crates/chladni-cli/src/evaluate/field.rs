@@ -1,6 +1,7 @@
 //! `chladni evaluate --field`: measured fields against their prediction.
 
 use super::Args;
+use crate::field_words::{cause, deviation, sentence};
 use crate::indices::indices_table;
 use crate::limits::CAUSES_SHOWN;
 use chladni_console::input::source;
@@ -8,9 +9,7 @@ use chladni_console::table::{significant, table};
 use chladni_console::{Console, Outcome};
 use chladni_frf::{ModalModel, Result, Source};
 use chladni_io::{read_field, sha256_of};
-use chladni_render::{
-    evaluate_field, Agreement, FieldEvaluation, Hypothesis, Place, Scene, Weights,
-};
+use chladni_render::{evaluate_field, FieldEvaluation, Scene, Weights};
 use serde_json::{json, Value};
 
 /// Scores every field that was named.
@@ -65,48 +64,15 @@ pub fn run(
 }
 
 fn shown(judged: &FieldEvaluation) -> String {
-    let Agreement {
-        nis,
-        coefficient,
-        level_db,
-        phase_deg,
-        hypotheses,
-        ..
-    } = &judged.agreement;
-    let phase = phase_deg.map_or(String::new(), |phase| format!(", phase {phase:+.1} deg"));
-    let word = if *nis <= 1.5 {
-        "the error bars explain the difference"
-    } else {
-        "more than the error bars explain"
-    };
-    let rows: Vec<Vec<String>> = hypotheses.iter().take(CAUSES_SHOWN).map(row).collect();
+    let causes = judged.agreement.hypotheses.iter().take(CAUSES_SHOWN);
+    let rows: Vec<Vec<String>> = causes
+        .map(|one| vec![cause(one), format!("{:.1}", one.ln_evidence)])
+        .collect();
     format!(
-        "{}against the prediction: level {level_db:+.2} dB{phase}, coefficient {coefficient:.4}, \
-         NIS {} ({word})\n{}",
+        "{}\n{}{}\n{}",
+        sentence(judged),
         indices_table(&judged.indices),
-        significant(*nis, 2),
-        table(&["likeliest cause", "where", "size", "ln evidence"], &rows)
+        deviation(judged),
+        table(&["possible cause", "ln evidence"], &rows)
     )
-}
-
-fn row(cause: &Hypothesis) -> Vec<String> {
-    let place = match cause.place {
-        Some(Place::Channel(dof)) => dof.to_string(),
-        Some(Place::Mode(hz)) => format!("{hz:.1} Hz"),
-        Some(Place::Point([x, y])) => format!("x {x:.3} m, y {y:.3} m"),
-        None => String::new(),
-    };
-    let size = match (cause.kind.as_str(), cause.value) {
-        (_, None) | ("dead" | "reversed", _) => String::new(),
-        ("load", Some([re, im])) => format!("{re:.2}{im:+.2}j N s/m"),
-        ("gain" | "channel", Some([re, im])) => format!("factor {:.3}{im:+.3}j", 1.0 + re),
-        ("channels", Some([re, _])) => format!("{:.1} % rms", 100.0 * re),
-        (_, Some([re, _])) => format!("{:+.2} %", 100.0 * re),
-    };
-    vec![
-        cause.kind.clone(),
-        place,
-        size,
-        format!("{:.1}", cause.ln_evidence),
-    ]
 }

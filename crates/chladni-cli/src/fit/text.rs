@@ -1,7 +1,7 @@
 //! A model in words: the sentence that a fit begins with, and the table of its modes.
 
-use crate::limits::{COLUMN_WIDTH, FEW_MODES, MOST_MODES};
-use chladni_console::table::{bounded, counted, table, SIGMAS_95};
+use crate::limits::{COLUMN_WIDTH, FEW_MODES, MOST_MODES, TERMINAL_WIDTH};
+use chladni_console::table::{bounded, counted, significant, table, SIGMAS_95};
 use chladni_frf::{Damping, ModalModel, Mode, Scaling, Trust};
 use chladni_report::sentence;
 
@@ -97,23 +97,48 @@ fn with_remarks(listed: &[&Numbered]) -> String {
 
 fn two_columns(listed: &[&Numbered]) -> String {
     let half = listed.len().div_ceil(2);
-    let column = |part: &[&Numbered]| -> Vec<String> {
-        let rows: Vec<Vec<String>> = part.iter().map(|one| cells(one).to_vec()).collect();
-        table(&HEADER[..3], &rows)
-            .lines()
-            .map(str::to_owned)
-            .collect()
+    let parts = [&listed[..half], &listed[half..]];
+    let width = |lines: &[String]| lines.iter().map(|line| line.chars().count()).max();
+    let bounded = parts.map(|part| column(part, true));
+    let wide: usize = bounded.iter().filter_map(|lines| width(lines)).sum();
+    // where two columns with both bounds are wider than a terminal, one line bounds all ζ
+    let is_wide = wide + 2 > TERMINAL_WIDTH;
+    let [left, right] = match is_wide {
+        true => parts.map(|part| column(part, false)),
+        false => bounded,
     };
-    let [left, right] = [&listed[..half], &listed[half..]].map(column);
     let beside = |(k, line): (usize, &String)| {
         let right = right.get(k).map_or("", String::as_str);
         let gap = COLUMN_WIDTH.saturating_sub(line.chars().count()) + 2;
         format!("{line}{:gap$}{right}", "").trim_end().to_owned() + "\n"
     };
+    let bound = listed
+        .iter()
+        .map(|one| 50.0 * SIGMAS_95 * one.mode.loss_factor_std)
+        .fold(0.0, f64::max);
+    let worst = match is_wide {
+        true => format!("ζ ± {} % or better (95 %).\n", significant(bound, 1)),
+        false => String::new(),
+    };
     format!(
-        "\n{}",
+        "\n{}{worst}",
         left.iter().enumerate().map(beside).collect::<String>()
     )
+}
+
+/// The lines of a column, with or without the bounds of ζ.
+fn column(part: &[&Numbered], bounds: bool) -> Vec<String> {
+    let row = |one: &&Numbered| {
+        let [number, frequency, damping] = cells(one);
+        let value = damping.split(" ±").next().unwrap_or_default().to_owned();
+        vec![number, frequency, if bounds { damping } else { value }]
+    };
+    let rows: Vec<Vec<String>> = part.iter().map(row).collect();
+    let shown = match bounds {
+        true => table(&HEADER[..3], &rows),
+        false => table(&[HEADER[0], HEADER[1], "ζ, %"], &rows),
+    };
+    shown.lines().map(str::to_owned).collect()
 }
 
 /// The remark in a mode's row beside its numbers.
@@ -183,7 +208,7 @@ fn whole(model: &ModalModel, verbose: bool) -> String {
     };
     let scaling = match model.scaling {
         Scaling::UnitModalMass => "shapes of unit modal mass",
-        Scaling::Unscaled => "unscaled shapes",
+        Scaling::Unscaled => "shapes not mass-scaled",
     };
     let outside = model
         .modes

@@ -21,7 +21,7 @@ fn tone(weights: &Weights, field: &Field, limits: &Limits, verbose: bool) -> Str
     let judged = Judged::of(field, limits);
     let mut text = format!("{}\n\n", sentence(weights, &judged));
     if let Some(map) = map(field, limits) {
-        text += &format!("{map}▲ felt  · quiet  △ ✕ limit missed; blank: not judged\n\n");
+        text += &format!("{map}▲ felt  · quiet  △ ✕ limit missed; blank: not judged\n");
     }
     text += &indices(weights, &judged, limits);
     text += &match verbose {
@@ -177,11 +177,7 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
     }
     if let Some(endurance) = weights.endurance {
         let survives = format!("{:.0} %", 100.0 * endurance.survival_ratio);
-        let how = match endurance.touch_is_known {
-            true => "gains, frequencies and a light finger",
-            false => "gains, frequencies and a light finger (estimated)",
-        };
-        let rigs = format!("of {} simulated: {how}", endurance.rigs);
+        let rigs = format!("of {} simulated", endurance.rigs);
         rows.push(one("rigs that are served", survives, rigs));
     }
     if let Some(touch) = &weights.touch {

@@ -1,11 +1,12 @@
 //! `chladni studio`: the report, live, on a page that only this machine can open.
 //!
 //! `session.rs` fits, on the lines that `draft.rs` chooses while a hand moves, and
-//! `progress.rs` knows how far it is; `scenes.rs` renders; `server.rs` answers the page, which lives in `chladni-report` and shares the
+//! `progress.rs` knows how far it is; `scenes.rs` renders, `measured.rs` takes measured fields; `server.rs` answers the page, which lives in `chladni-report` and shares the
 //! report's views. `token.rs` tells the owner from other users of the machine, and
 //! `question.rs` says what may be asked.
 
 mod draft;
+mod measured;
 mod progress;
 mod question;
 mod rendered;

@@ -119,6 +119,27 @@ pub struct SceneQuestion {
     pub range_hz: Option<[f64; 2]>,
 }
 
+/// Fields that were measured while the rendered scene was played.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredQuestion {
+    /// The scene whose weights were played first.
+    pub scene: SceneQuestion,
+    /// Oldest first; each after the first was measured under the drive that those before
+    /// it correct.
+    pub fields: Vec<FieldText>,
+}
+
+/// A measured field, as its file holds it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldText {
+    /// Name of the file.
+    pub name: String,
+    /// Its text.
+    pub csv: String,
+}
+
 /// A result to take along.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -130,6 +151,9 @@ pub struct FileQuestion {
     pub drop: Vec<usize>,
     /// The rendered scene, for files of a scene.
     pub scene: Option<SceneQuestion>,
+    /// The measured fields that corrected its drive; none where it is as rendered.
+    #[serde(default)]
+    pub fields: Vec<FieldText>,
 }
 
 /// The files that the studio hands out; it writes none.
@@ -141,6 +165,9 @@ pub enum FileName {
     /// The weights.
     #[serde(rename = "weights.json")]
     Weights,
+    /// Knowledge of the rig from the measured fields.
+    #[serde(rename = "calibration.json")]
+    Calibration,
     /// The drive signals.
     #[serde(rename = "drive.wav")]
     Sound,

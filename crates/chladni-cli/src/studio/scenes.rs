@@ -1,6 +1,7 @@
 //! Scenes of the studio: rendered by the model of the moment, swept, and as files.
 
-use super::question::{FileName, FileQuestion, SceneQuestion};
+use super::measured::{corrected, Corrected};
+use super::question::{FileName, FileQuestion, MeasuredQuestion, SceneQuestion};
 use super::rendered::Rendered;
 use super::session::{Session, MODEL};
 use crate::curves::curves;
@@ -87,44 +88,56 @@ impl Session {
     /// Those of [`Self::render`]; a file of a scene without one.
     pub fn file(&self, question: &FileQuestion) -> Result<Vec<u8>> {
         let model = self.selected(&question.drop)?;
-        let rendered = || -> Result<Arc<Rendered>> {
-            let scene = question.scene.as_ref();
-            self.rendered(scene.ok_or_else(|| {
-                Error::bad_data("no scene")
-                    .field("scene")
-                    .expected("what was rendered")
-            })?)
+        match question.name {
+            FileName::Model => return Ok(chladni_io::model_json(&model)?.into_bytes()),
+            FileName::Report => return self.report(&model, question),
+            _ => {}
+        }
+        let scene = question.scene.as_ref().ok_or_else(|| {
+            Error::bad_data("no scene")
+                .field("scene")
+                .expected("what was rendered")
+        })?;
+        let rendered = self.rendered(scene)?;
+        let corrected = corrected_drive(&rendered, question)?;
+        let weights = match &corrected {
+            Some(corrected) => &corrected.weights,
+            None => &rendered.rendering.weights,
         };
         Ok(match question.name {
-            FileName::Model => chladni_io::model_json(&model)?.into_bytes(),
-            FileName::Weights => rendered()?.rendering.weights.to_json()?.into_bytes(),
-            FileName::Sound => {
-                signal(rendered()?.as_ref())?.wav(SignalOptions::default().format)?
+            FileName::Weights => weights.to_json()?.into_bytes(),
+            FileName::Sound => signal(&rendered, weights)?.wav(SignalOptions::default().format)?,
+            FileName::Calibration => {
+                let corrected = corrected.ok_or_else(|| {
+                    Error::bad_data("no correction yet")
+                        .field("fields")
+                        .expected("a measured field")
+                })?;
+                corrected.calibration.to_json()?.into_bytes()
             }
-            FileName::Sidecar => signal(rendered()?.as_ref())?
-                .sidecar
-                .to_json()?
-                .into_bytes(),
-            FileName::Report => {
-                let rendered = question.scene.is_some().then(rendered).transpose()?;
-                let played = match &rendered {
-                    Some(rendered) => in_time(
-                        &rendered.model,
-                        &rendered.scene,
-                        &rendered.rendering.weights,
-                    )?,
-                    None => None,
-                };
-                let scenes = rendered.iter().map(|rendered| {
-                    RenderedScene::of_rendering(&rendered.rendering).with_time(played.as_ref())
-                });
-                let input = ReportInput {
-                    scenes: scenes.collect(),
-                    ..self.input(&model)
-                };
-                html(&input)?.into_bytes()
-            }
+            _ => signal(&rendered, weights)?.sidecar.to_json()?.into_bytes(),
         })
+    }
+
+    /// The report of the model, and of the scene where one is rendered.
+    fn report(&self, model: &ModalModel, question: &FileQuestion) -> Result<Vec<u8>> {
+        let scene = question.scene.as_ref();
+        let rendered = scene.map(|scene| self.rendered(scene)).transpose()?;
+        let (mut corrected, mut played) = (None, None);
+        if let Some(rendered) = &rendered {
+            corrected = corrected_drive(rendered, question)?;
+            let weights = &rendered.rendering.weights;
+            played = in_time(&rendered.model, &rendered.scene, weights)?;
+        }
+        let scenes = rendered.iter().map(|rendered| match &corrected {
+            Some(corrected) => corrected.scene(),
+            None => RenderedScene::of_rendering(&rendered.rendering).with_time(played.as_ref()),
+        });
+        let input = ReportInput {
+            scenes: scenes.collect(),
+            ..self.input(model)
+        };
+        Ok(html(&input)?.into_bytes())
     }
 
     /// The command that renders the same.
@@ -142,7 +155,7 @@ impl Session {
     }
 
     /// The model that renders a scene, in the words of the commands.
-    fn selected_file(&self, question: &SceneQuestion) -> &str {
+    pub(super) fn selected_file(&self, question: &SceneQuestion) -> &str {
         match question.drop.is_empty() {
             true => self.model_file(),
             false => "selected.json",
@@ -150,7 +163,7 @@ impl Session {
     }
 
     /// The rendering of the last question, or a new one.
-    fn rendered(&self, question: &SceneQuestion) -> Result<Arc<Rendered>> {
+    pub(super) fn rendered(&self, question: &SceneQuestion) -> Result<Arc<Rendered>> {
         let whole = self.model_of_the_moment()?;
         let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((model, known)) = last().as_ref() {
@@ -220,13 +233,20 @@ fn try_out(weights: &mut Weights, scene: &Scene, model: &ModalModel) -> Result<(
     Ok(())
 }
 
-fn signal(rendered: &Rendered) -> Result<chladni_render::Signal> {
-    let weights = Some(&rendered.rendering.weights);
-    let played = play(
-        &rendered.model,
-        &rendered.scene,
-        weights,
-        &PlayOptions::default(),
-    )?;
-    played.signal(&SignalOptions::default(), &rendered.scene.name())
+/// The drive that measured fields corrected; `None` where it is as rendered.
+fn corrected_drive(rendered: &Rendered, question: &FileQuestion) -> Result<Option<Corrected>> {
+    if question.fields.is_empty() {
+        return Ok(None);
+    }
+    let measured = MeasuredQuestion {
+        scene: rendered.question.clone(),
+        fields: question.fields.clone(),
+    };
+    corrected(rendered, &measured).map(Some)
+}
+
+fn signal(rendered: &Rendered, weights: &Weights) -> Result<chladni_render::Signal> {
+    let (model, scene) = (&rendered.model, &rendered.scene);
+    let played = play(model, scene, Some(weights), &PlayOptions::default())?;
+    played.signal(&SignalOptions::default(), &scene.name())
 }

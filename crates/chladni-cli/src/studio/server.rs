@@ -1,7 +1,7 @@
 //! The studio's page and its questions: fit this, render that, hand it over. One thread
 //! answers, others work.
 
-use super::question::{DataQuestion, FileQuestion, FitQuestion, SceneQuestion};
+use super::question::{DataQuestion, FileQuestion, FitQuestion, MeasuredQuestion, SceneQuestion};
 use super::session::Session;
 use super::token::Token;
 use crate::limits::{LARGEST_QUESTION, PAUSE, REQUEST_DEADLINE};
@@ -82,6 +82,8 @@ pub fn serve(session: Arc<Session>, listener: TcpListener, door: Door) -> std::i
         .route("/api/scene", post(scene))
         .route("/api/sweep", post(sweep))
         .route("/api/time", post(in_time))
+        .route("/api/measured", post(measured))
+        .route("/api/correct", post(correct))
         .route("/api/file", post(file))
         .layer(DefaultBodyLimit::max(LARGEST_QUESTION))
         .layer(from_fn_with_state(Arc::new(door), only_who_may))
@@ -188,6 +190,20 @@ async fn in_time(
     Json(question): Json<SceneQuestion>,
 ) -> Json<Value> {
     at_work(move || session.in_time(&question)).await
+}
+
+async fn measured(
+    State(session): State<Arc<Session>>,
+    Json(question): Json<MeasuredQuestion>,
+) -> Json<Value> {
+    at_work(move || session.measured(&question)).await
+}
+
+async fn correct(
+    State(session): State<Arc<Session>>,
+    Json(question): Json<MeasuredQuestion>,
+) -> Json<Value> {
+    at_work(move || session.correct(&question)).await
 }
 
 /// The bytes of a file, which the page offers as a download.

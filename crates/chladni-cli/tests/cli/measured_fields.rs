@@ -122,7 +122,11 @@ fn a_dead_channel_is_named_and_corrected() {
     let run = folder
         .run("evaluate w0.json --scene scene.toml --on model.json --field field.csv")
         .exits(0);
-    assert!(run.stdout.contains("dead") && run.stdout.contains(dead.as_str().unwrap()));
+    let cause = format!("channel {} gives no force", dead.as_str().unwrap());
+    assert!(run
+        .stdout
+        .starts_with("field.csv at 330 Hz\nThe measured field"));
+    assert_eq!(run.stdout.matches(&cause).count(), 2, "{}", run.stdout);
 
     let run = folder
         .run("correct model.json scene.toml --weights w0.json --field field.csv -o w1.json --json")

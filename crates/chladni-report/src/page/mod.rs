@@ -64,6 +64,7 @@ const STUDIO_MODULES: &[Module] = modules!(
     "actuators",
     "board",
     "sweep",
+    "measured",
     "pane_panel",
     "drawer",
     "downloads",
@@ -72,7 +73,7 @@ const STUDIO_MODULES: &[Module] = modules!(
 );
 
 /// Modules of the studio alone: the last ones.
-const OF_STUDIO: usize = 12;
+const OF_STUDIO: usize = 13;
 
 /// The report's script.
 fn report_modules() -> &'static [Module] {

@@ -136,7 +136,7 @@ fn chain<S: Source>(data: &S, options: &FitOptions, watch: &Watch) -> Result<Out
     let (other, evidence) = match doubt {
         Some(evidence) => (law, evidence),
         None => match in_law(law, None)? {
-            Outcome::Ended(Doubt::NotWhite(evidence)) => (other_than(law), evidence),
+            Outcome::Ended(Doubt::NotWhite(evidence)) => (law.other(), evidence),
             whole => return Ok(whole),
         },
     };
@@ -144,13 +144,6 @@ fn chain<S: Source>(data: &S, options: &FitOptions, watch: &Watch) -> Result<Out
         white @ Outcome::White(_) => white,
         Outcome::Ended(_) => Outcome::Ended(Doubt::NotWhite(evidence)),
     })
-}
-
-fn other_than(law: Damping) -> Damping {
-    match law {
-        Damping::Structural => Damping::Viscous,
-        Damping::Viscous => Damping::Structural,
-    }
 }
 
 /// The model that poles lead to, and what it leaves of each FRF.

@@ -48,5 +48,5 @@ export function complexitySection(model) {
   };
   listen(["mode"], show);
   show();
-  return section("complexity", "Complexity", h("p", {}, "The mode is chosen with the mode shapes, or in the pole table."), view.element);
+  return section("complexity", "Complexity", h("p", { class: "hint" }, "The mode is chosen with the mode shapes, or in the pole table."), view.element);
 }

@@ -22,7 +22,7 @@ export function s(tag, attributes, ...children) {
   return filled(document.createElementNS(SVG, tag), attributes, children);
 }
 
-/** Words whose options (`--sweep`) are not broken at the end of a line. */
+/** Words whose options (two dashes and a word) are not broken at the end of a line. */
 export function unbroken(text) {
   return text.split(/(--[a-z][a-z-]*)/).map((part, k) => (k % 2 ? h("span", { class: "option" }, part) : part));
 }

@@ -6,10 +6,11 @@ import { fileOf } from "./ask.js";
 /** Names and words of the files; those with a scene need one that is rendered. */
 const FILES = [
   ["model.json", "Model, without dropped modes", false], ["weights.json", "Weights", true], ["drive.wav", "Drive signals: the burst, or 2 s", true], ["drive.json", "Channels and full scale of drive.wav", true],
+  ["calibration.json", "Knowledge of the rig, once a field has corrected the drive", true],
   ["scene.toml", "Scene", true], ["selection.toml", "Modes kept and dropped", false], ["report.html", "Report", false],
 ];
 
-/** A menu. `question()` gives {drop, scene or null}; `text(name)` a file that the page itself holds, or null. */
+/** A menu. `question()` gives {drop, scene or null, fields}; `text(name)` a file that the page itself holds, or null. */
 export function downloads(question, text) {
   const said = h("p", { class: "muted", role: "status" });
   const buttons = FILES.map(([name, words, ofScene]) => ({ ofScene, element: h("button", { type: "button", class: "ghost", "data-file": name, onclick: () => take(name, ofScene) }, h("b", {}, name), ` ${words}`) }));
@@ -18,10 +19,10 @@ export function downloads(question, text) {
   async function take(name, ofScene) {
     said.textContent = `preparing ${name} …`;
     try {
-      const { drop, scene } = question();
+      const { drop, scene, fields } = question();
       if (ofScene && !scene) throw new Error("no scene is rendered yet: draw a hot zone");
       const own = text(name);
-      save(name, own === null ? await fileOf({ name, drop, scene }) : new Blob([own], { type: "text/plain" }));
+      save(name, own === null ? await fileOf({ name, drop, scene, fields }) : new Blob([own], { type: "text/plain" }));
       said.textContent = `${name} is saved`;
     } catch (error) {
       said.textContent = error.message;

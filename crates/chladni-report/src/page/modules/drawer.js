@@ -5,10 +5,10 @@ import { h, takeAway } from "./dom.js";
 /** Tabs [id, words, takeAways]; one is open at a time, or none. */
 export function drawer() {
   const texts = {
-    fit: takeAway("The same fit", "fit-command"), select: takeAway("Without the dropped modes", "select-command"), scene: takeAway("The same weights", "scene-command"), play: takeAway("The same drive over time", "play-command"),
+    fit: takeAway("The same fit", "fit-command"), select: takeAway("Without the dropped modes", "select-command"), scene: takeAway("The same weights", "scene-command"), play: takeAway("The same drive over time", "play-command"), measured: takeAway("The same judgement of the measured field", "measured-command"), correct: takeAway("The same correction", "correct-command"),
     toml: takeAway("scene.toml", "scene-toml"), selection: takeAway("selection.toml", "selection-toml"),
   };
-  const tabs = [["Commands", ["fit", "select", "scene", "play"]], ["scene.toml", ["toml"]], ["selection.toml", ["selection"]]].map(([words, names]) => {
+  const tabs = [["Commands", ["fit", "select", "scene", "play", "measured", "correct"]], ["scene.toml", ["toml"]], ["selection.toml", ["selection"]]].map(([words, names]) => {
     const body = h("div", { class: "drawer-body", hidden: true }, names.map((name) => texts[name].element));
     const button = h("button", { type: "button", class: "ghost", "aria-expanded": "false", onclick: () => toggle(words) }, words);
     return { words, body, button };

@@ -10,7 +10,7 @@ import { velocity } from "./synthesis.js";
 import { space } from "./space.js";
 
 /** Ends of the colours, dB re threshold. */
-const RANGE_DB = 12;
+export const RANGE_DB = 12;
 const COLUMNS = 200;
 /** The slider goes so far beside the drive frequency, part of it. */
 const BESIDE = 0.1;

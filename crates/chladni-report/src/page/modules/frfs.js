@@ -42,8 +42,8 @@ function note(frfs, model) {
   if (!frfs.residuals) words.push("The measured FRFs are not at hand: only the model's synthesis is shown.");
   if (!model) words.push("There is no model: only the measured FRFs are shown.");
   if (shown < frfs.total_pairs) words.push(`To choose from are ${shown} of ${frfs.total_pairs} FRFs, evenly chosen, to keep the page small.`);
-  words.push("Drag across a chart to zoom, double-click to see all; names in the legend switch curves on and off.");
-  return h("p", {}, words.join(" "));
+  const how = h("span", { class: "hint" }, " Drag across a chart to zoom, double-click to see all; names in the legend switch curves on and off; keys [ and ] take the response before and after.");
+  return h("p", {}, words.join(" "), how);
 }
 
 export function poleLines(model) {
@@ -193,10 +193,10 @@ function pairView(source, frfs, model) {
     const amplitudes = series(magnitude);
     const error = source.errors?.[source.pair(i, j)];
     const difference = Number.isFinite(error) ? `, residual ${fixed(100 * error, 2)} % of the measured rms in the band` : "";
-    const thin = measured && !all ? ` Shown are ${counted(frequency.length, "line")} of ${frfs.total_lines}, all near resonances; notable FRFs have all.` : "";
+    const thin = measured && !all ? `Shown are ${counted(frequency.length, "line")} of ${frfs.total_lines}, all near resonances; notable FRFs have all.` : "";
     amplitude.update({
       title: `${frfs.quantity} of response / reference ${names[0][i]} / ${names[1][j]}${difference}`,
-      caption: `${state.dropped.size ? "The synthesis leaves the dropped modes out. " : ""}Keys [ and ] take the response before and after.${thin}`,
+      caption: `${state.dropped.size ? "The synthesis leaves the dropped modes out. " : ""}${thin}`,
       y: { label: frfs.quantity, unit: frfs.unit, range: range(amplitudes.map((one) => one.y)) },
       series: amplitudes,
       verticals: [...poleLines(model), ...bandLines(model, ends)],

@@ -7,6 +7,7 @@ import { levelMap } from "./colour.js";
 import { keeps, levelBar } from "./field.js";
 import { shapeView } from "./shapes.js";
 import { timeView } from "./time.js";
+import { measuredView } from "./measured.js";
 import { PROFILES, sceneToml } from "./zones.js";
 import { actuatorList, used } from "./actuators.js";
 import { board } from "./board.js";
@@ -23,14 +24,15 @@ export function panelPane(oncancel) {
   const size = h("span", { class: "muted" });
   const chip = h("span", { class: "chip", id: "scene-status", role: "status" });
   const cancel = h("button", { type: "button", class: "link", hidden: true, onclick: oncancel }, "cancel");
-  const tabs = ["Field", "Time", "Mode"].map((name) => h("button", { type: "button", role: "tab", id: `tab-${name.toLowerCase()}`, "aria-selected": "false", onclick: () => open(name) }, name));
+  const tabs = ["Field", "Measured", "Time", "Mode"].map((name) => h("button", { type: "button", role: "tab", id: `tab-${name.toLowerCase()}`, "aria-selected": "false", onclick: () => open(name) }, name));
   const field = h("div", { class: "field-tab", role: "tabpanel", "aria-labelledby": "tab-field" });
   const mode = h("div", { class: "mode-tab", role: "tabpanel", "aria-labelledby": "tab-mode", hidden: true });
   const time = h("div", { class: "time-tab", role: "tabpanel", "aria-labelledby": "tab-time", hidden: true });
+  const measured = h("div", { class: "measured-tab", role: "tabpanel", "aria-labelledby": "tab-measured", hidden: true });
   const inTime = h("div", { id: "in-time" });
   const result = h("div", { id: "result" });
   const element = h("section", { id: "pane-3", class: "pane", tabindex: -1, "aria-label": "Panel" },
-    h("div", { class: "pane-head" }, h("h2", {}, "3 Panel"), size, h("span", { class: "gap" }), chip, cancel, h("span", { role: "tablist", class: "segments" }, tabs)), field, time, mode);
+    h("div", { class: "pane-head" }, h("h2", {}, "3 Panel"), size, h("span", { class: "gap" }), chip, cancel, h("span", { role: "tablist", class: "segments" }, tabs)), field, measured, time, mode);
   let geometry = null;
   let view = null;
   let actuators = null;
@@ -41,7 +43,7 @@ export function panelPane(oncancel) {
 
   function open(name) {
     tabs.forEach((tab) => tab.setAttribute("aria-selected", String(tab.textContent === name)));
-    [["Field", field], ["Time", time], ["Mode", mode]].forEach(([own, part]) => (part.hidden = own !== name));
+    [["Field", field], ["Measured", measured], ["Time", time], ["Mode", mode]].forEach(([own, part]) => (part.hidden = own !== name));
   }
 
   const number = (label, id, key, unit, factor = 1) => {
@@ -110,6 +112,12 @@ export function panelPane(oncancel) {
     redraw(inTime, said?.time ? timeView(said.time, geometry, "time-field") : h("p", { class: "muted" }, said?.error ?? "A steady tone: set the length of a burst to see hot and cold ground over time."));
   }
 
+  /** A measured field; null where none is of this drive. */
+  function showMeasured(said) {
+    redraw(measured, said ? measuredView(said, geometry) : h("p", { class: "muted" }, "No field of this drive is measured. Download drive.wav, play it, and open what the vibrometer measured: Measured field… in the top bar (CSV: response,re,im)."));
+    if (said) open("Measured");
+  }
+
   function tiles(scene, shown) {
     const { points } = scene.indices;
     const speeds = Array.from(shown.velocity.re, (re, k) => Math.hypot(re, shown.velocity.im[k]));
@@ -142,6 +150,7 @@ export function panelPane(oncancel) {
     start: (places) => {
       open("Field");
       geometry = places;
+      showMeasured(null);
       if (geometry) buildField();
       else field.replaceChildren(h("p", { class: "card" }, "The file holds no positions of the nodes: no scene can be drawn. Shapes and damping work as for any file."));
     },
@@ -149,7 +158,7 @@ export function panelPane(oncancel) {
     fit: (model, fitted, structure) => {
       // a draft says nothing of shapes
       const hasShapes = structure && model.inBand.length > 0;
-      if (structure !== undefined) tabs[2].disabled = !hasShapes;
+      if (structure !== undefined) tabs[3].disabled = !hasShapes;
       if (hasShapes) {
         forget?.();
         let parts;
@@ -192,6 +201,8 @@ export function panelPane(oncancel) {
       result.dataset.answers = String(Number(result.dataset.answers ?? 0) + 1);
     },
     showTime,
+    showMeasured,
+    openField: () => open("Field"),
     key: (key) => view?.editor.toolKey(key) ?? false,
   };
 }

@@ -20,7 +20,7 @@ export function poleSection(model) {
     h("p", {}, words),
     ...counting(model),
     more("Poles outside the band (residual terms)", model, outside),
-    more("Rejected candidates", model, rejected),
+    more("Rejected candidates", model, rejected, "on-screen"),
     selectionView(model),
   );
 }
@@ -37,8 +37,9 @@ function counting(model) {
   return [poleTable(model, sure, true), h("details", { class: "weak-modes" }, h("summary", {}, `Weak modes: ${weak.length}`), poleTable(model, weak, true))];
 }
 
-function more(title, model, indices) {
-  return indices.length ? h("details", {}, h("summary", {}, `${title}: ${indices.length}`), poleTable(model, indices, false)) : null;
+/** Poles that are folded; `where` is a class for the style sheet. */
+function more(title, model, indices, where = "") {
+  return indices.length ? h("details", { class: where }, h("summary", {}, `${title}: ${indices.length}`), poleTable(model, indices, false)) : null;
 }
 
 function poleTable(model, indices, inBand) {

@@ -23,7 +23,7 @@ export function stabilizationSection(data, model) {
   listen(["dropped", "mode"], show);
   listen(["range"], () => [view, bars].forEach((one) => one?.zoomTo(state.range)));
   show();
-  const how = model ? h("p", {}, "Click near a pole to drop it, again to keep it. With the keyboard: Page Up and Page Down choose a pole, Enter keeps or drops it.") : null;
+  const how = model ? h("p", { class: "hint" }, "Click near a pole to drop it, again to keep it. With the keyboard: Page Up and Page Down choose a pole, Enter keeps or drops it.") : null;
   const missing = stabilization?.missing ? h("p", {}, `No stabilization diagram: ${stabilization.missing}.`) : null;
   return { element: section("stabilization", "Stabilization diagram", how, missing, view.element, bars?.element), view };
 }

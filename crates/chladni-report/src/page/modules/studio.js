@@ -29,6 +29,10 @@ const OF_FIT = ["band", "modes", "added"];
 const fits = { draft: new Asker("fit"), full: new Asker("fit"), data: new Asker("data"), page: embedded().page, asked: 0, shown: 0, open: 0 };
 const scenes = { draft: new Asker("scene"), best: new Asker("scene"), sweep: new Asker("sweep"), time: new Asker("time"), asked: 0, bestShown: 0, timer: 0 };
 
+/** Fields that were measured under the drive that is shown, what the server said of the last one, and the drive that they correct. */
+const none = () => ({ fields: [], said: null, corrected: null });
+let rig = none();
+
 /** The fit that is shown, the last full one, the scene that is shown. */
 let here = null;
 let full = null;
@@ -51,8 +55,8 @@ let top = null;
 
 /** Draws the empty studio, then what the server knows, then the fit. */
 export async function start() {
-  const menu = downloads(() => ({ drop: droppedNumbers(), scene: shown && { ...shown.question } }), (name) => ({ "scene.toml": panel.scene().toml, "selection.toml": here && selectionToml(here.model, state.dropped, work.added) })[name] ?? null);
-  top = topBar(embedded().title, menu);
+  const menu = downloads(() => ({ drop: droppedNumbers(), scene: shown && { ...shown.question }, fields: rig.corrected ? rig.fields : [] }), (name) => ({ "scene.toml": panel.scene().toml, "selection.toml": here && selectionToml(here.model, state.dropped, work.added) })[name] ?? null);
+  top = topBar(embedded().title, menu, askMeasured);
   document.body.classList.add("workbench");
   document.title = `${embedded().title} · Chladni studio`;
   const names = ["Data", "Poles", "Panel"];
@@ -260,6 +264,7 @@ function askScene(moving) {
   scenes.best.cancel();
   scenes.sweep.cancel();
   scenes.time.cancel();
+  forgetMeasured();
   if (!work.burst) foot.set("play", "");
   if (!here || here.model.references.length < 2) return;
   if (!panel.hasHot()) return panel.busy("draw a hot zone");
@@ -322,6 +327,53 @@ function askSweep(question, number) {
   });
 }
 
+// ---- measured fields
+
+/** Another drive: what was measured is not of it. */
+function forgetMeasured() {
+  if (!rig.fields.length) return;
+  rig = none();
+  panel.showMeasured(null);
+  panel.openField();
+  foot.set("measured", "");
+  foot.set("correct", "");
+}
+
+/** A field of the drive that is shown; a second one of the same drive takes the place of the first. */
+async function askMeasured(file) {
+  const isBest = shown && scenes.bestShown === scenes.asked;
+  if (!isBest) return panel.busy("A measured field belongs to a drive: wait for the best one.");
+  const before = rig;
+  const fields = [...(before.corrected ? before.fields : before.fields.slice(0, -1)), file];
+  const number = scenes.asked;
+  panel.busy(`comparing ${file.name} …`);
+  const said = await answerTo("measured", { scene: shown.question, fields });
+  if (number !== scenes.asked || rig !== before) return;
+  panel.busy(said.error ?? "");
+  if (said.error) return;
+  rig = { fields, said, corrected: null };
+  panel.showMeasured(said);
+  foot.set("measured", said.command);
+  showSentence();
+  count("measuredFields");
+}
+
+/** The drive that all fields so far correct. */
+async function correct() {
+  const before = rig;
+  panel.busy("correcting the drive …");
+  const said = await answerTo("correct", { scene: shown.question, fields: rig.fields });
+  if (rig !== before) return;
+  panel.busy(said.error ?? "");
+  if (said.error) return;
+  rig = { ...rig, corrected: said };
+  panel.show(said.scene, false);
+  panel.openField();
+  foot.set("correct", said.command);
+  showSentence();
+  count("corrections");
+}
+
 function cancelScene() {
   clearTimeout(scenes.timer);
   [scenes.best, scenes.sweep, scenes.time].forEach((asker) => asker.cancel());
@@ -346,6 +398,18 @@ function showSentence() {
     parts.push(".");
     const calmer = shown.sweep?.suggested_hz;
     if (calmer && calmer !== work.frequency && (on !== undefined || !scene.feasible)) offer = { words: `Use ${fixed(calmer, 0)} Hz`, action: () => edit({ frequency: calmer }) };
+  }
+  if (rig.corrected) {
+    const { scene, findings: found } = rig.corrected;
+    findings.splice(0, findings.length, ...found.map((one) => ({ about: "Correction", ...one })));
+    const margin = scene.indices.points.margin_db;
+    const spare = Number.isFinite(margin) ? `, ${fixed(Math.abs(margin), 1)} dB ${margin >= 0 ? "to spare" : "short"}` : "";
+    parts.splice(0, parts.length, h("b", {}, `Corrected from ${counted(rig.fields.length, "field")}: the scene is ${scene.feasible ? "met" : "missed"} in the corrected model${spare}. `), "Play the new drive and measure once more to confirm.");
+    offer = null;
+  } else if (rig.said) {
+    findings.splice(0, findings.length, ...rig.said.findings.map((one) => ({ about: "Measured field", ...one })));
+    parts.splice(0, parts.length, h("b", {}, rig.said.sentence));
+    offer = { words: "Correct", action: correct };
   }
   result.show(parts, findings, offer);
 }

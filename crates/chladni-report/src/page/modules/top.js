@@ -11,15 +11,24 @@ const KEYS = [
 ];
 const WORST = ["fault", "caution", "note"];
 
-/** The bar; `menu` are its downloads. */
-export function topBar(title, menu) {
+/** The bar; `menu` are its downloads, `onfield({name, csv})` takes a measured field. */
+export function topBar(title, menu, onfield) {
   const facts = h("span", { class: "muted", id: "file-facts" });
   const back = h("button", { type: "button", id: "undo", "aria-label": "Undo", title: "Undo (Ctrl Z)", onclick: undo }, "↶");
   const forth = h("button", { type: "button", id: "redo", "aria-label": "Redo", title: "Redo (Ctrl Shift Z)", onclick: redo }, "↷");
+  const file = h("input", { type: "file", id: "measured-file", accept: ".csv,.txt", "aria-label": "Measured field, CSV", onchange: async () => {
+    const [chosen] = file.files;
+    if (!chosen) return;
+    const csv = await chosen.text();
+    // the same name may be chosen again once it is measured again
+    file.value = "";
+    onfield({ name: chosen.name, csv });
+  } });
+  const field = h("label", { class: "file", title: "The velocity that was measured under this drive: response,re,im (CSV)" }, "Measured field…", file);
   const rows = KEYS.map(([key, words]) => [h("dt", {}, key), h("dd", {}, words)]);
   const keys = h("dialog", { id: "keys", "aria-label": "Keys" }, h("h2", {}, "Keys"), h("dl", {}, rows), h("form", { method: "dialog" }, h("button", {}, "Close")));
   const showKeys = () => keys.showModal();
-  const element = h("header", { class: "top" }, h("b", {}, "Chladni"), h("b", { class: "file-name" }, title), facts, h("span", { class: "gap" }), back, forth, menu, h("button", { type: "button", "aria-label": "Keys", title: "Keys (?)", onclick: showKeys }, "?"), keys);
+  const element = h("header", { class: "top" }, h("b", {}, "Chladni"), h("b", { class: "file-name" }, title), facts, h("span", { class: "gap" }), back, forth, field, menu, h("button", { type: "button", "aria-label": "Keys", title: "Keys (?)", onclick: showKeys }, "?"), keys);
   const show = () => {
     back.disabled = !canUndo();
     forth.disabled = !canRedo();

@@ -26,7 +26,7 @@ export function weightsView(scene, geometry, id) {
   else parts.push(h("p", {}, "The positions of the actuators are not known; their weights are listed one by one."));
   parts.push(...described(scene.by_actuator, `${id}-list`).map((one) => one.element));
   const rows = weights.map((weight) => [weight.reference, { number: fixed(amplitude(weight) * scale.factor, 4) }, { number: fixed(phaseDeg(weight), 2) }]);
-  parts.push(h("details", {}, h("summary", {}, "Weights as a table"), table(["Actuator", { number: `Amplitude (${scale.unit})` }, { number: "Phase (°)" }], rows, {})));
+  parts.push(h("details", { class: "weight-list" }, h("summary", {}, "Weights as a table"), table(["Actuator", { number: `Amplitude (${scale.unit})` }, { number: "Phase (°)" }], rows, {})));
   return h("div", {}, parts);
 }
 
