@@ -39,6 +39,7 @@ mod conic;
 mod count;
 mod covariance;
 mod drift;
+mod drive_errors;
 mod drive_program;
 mod dual;
 mod effort;
