@@ -44,6 +44,9 @@ mod backend;
 mod beside;
 #[doc(hidden)] // for the crates of Chladni: no promise
 pub mod blocked;
+mod doors;
+#[doc(hidden)] // for the crates of Chladni: no promise
+pub mod fft;
 mod scalar;
 
 pub use back_ends::{back_ends, BackEnd, Dense, Factors, Given};
@@ -134,7 +137,7 @@ pub fn matmul<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
     if a.is_empty() || b.is_empty() {
         return Array2::zeros((a.nrows(), b.ncols()));
     }
-    backend::matmul(a, false, b)
+    T::matmul(a, false, b)
 }
 
 /// aᴴ·b.
@@ -146,7 +149,7 @@ pub fn matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
     if a.is_empty() || b.is_empty() {
         return Array2::zeros((a.ncols(), b.ncols()));
     }
-    backend::matmul(a, true, b)
+    T::matmul(a, true, b)
 }
 
 /// c ← c + a·b for column-major c: sums over blocks without memory of their own.
@@ -160,7 +163,7 @@ pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView
         "add_matmul: sizes"
     );
     if !(a.is_empty() || b.is_empty()) {
-        backend::product(c, true, a, false, b);
+        T::product(c, true, a, false, b);
     }
 }
 
@@ -178,7 +181,7 @@ pub fn set_matmul<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: Array
     );
     match a.is_empty() || b.is_empty() {
         true => c.fill(T::zero()),
-        false => backend::product(c, false, a, false, b),
+        false => T::product(c, false, a, false, b),
     }
 }
 
@@ -194,7 +197,7 @@ pub fn set_matmul_h<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: Arr
     );
     match a.is_empty() || b.is_empty() {
         true => c.fill(T::zero()),
-        false => backend::product(c, false, a, true, b),
+        false => T::product(c, false, a, true, b),
     }
 }
 
@@ -215,7 +218,7 @@ pub fn qr_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<T>)> {
     if a.ncols() == 0 {
         return Ok((Array2::zeros((a.nrows(), 0)), Array2::zeros((0, 0))));
     }
-    Ok(backend::qr_thin(a))
+    Ok(T::qr_thin(a))
 }
 
 /// R of the thin QR alone, at about half the cost.
@@ -234,7 +237,7 @@ pub fn qr_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
     if a.ncols() == 0 {
         return Ok(Array2::zeros((0, 0)));
     }
-    Ok(backend::qr_r(a))
+    Ok(T::qr_r(a))
 }
 
 /// Thin SVD: a = u·diag(s)·vh, s falling.
@@ -261,7 +264,7 @@ pub fn svd_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>, 
             eye(size, a.ncols()),
         ));
     }
-    let (u, s, vh) = backend::svd_thin(a.mapv(|v| v.divided_by(scale)).view())?;
+    let (u, s, vh) = T::svd_thin(a.mapv(|v| v.divided_by(scale)).view())?;
     Ok((u, s * scale, vh))
 }
 
@@ -276,7 +279,7 @@ pub fn eigh<T: Scalar>(a: ArrayView2<T>) -> Result<(Array1<f64>, Array2<T>)> {
     if a.is_empty() {
         return Ok((Array1::zeros(0), Array2::zeros((0, 0))));
     }
-    backend::eigh(a)
+    T::eigh(a)
 }
 
 /// Eigenvalues of a general complex matrix, in no particular order.
@@ -302,7 +305,7 @@ pub fn cholesky<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
     if a.is_empty() {
         return Ok(Array2::zeros((0, 0)));
     }
-    backend::cholesky(a)
+    T::cholesky(a)
 }
 
 /// Solves l·x = b for lower triangular l.
@@ -350,7 +353,7 @@ fn triangular<T: Scalar>(
     if b.is_empty() {
         return Ok(Array2::zeros(b.dim()));
     }
-    Ok(backend::solve_triangular(t, b, which))
+    Ok(T::solve_triangular(t, b, which))
 }
 
 /// Solves a·x = b for Hermitian positive definite a (Cholesky).

@@ -2,8 +2,8 @@
 
 use super::whole_record::{smooth_length, spectrum};
 use chladni_frf::{Forcing, Run};
+use chladni_linalg::fft;
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
 /// Shortest record that is judged, samples.
 const LEAST_SAMPLES: usize = 1024;
@@ -130,9 +130,7 @@ fn repeats(mut lines: Vec<Complex64>) -> bool {
     // one side of an even spectrum: twice its real part is the autocorrelation
     lines[half] = Complex64::default();
     lines.resize(2 * half, Complex64::default());
-    FftPlanner::new()
-        .plan_fft_inverse(2 * half)
-        .process(&mut lines);
+    fft::inverse(2 * half).process(&mut lines);
     let largest = lines[2 * half / LONG_LAG..=half]
         .iter()
         .map(|value| value.re.abs())

@@ -2,8 +2,8 @@
 //! was it windowed (theory.md, eq. 24)?
 
 use crate::data::columns::Columns;
+use chladni_linalg::fft;
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
 /// Parts of the record the energy is summed over.
 const SEGMENTS: usize = 32;
@@ -31,7 +31,7 @@ fn decay(work: &Columns, frequency: &[f64]) -> Option<[f64; SEGMENTS]> {
         return None;
     }
     let mut energy = [0.0; SEGMENTS];
-    let fft = FftPlanner::new().plan_fft_inverse(n);
+    let fft = fft::inverse(n);
     for column in work.b.columns() {
         let mut response: Vec<Complex64> = column.to_vec();
         fft.process(&mut response);
@@ -98,7 +98,7 @@ mod tests {
                 modes * window(t)
             })
             .collect();
-        FftPlanner::new().plan_fft_forward(n).process(&mut response);
+        fft::forward(n).process(&mut response);
         let x: Vec<f64> = (0..n).map(|k| (k + 1) as f64).collect();
         let b = Array2::from_shape_fn((n, 1), |(k, _)| response[k]);
         (
