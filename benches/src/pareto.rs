@@ -114,17 +114,7 @@ pub(crate) fn pareto_chart(
         chart = chart.with(layer);
     }
     chart = chart.line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0));
-    for (k, curve) in curves.iter().enumerate() {
-        let colour = Colour::Series(1 + k as u8 % (SERIES - 1));
-        let dash = [Dash::Dashed, Dash::Dotted][k % 2];
-        let mark = Mark::of_series(FIRST_OF_CURVES + k);
-        chart = chart.line(
-            "",
-            curve.points.clone(),
-            Stroke::new(colour, 1.6).dashed(dash),
-        );
-        chart = chart.marks(&curve.name, curve.points.clone(), mark, colour, 7.0);
-    }
+    chart = with_curves(chart, curves);
     for (name, on, mark, colour, size) in [
         ("on the front", true, ON_FRONT, Colour::Series(0), 10.0),
         ("dominated", false, DOMINATED, Colour::Muted, 9.0),
@@ -147,17 +137,7 @@ pub(crate) fn pareto_chart(
         .flat_map(|curve| curve.points.clone())
         .collect();
     let places = names(&points, &others, &labels, ends[0], ends[1]);
-    // a name that found no room at the height of its mark is tied to it
-    let tied = places
-        .iter()
-        .zip(&points)
-        .filter(|((at, _), point)| (at[1] / point[1]).ln().abs() > 1e-9);
-    let ties = tied.map(|((at, _), point)| vec![*point, *at]).collect();
-    chart = chart.with(Layer::Lines {
-        name: None,
-        lines: ties,
-        stroke: Stroke::new(Colour::Muted, 0.8),
-    });
+    chart = chart.with(ties(&places, &points));
     for ((text, (at, anchor)), bold) in labels.into_iter().zip(places).zip(on_front) {
         chart = chart.with(Layer::Words {
             at,
@@ -167,6 +147,36 @@ pub(crate) fn pareto_chart(
         });
     }
     Some(chart)
+}
+
+fn with_curves(mut chart: Chart, curves: &[Curve]) -> Chart {
+    for (k, curve) in curves.iter().enumerate() {
+        let colour = Colour::Series(1 + k as u8 % (SERIES - 1));
+        let dash = [Dash::Dashed, Dash::Dotted][k % 2];
+        let mark = Mark::of_series(FIRST_OF_CURVES + k);
+        let stroke = Stroke::new(colour, 1.6).dashed(dash);
+        chart = chart.line("", curve.points.clone(), stroke).marks(
+            &curve.name,
+            curve.points.clone(),
+            mark,
+            colour,
+            7.0,
+        );
+    }
+    chart
+}
+
+/// Lines from marks to their names, where these found no room at the height of the mark.
+fn ties(places: &[(Place, Anchor)], points: &[Place]) -> Layer {
+    let tied = places
+        .iter()
+        .zip(points)
+        .filter(|((at, _), point)| (at[1] / point[1]).ln().abs() > 1e-9);
+    Layer::Lines {
+        name: None,
+        lines: tied.map(|((at, _), point)| vec![*point, *at]).collect(),
+        stroke: Stroke::new(Colour::Muted, 0.8),
+    }
 }
 
 /// One figure for each case with a bound: time of a fit against its error over the bound;

@@ -373,17 +373,8 @@ fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
             .marks("", both, Mark::Dot, Colour::Ink, 4.0)
     };
     let two = |chart: Chart, value: &dyn Fn(&PaperRow) -> f64| {
-        let [exact, fitted] =
-            [PaperModes::Exact, PaperModes::Fitted].map(|modes_of| curve(modes_of, value));
-        chart
-            .line("exact modes", exact.clone(), Stroke::new(Colour::Ink, 1.6))
-            .marks("", exact, Mark::Dot, Colour::Ink, 5.0)
-            .line(
-                "fitted modes",
-                fitted.clone(),
-                Stroke::new(Colour::Series(1), 1.6).dashed(Dash::Dashed),
-            )
-            .marks("", fitted, Mark::Square, Colour::Series(1), 5.0)
+        let of_modes = |modes_of| curve(modes_of, value);
+        with_both(chart, [PaperModes::Exact, PaperModes::Fitted].map(of_modes))
     };
     let force = |row: &PaperRow| row.weights.indices.points.max_force_n.unwrap_or(f64::NAN);
     let cost = |label: &str, unit: &str| {
@@ -405,10 +396,24 @@ fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
     }
 }
 
-/// Share served at every place of the hot zone.
-fn over_places(run: &PaperRun) -> Figure {
+/// Curves of exact and of fitted modes.
+fn with_both(chart: Chart, [exact, fitted]: [Vec<Place>; 2]) -> Chart {
+    let dashed = Stroke::new(Colour::Series(1), 1.6).dashed(Dash::Dashed);
+    chart
+        .line("exact modes", exact.clone(), Stroke::new(Colour::Ink, 1.6))
+        .marks("", exact, Mark::Dot, Colour::Ink, 5.0)
+        .line("fitted modes", fitted.clone(), dashed)
+        .marks("", fitted, Mark::Square, Colour::Series(1), 5.0)
+}
+
+/// A place of the hot zone, and its rows: two steps with exact modes, with fitted ones,
+/// the default method, both steps as one.
+type PlaceRows<'a> = (f64, [Option<&'a PaperRow>; 4]);
+
+/// All places with their names.
+fn at_places(run: &PaperRun) -> (Vec<(f64, String)>, Vec<PlaceRows<'_>>) {
     let mut names: Vec<(f64, String)> = Vec::new();
-    let mut rows: Vec<(f64, [Option<&PaperRow>; 4])> = Vec::new();
+    let mut rows: Vec<PlaceRows<'_>> = Vec::new();
     for case in places() {
         // a gap between quarters and ninths
         let at = (rows.len() + 1 + usize::from(case.grid != [2, 2])) as f64;
@@ -425,6 +430,12 @@ fn over_places(run: &PaperRun) -> Figure {
         ];
         rows.push((at, of_case));
     }
+    (names, rows)
+}
+
+/// Share served at every place of the hot zone.
+fn over_places(run: &PaperRun) -> Figure {
+    let (names, rows) = at_places(run);
     let last = rows.last().map_or(0.0, |row| row.0);
     let chart = |label: &str, share: fn(&PaperRow) -> f64, silence: bool| {
         let x = Axis::linear("Place of the hot zone, cell/cells", "row by row")

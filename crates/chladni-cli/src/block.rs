@@ -9,7 +9,7 @@ use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, MODEL, PARTIAL, POLES_OR_MODEL};
 use chladni_console::table::{counted, significant, table};
 use chladni_console::{Console, Outcome};
-use chladni_frf::{Error, ErrorKind, Result};
+use chladni_frf::{Error, ErrorKind, ModalModel, Result};
 use chladni_io::sha256_of;
 use chladni_io::{write_atomically, write_model, FrfParts};
 use chladni_rfp::pieces::{residues, solve, Partial, Poles, Reducer, Solved};
@@ -168,6 +168,25 @@ impl Reduce {
     }
 }
 
+impl Reduce {
+    /// The block of the files that is asked for, all of them where they are one.
+    fn data(&self, files: &[PathBuf]) -> Result<FrfParts> {
+        let data = FrfParts::open(files, &self.reading.options())?;
+        match self.blocks {
+            None => Ok(data),
+            Some(blocks) if self.block < blocks => data.share(self.block, blocks),
+            Some(blocks) => Err(Error::new(ErrorKind::Usage, "there is no such block")
+                .field("--block")
+                .found(self.block)
+                .expected(format!(
+                    "0 to {}, of {blocks} blocks",
+                    blocks.saturating_sub(1)
+                ))
+                .help("blocks are counted from 0")),
+        }
+    }
+}
+
 fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::new(&args.output, PARTIAL, &files, console)?;
@@ -183,21 +202,7 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
         window: args.window.or(first.window),
         ..first
     };
-    let mut data = FrfParts::open(&files, &args.reading.options())?;
-    if let Some(blocks) = args.blocks {
-        if args.block >= blocks {
-            return Err(Error::new(ErrorKind::Usage, "there is no such block")
-                .field("--block")
-                .found(args.block)
-                .expected(format!(
-                    "0 to {}, of {blocks} blocks",
-                    blocks.saturating_sub(1)
-                ))
-                .help("blocks are counted from 0"));
-        }
-        data = data.share(args.block, blocks)?;
-    }
-    let stream = Stream::new(data, &files, args.memory, &options, console)?;
+    let stream = Stream::new(args.data(&files)?, &files, args.memory, &options, console)?;
     if args.dry_run {
         let plan = Plan {
             files: &files,
@@ -330,15 +335,7 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
                 let value = serde_json::from_str(json).unwrap_or_else(|_| json.as_str().into());
                 model.options.insert(name.clone(), value);
             }
-            console.find_all(&model.quality.findings);
-            output.write(|path, force| write_model(path, &model, force))?;
-            let doubt = (!model.quality.trusted).then(|| distrust(&model));
-            Ok(Outcome::written(
-                &args.output,
-                summary(&model, &args.output)?,
-                text(&model, console.verbose),
-            )
-            .doubted(doubt))
+            written(&model, &args.output, &output, console)
         }
     }
 }
@@ -403,15 +400,16 @@ fn residues_of(args: &Residues, console: &Console) -> Result<Outcome> {
     sources.push(chladni_console::input::source(&args.model)?);
     model.source = sources;
     args.reading.echo(&mut model.options);
+    written(&model, &args.output, &output, console)
+}
+
+/// Writes a model to `path`, and tells of it.
+fn written(model: &ModalModel, path: &Path, output: &Output, console: &Console) -> Result<Outcome> {
     console.find_all(&model.quality.findings);
-    output.write(|path, force| write_model(path, &model, force))?;
-    let doubt = (!model.quality.trusted).then(|| distrust(&model));
-    Ok(Outcome::written(
-        &args.output,
-        summary(&model, &args.output)?,
-        text(&model, console.verbose),
-    )
-    .doubted(doubt))
+    output.write(|path, force| write_model(path, model, force))?;
+    let doubt = (!model.quality.trusted).then(|| distrust(model));
+    let words = text(model, console.verbose);
+    Ok(Outcome::written(path, summary(model, path)?, words).doubted(doubt))
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>> {

@@ -1,5 +1,6 @@
 //! `chladni compare`: two models side by side, or a mode followed through many.
 
+use crate::limits::LONGEST_HEADING;
 use chladni_console::input::{source, warn_of_files};
 use chladni_console::table::{bounded, counted, significant, table, SIGMAS_95};
 use chladni_console::{Console, Outcome};
@@ -13,8 +14,6 @@ use std::path::PathBuf;
 
 /// Value of `format` in the JSON object.
 const FORMAT: &str = "chladni.comparison";
-/// Names of files in a heading are cut to so many characters.
-const LONGEST_HEADING: usize = 24;
 
 /// Arguments of `compare`.
 #[derive(Debug, clap::Args)]

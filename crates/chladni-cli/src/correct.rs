@@ -9,8 +9,8 @@ use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result, Source};
 use chladni_io::{read_field, read_model, sha256_of, write_atomically};
 use chladni_render::{calibrate, Correction, RenderOptions, Scene, Weights};
-use serde_json::json;
-use std::path::PathBuf;
+use serde_json::{json, Value};
+use std::path::{Path, PathBuf};
 
 /// Arguments of `correct`.
 #[derive(Debug, clap::Args)]
@@ -50,19 +50,7 @@ pub struct Args {
 /// # Errors
 /// Those of reading and writing, and fields that do not belong to their weights.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    if args.weights.len() != args.field.len() {
-        let found = format!(
-            "{} weights and {} fields",
-            args.weights.len(),
-            args.field.len()
-        );
-        return Err(
-            Error::new(ErrorKind::Usage, "weights and fields are no pairs")
-                .field("--field")
-                .found(found)
-                .expected("one --field for each --weights, in the same order"),
-        );
-    }
+    check(args)?;
     let inputs = [
         vec![args.model.clone(), args.scene.clone()],
         args.weights.clone(),
@@ -79,14 +67,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .as_deref()
         .map(|path| Output::new(path, WEIGHTS, &inputs, console))
         .transpose()?;
-    if args.calibration.is_some() && args.calibration == args.output {
-        return Err(
-            Error::new(ErrorKind::Usage, "two outputs would be one file")
-                .field("--calibration")
-                .found("the name of the weights file")
-                .expected("a name of its own"),
-        );
-    }
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
@@ -133,19 +113,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         (Some(path), Some(output)) => {
             console.stage("writing");
             write_weights(output, &weights)?;
-            let json = json!({
-                "output": path.display().to_string(),
-                "source": weights.source,
-                "frequency_hz": weights.frequency_hz,
-                "feasible": weights.feasible,
-                "kappa": weights.kappa,
-                "indices": weights.indices,
-                "correction": weights.correction,
-                "calibration": args.calibration.as_ref().map(|path| path.display().to_string()),
-                "warnings": weights.findings.warnings(),
-                "findings": weights.findings.0,
-            });
-            Outcome::written(path, json, text)
+            Outcome::written(path, written(args, path, &weights), text)
         }
         _ => {
             let json = serde_json::to_value(&weights).map_err(|error| {
@@ -158,6 +126,48 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         }
     };
     Ok(outcome.doubted(doubt))
+}
+
+/// Options that do not go together.
+fn check(args: &Args) -> Result<()> {
+    if args.weights.len() != args.field.len() {
+        let found = format!(
+            "{} weights and {} fields",
+            args.weights.len(),
+            args.field.len()
+        );
+        return Err(
+            Error::new(ErrorKind::Usage, "weights and fields are no pairs")
+                .field("--field")
+                .found(found)
+                .expected("one --field for each --weights, in the same order"),
+        );
+    }
+    if args.calibration.is_some() && args.calibration == args.output {
+        return Err(
+            Error::new(ErrorKind::Usage, "two outputs would be one file")
+                .field("--calibration")
+                .found("the name of the weights file")
+                .expected("a name of its own"),
+        );
+    }
+    Ok(())
+}
+
+/// The JSON object of weights that were written to `path`.
+fn written(args: &Args, path: &Path, weights: &Weights) -> Value {
+    json!({
+        "output": path.display().to_string(),
+        "source": weights.source,
+        "frequency_hz": weights.frequency_hz,
+        "feasible": weights.feasible,
+        "kappa": weights.kappa,
+        "indices": weights.indices,
+        "correction": weights.correction,
+        "calibration": args.calibration.as_ref().map(|path| path.display().to_string()),
+        "warnings": weights.findings.warnings(),
+        "findings": weights.findings.0,
+    })
 }
 
 /// Fields that the calibration of the scene holds already would count twice.

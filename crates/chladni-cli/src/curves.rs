@@ -1,6 +1,7 @@
 //! A scene over the number of modes and over the number of actuators: for each number
 //! weights of their own, judged by the whole model.
 
+use crate::limits::POINTS;
 use chladni_frf::{Dof, ModalModel, Result};
 use chladni_render::{
     evaluate, render, Count, Indices, MethodChoice, On, RenderOptions, Scene, Weights,
@@ -10,8 +11,6 @@ use rayon::prelude::*;
 
 /// The method of every point: a curve is there as soon as its scene is.
 const METHOD: MethodChoice = MethodChoice::Fast;
-/// Points of a curve; larger numbers are taken in equal steps.
-const POINTS: usize = 20;
 
 /// Both curves of the scene that `weights` were made for; actuators join in the order of
 /// their amplitudes in `weights`.

@@ -6,7 +6,8 @@ use chladni_console::table::{counted, significant};
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{
-    BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Geometry, Result, Source,
+    BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Geometry, Result, Run,
+    Source,
 };
 use chladni_io::{read_documents, write_contents, Contents, ReadOptions};
 use chladni_io::{runs_of, ChannelOverride};
@@ -121,6 +122,52 @@ impl Args {
     }
 }
 
+/// Time records of all files, with what else these say.
+#[derive(Default)]
+struct Records {
+    runs: Vec<Run>,
+    sources: Vec<Source>,
+    geometry: Geometry,
+}
+
+impl Args {
+    fn records(
+        &self,
+        files: &[PathBuf],
+        said: &ChannelOverride,
+        console: &Console,
+    ) -> Result<Records> {
+        let options = ReadOptions {
+            lenient: self.lenient,
+            sample_rate_hz: self.sample_rate,
+            ..ReadOptions::default()
+        };
+        let mut records = Records::default();
+        let mut warnings = Vec::new();
+        for mut document in read_documents(files, &options)? {
+            let errors = &document.errors;
+            match errors.first() {
+                Some(error) if !self.lenient => return Err(error.clone().file(&document.file)),
+                _ => warnings.extend(errors.iter().map(|error| {
+                    Finding::caution("damaged-left-out", format!("left out: {error}"))
+                })),
+            }
+            records.runs.extend(runs_of(&document, said)?);
+            let of_file = document.warnings.iter();
+            warnings.extend(of_file.map(|warning| warning.about(document.file.display())));
+            records.sources.push(Source {
+                file: chladni_text::file_name(&document.file),
+                sha256: document.sha256.clone(),
+            });
+            if records.geometry.nodes.is_empty() {
+                records.geometry = std::mem::take(&mut document.geometry);
+            }
+        }
+        warn_of_files(files, warnings, console);
+        Ok(records)
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -141,42 +188,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         references: args.references.clone(),
     };
     console.stage("reading");
-    let mut runs = Vec::new();
-    let mut sources = Vec::new();
-    let mut geometry = Geometry::default();
-    let mut warnings = Vec::new();
-    for mut document in read_documents(
-        &files,
-        &ReadOptions {
-            lenient: args.lenient,
-            sample_rate_hz: args.sample_rate,
-            ..ReadOptions::default()
-        },
-    )? {
-        match document.errors.first() {
-            Some(error) if !args.lenient => return Err(error.clone().file(&document.file)),
-            _ => {
-                warnings.extend(document.errors.iter().map(|error| {
-                    Finding::caution("damaged-left-out", format!("left out: {error}"))
-                }))
-            }
-        }
-        runs.extend(runs_of(&document, &said)?);
-        warnings.extend(
-            document
-                .warnings
-                .iter()
-                .map(|warning| warning.about(document.file.display())),
-        );
-        sources.push(Source {
-            file: chladni_text::file_name(&document.file),
-            sha256: document.sha256.clone(),
-        });
-        if geometry.nodes.is_empty() {
-            geometry = std::mem::take(&mut document.geometry);
-        }
-    }
-    warn_of_files(&files, warnings, console);
+    let Records {
+        runs,
+        sources,
+        geometry,
+    } = args.records(&files, &said, console)?;
     console.stage("estimating FRFs");
     let result = estimate(&runs, &options)?;
     let made = result.estimation;

@@ -102,33 +102,24 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     for tone in &evaluation.other_tones {
         console.find_all(&tone.findings);
     }
-    let json = json!({
-        "weights": args.weights.display().to_string(),
-        "scene": args.scene.display().to_string(),
-        "on": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
-        "source": sources,
-    });
+    let on: Vec<String> = files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
     let mut summary = judged(&evaluation);
-    if !evaluation.other_tones.is_empty() {
-        summary.insert(
-            "other_tones".into(),
-            evaluation
-                .other_tones
-                .iter()
-                .map(judged)
-                .map(Value::Object)
-                .collect(),
-        );
+    let tones = &evaluation.other_tones;
+    if !tones.is_empty() {
+        let tones = tones.iter().map(judged).map(Value::Object).collect();
+        summary.insert("other_tones".into(), tones);
     }
-    if let Value::Object(fields) = json {
-        summary.extend(fields);
-    }
-    if let Some(indices) = &in_time {
-        summary.insert("time".into(), json!(indices));
-    }
-    let tones = std::iter::once(&evaluation).chain(&evaluation.other_tones);
+    summary.insert("weights".into(), args.weights.display().to_string().into());
+    summary.insert("scene".into(), args.scene.display().to_string().into());
+    summary.insert("on".into(), on.into());
+    summary.insert("source".into(), json!(sources));
+    let tones = std::iter::once(&evaluation).chain(tones);
     let mut words = tones.map(text).collect::<Vec<_>>().join("\n");
     if let Some(indices) = &in_time {
+        summary.insert("time".into(), json!(indices));
         words += &format!("\n{}", in_words(indices));
     }
     Ok(Outcome::shown(summary.into(), words))

@@ -8,6 +8,7 @@ pub use text::text;
 
 use crate::asked_model::AskedModel;
 use crate::explain::explain;
+use crate::limits::MOST_FILES;
 use crate::plan::Plan;
 use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
@@ -235,8 +236,6 @@ fn written(
 
 /// The command that comes next: a better band where one is known, else the report.
 fn next_step(args: &Args, model: &ModalModel) -> Option<String> {
-    /// Files that a command to copy may name.
-    const MOST_FILES: usize = 3;
     let output = args.output.as_deref().map(shell_path);
     if model
         .quality

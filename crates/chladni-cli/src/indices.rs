@@ -1,5 +1,6 @@
 //! Performance of weights, as a table.
 
+use crate::limits::BEST_SHOWN;
 use chladni_console::table::{significant, table};
 use chladni_render::{FrequencySweep, Indices, StressRow, SweptFrequency, Weights};
 
@@ -90,9 +91,6 @@ pub fn stress_table(rows: &[StressRow]) -> String {
     ];
     format!("\n{}", table(&header, &cells.collect::<Vec<_>>()))
 }
-
-/// Frequencies of a sweep that are listed unless all are asked for.
-const BEST_SHOWN: usize = 6;
 
 /// The best frequencies of a sweep, in rising order: most responses served, touched ones
 /// first; among equals the largest κ.

@@ -1,5 +1,6 @@
 //! `chladni info`: what is inside files, and what is wrong with it.
 
+use crate::limits::SHOWN_ALIKE;
 use chladni_console::input::{expand, read_weights, Reading};
 use chladni_console::oddities;
 use chladni_console::settings::{error_with_options, finding_with_options};
@@ -13,10 +14,6 @@ use chladni_io::{
 use serde_json::{json, Value};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-
-/// Alike datasets beyond this count are one line of the table, and files beyond it one
-/// line each, without `-v`.
-const SHOWN_ALIKE: usize = 6;
 
 /// Arguments of `info`.
 #[derive(Debug, clap::Args)]

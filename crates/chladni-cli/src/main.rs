@@ -17,6 +17,7 @@ mod fit;
 mod in_time;
 mod indices;
 mod info;
+mod limits;
 mod plan;
 mod play;
 mod render;

@@ -1,5 +1,6 @@
 //! `chladni play`: drive signals of a scene in time.
 
+use crate::limits::{PLAY_FRAMES, PNG_SCALE, STRESS_DRAWS};
 use crate::render::of_scene;
 use crate::signal_files::SignalFiles;
 use crate::time_table::{stress_table, time_table};
@@ -18,12 +19,6 @@ use chladni_text::read_text;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 use std::path::{Path, PathBuf};
-
-/// Pictures of the ground, in a chart of places over time and in a moving one.
-const FRAMES: usize = 120;
-
-/// Pixels of a PNG file per px of the picture.
-const PNG_SCALE: f64 = 2.0;
 
 /// Arguments of `play`.
 #[derive(Debug, clap::Args)]
@@ -123,32 +118,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
     let weights = args.weights.as_deref().map(read_weights).transpose()?;
-    let channels = match &args.channel_map {
-        None => None,
-        Some(file) => {
-            let text = read_text(file, "a channel map, CSV")?;
-            Some(ChannelMap::parse(&text).map_err(|error| error.file(file))?)
-        }
-    };
+    let channels = args.channel_map.as_deref().map(channel_map).transpose()?;
     let sources = inputs
         .iter()
         .map(|file| source(file))
         .collect::<Result<Vec<_>>>()?;
     console.stage("rendering");
-    let options = PlayOptions {
-        ramps: args
-            .ramps
-            .as_deref()
-            .and_then(|name| Ramps::ALL.into_iter().find(|ramps| ramps.as_str() == name)),
-        render: RenderOptions {
-            method: args.method,
-            ..RenderOptions::default()
-        },
-        frames: if args.charts.is_some() { FRAMES } else { 0 },
-        plain: args.charts.is_some(),
-        ..PlayOptions::default()
-    };
-    let played = play(&model, &scene, weights.as_ref(), &options)
+    let played = play(&model, &scene, weights.as_ref(), &args.options())
         .map_err(|error| of_scene(error, &scene))?;
     console.find_all(&played.findings);
     let stress = match args.stress {
@@ -192,9 +168,27 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(outcome.doubted(doubt))
 }
 
-/// Draws of each random trial in time: each plays the whole scene, and the worst twentieth
-/// is two of them.
-const STRESS_DRAWS: usize = 40;
+impl Args {
+    fn options(&self) -> PlayOptions {
+        let is_named = |ramps: &Ramps| self.ramps.as_deref() == Some(ramps.as_str());
+        let draws = self.charts.is_some();
+        PlayOptions {
+            ramps: Ramps::ALL.into_iter().find(is_named),
+            render: RenderOptions {
+                method: self.method,
+                ..RenderOptions::default()
+            },
+            frames: if draws { PLAY_FRAMES } else { 0 },
+            plain: draws,
+            ..PlayOptions::default()
+        }
+    }
+}
+
+fn channel_map(file: &Path) -> Result<ChannelMap> {
+    let text = read_text(file, "a channel map, CSV")?;
+    ChannelMap::parse(&text).map_err(|error| error.file(file))
+}
 
 fn tried(
     played: &Played,

@@ -2,6 +2,7 @@
 
 mod text;
 
+use crate::limits::SWEEP_HZ;
 use crate::signal_files::SignalFiles;
 use chladni_console::input::{expand, read_frf, source, Reading};
 use chladni_console::output::{Output, SIGNAL_OR_TABLE, WEIGHTS};
@@ -18,9 +19,6 @@ use chladni_render::{
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
-
-/// Hz on both sides of the drive that a sweep tries.
-const SWEEP_HZ: f64 = 30.0;
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -125,6 +123,27 @@ impl Args {
     }
 }
 
+impl Args {
+    /// The files of samples, where these are asked for.
+    fn signals(&self, inputs: &[PathBuf], console: &Console) -> Result<Option<SignalFiles>> {
+        let signals = self
+            .wav
+            .as_deref()
+            .map(|path| SignalFiles::new(path, SIGNAL_OR_TABLE, inputs, console))
+            .transpose()?;
+        let sidecar = signals.as_ref().and_then(SignalFiles::sidecar);
+        if sidecar.is_some() && sidecar == self.output.as_deref() {
+            return Err(
+                Error::new(ErrorKind::Usage, "two outputs would be one file")
+                    .field("--wav")
+                    .found("a sound file whose sidecar has the name of the weights file")
+                    .expected("another name: the sidecar is the sound file with .json"),
+            );
+        }
+        Ok(signals)
+    }
+}
+
 fn parse_range(text: &str) -> std::result::Result<[f64; 2], String> {
     let ends: Option<Vec<f64>> = text
         .split(':')
@@ -153,21 +172,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .as_deref()
         .map(|path| Output::new(path, WEIGHTS, &inputs, console))
         .transpose()?;
-    let signals = args
-        .wav
-        .as_deref()
-        .map(|path| SignalFiles::new(path, SIGNAL_OR_TABLE, &inputs, console))
-        .transpose()?;
-    if signals.as_ref().and_then(SignalFiles::sidecar) == args.output.as_deref()
-        && args.output.is_some()
-    {
-        return Err(
-            Error::new(ErrorKind::Usage, "two outputs would be one file")
-                .field("--wav")
-                .found("a sound file whose sidecar has the name of the weights file")
-                .expected("another name: the sidecar is the sound file with .json"),
-        );
-    }
+    let signals = args.signals(&inputs, console)?;
     console.stage("reading");
     let model = read_model(&args.model)?;
     let mut scene = Scene::read(&args.scene)?;
@@ -176,16 +181,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .iter()
         .map(|file| Scene::read(file))
         .collect::<Result<Vec<_>>>()?;
-    let mut sources = vec![source(&args.model)?, source(&args.scene)?];
-    if let Some(file) = &scene.actuators.calibration_file {
-        sources.push(source(file)?);
-    }
-    sources.extend(
-        args.also
-            .iter()
-            .map(|file| source(file))
-            .collect::<Result<Vec<_>>>()?,
-    );
+    let mut sources = [&args.model, &args.scene]
+        .into_iter()
+        .chain(&scene.actuators.calibration_file)
+        .chain(&args.also)
+        .map(|file| source(file))
+        .collect::<Result<Vec<_>>>()?;
     let measured = match args.measured.is_empty() {
         true => None,
         false => {

@@ -1,6 +1,7 @@
 //! `chladni fit --scene`: fits only the band that a scene needs, and says what was left
 //! out.
 
+use crate::limits::{MODES_SHOWN, TONES_SHOWN};
 use chladni_console::input::source;
 use chladni_console::table::{counted, shortened, significant};
 use chladni_frf::{FrfKind, FrfSet, ModalModel, Result, Source};
@@ -8,11 +9,6 @@ use chladni_render::{needed_band, NeededBand, Operator, Scene};
 use chladni_rfp::{FitOptions, Method};
 use num_complex::Complex64;
 use std::path::Path;
-
-/// Number of left-out modes that a message lists.
-const MODES_SHOWN: usize = 6;
-/// Number of tones.
-const TONES_SHOWN: usize = 4;
 
 /// A scene and the band that it needs.
 pub struct SceneBand {

@@ -2,6 +2,7 @@
 
 use crate::explain::explain;
 use crate::fit::{distrust, summary, text};
+use crate::limits::AS_SEEN;
 use crate::report::measured_of;
 use chladni_console::input::{expand, read_frf, source, Reading};
 use chladni_console::output::{Output, MODEL};
@@ -147,9 +148,6 @@ fn again(mut model: ModalModel, before: &ModalModel, options: &FitOptions) -> Mo
     model.options.insert("added_hz".into(), added.into());
     model
 }
-
-/// A mode is the one that was seen where it lies so near, part of its frequency.
-const AS_SEEN: f64 = 0.05;
 
 /// The outcome of a mode that was added at `hz`.
 fn become_of(model: &ModalModel, hz: f64) -> String {

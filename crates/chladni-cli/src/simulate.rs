@@ -77,21 +77,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     let inputs = std::slice::from_ref(&args.panel);
     let output = Output::new(&args.output, FRF, inputs, console)?;
-    if args
-        .truth
-        .as_deref()
-        .is_some_and(|truth| is_same_place(truth, &args.output))
-    {
-        return Err(Error::new(
-            ErrorKind::Usage,
-            "the FRFs and the model behind them are two files",
-        )
-        .file(&args.output)
-        .field("--truth")
-        .found("the name of the other output")
-        .expected("a name of its own")
-        .help("give --truth another name"));
-    }
+    check_truth(args)?;
     let truth_output = args
         .truth
         .as_ref()
@@ -99,18 +85,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .transpose()?;
     let panel = Panel::read(&args.panel, args.memory)?;
     if args.dry_run {
-        let plan = Plan {
-            files: inputs,
-            frf_bytes: frf_bytes(&panel),
-            parts: None,
-            memory: args.memory,
-            outputs: [Some(&args.output), args.truth.as_ref()]
-                .into_iter()
-                .flatten()
-                .map(PathBuf::as_path)
-                .collect(),
-        };
-        return Ok(plan.outcome());
+        return Ok(planned(args, &panel));
     }
     let sources = vec![source(&args.panel)?];
 
@@ -162,6 +137,35 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         snr_db
     );
     Ok(Outcome::written(&args.output, json, text))
+}
+
+fn check_truth(args: &Args) -> Result<()> {
+    let is_one = |truth: &PathBuf| is_same_place(truth, &args.output);
+    if !args.truth.as_ref().is_some_and(is_one) {
+        return Ok(());
+    }
+    Err(Error::new(
+        ErrorKind::Usage,
+        "the FRFs and the model behind them are two files",
+    )
+    .file(&args.output)
+    .field("--truth")
+    .found("the name of the other output")
+    .expected("a name of its own")
+    .help("give --truth another name"))
+}
+
+/// The outcome of a dry run.
+fn planned(args: &Args, panel: &Panel) -> Outcome {
+    let outputs = std::iter::once(&args.output).chain(&args.truth);
+    let plan = Plan {
+        files: std::slice::from_ref(&args.panel),
+        frf_bytes: frf_bytes(panel),
+        parts: None,
+        memory: args.memory,
+        outputs: outputs.map(PathBuf::as_path).collect(),
+    };
+    plan.outcome()
 }
 
 /// Writes the field of weights.

@@ -1,15 +1,8 @@
 //! A fit beside the model that its data were made of.
 
+use crate::limits::{FREQUENCY_ERROR, LEAST_MAC, LOSS_FACTOR_ERROR};
 use chladni_frf::{ModalModel, Mode};
 use chladni_rfp::mac;
-
-/// The accuracy that a fit of the built-in panel (40 dB) must reach; its actual errors
-/// are a hundred times smaller, so that what lies beyond is a fault and not the noise.
-const FREQUENCY_ERROR: f64 = 1e-4;
-/// The same for loss factors.
-const LOSS_FACTOR_ERROR: f64 = 1e-2;
-/// Least modal assurance criterion of a shape with the true one.
-const LEAST_MAC: f64 = 0.99;
 
 /// Errors of the modes that were found, and the count of the others.
 pub struct Comparison {

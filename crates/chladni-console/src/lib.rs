@@ -7,6 +7,7 @@ mod args;
 mod console;
 pub mod input;
 mod interrupt;
+mod limits;
 pub mod memory;
 pub mod next_step;
 pub mod oddities;

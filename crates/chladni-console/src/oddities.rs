@@ -1,18 +1,10 @@
 //! Oddities of a set of FRFs although every number in it can be read. What only a fit can
 //! tell is in `chladni-rfp` (faults).
 
+use crate::limits::{CLIPPED_LINES, LINES_OF_A_TEST, LOWEST_END_HZ};
 use crate::table::counted;
 use chladni_frf::{driving_point_faults, Dof, Finding, FrfSet};
 use num_complex::Complex64;
-
-/// No test of a structure that fits on a table ends so low, Hz; one whose kHz are called
-/// Hz does.
-const LOWEST_END_HZ: f64 = 5.0;
-/// ... if it has so many lines.
-const LINES_OF_A_TEST: usize = 50;
-/// A part (real or imaginary) that stays at its largest value over so many lines in a row
-/// is clipped: noise and resonance curves do not repeat a number.
-const CLIPPED_LINES: usize = 5;
 
 /// Oddities that matter to every command.
 pub fn of_set(frf: &FrfSet) -> Vec<Finding> {

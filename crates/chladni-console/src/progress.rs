@@ -1,15 +1,11 @@
 //! Progress by stages, on stderr.
 
 use crate::args::ProgressChoice;
+use crate::limits::{ROUNDING, TICK};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
-
-/// Of a sum of shares, tenths.
-const ROUNDING: f64 = 1e-6;
-/// Time between two moves of the bar.
-const TICK: Duration = Duration::from_millis(100);
 
 /// The display, and the time that each stage took.
 pub struct Progress {

@@ -1,15 +1,11 @@
 //! Findings as a terminal shows them: one paragraph for each code, in the order of their
 //! weight.
 
+use crate::limits::{COLUMNS, INDENT};
 use crate::next_step::option_for;
 use crate::table::counted;
 use chladni_frf::{Finding, Severity};
 use std::cmp::Reverse;
-
-/// Columns of a terminal; pipes get the same text.
-const COLUMNS: usize = 80;
-/// Columns of the word before a finding: `caution`, and two blanks.
-const INDENT: usize = 9;
 
 /// Notes that ask how the data were measured: they are shown in full, for nobody else can
 /// answer.

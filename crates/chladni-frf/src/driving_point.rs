@@ -6,19 +6,9 @@
 //! so that Y is imaginary there; a reversed sensor makes it negative. The other time sign
 //! is seen first: through a resonance the phase falls, so that Σ Im(Y*_k·Y_{k+1}) < 0.
 
+use crate::limits::{CLEAR, LEAST_LINES, NEAR, PLAUSIBLE_KG};
 use crate::{Finding, FrfKind, FrfSet, ReferenceUnit};
 use num_complex::Complex64;
-
-/// Part of a sum that must have one sign (or one phase): noise and a band without
-/// resonances bring it down.
-const CLEAR: f64 = 0.5;
-/// The mean phase at resonances must lie this near to a multiple of 90°, rad.
-const NEAR: f64 = std::f64::consts::FRAC_PI_6;
-/// Apparent masses |F/a| of anything that is tested, kg: from a grain of sand to a large
-/// ship.
-const PLAUSIBLE_KG: [f64; 2] = [1e-6, 1e8];
-/// Fewer lines say nothing.
-const LEAST_LINES: usize = 16;
 
 /// Findings about the driving points of a set, each with the way out; nothing
 /// without a kind or a driving point. References in volts are left alone: what their

@@ -1,5 +1,6 @@
 //! Estimation of a set of FRFs from time records.
 
+use crate::limits::DECIMALS;
 use std::fmt;
 use std::str::FromStr;
 
@@ -188,9 +189,6 @@ impl Estimation {
         (joined == Self { averages, ..other }).then_some(joined)
     }
 }
-
-/// Decimals of a time or rate in words.
-const DECIMALS: i32 = 6;
 
 /// Rounded to [`DECIMALS`].
 fn rounded(value: f64) -> f64 {

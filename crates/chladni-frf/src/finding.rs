@@ -5,6 +5,7 @@
 //! adds the next step in its own words. Every code has its paragraph in
 //! `docs/troubleshooting.md`.
 
+use crate::limits::SAME_MODE;
 use crate::Dof;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -223,10 +224,6 @@ pub fn numbered(findings: &mut [Finding], frequencies_hz: &[f64]) {
         finding.modes = numbers;
     }
 }
-
-/// Relative distance within which a frequency of a finding is that of a mode: refinement
-/// after the finding moves poles by less.
-const SAME_MODE: f64 = 1e-3;
 
 /// One reason why a mode is not sure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

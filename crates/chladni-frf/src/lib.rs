@@ -49,6 +49,7 @@ mod findings;
 mod frf_set;
 mod geometry;
 mod kind;
+mod limits;
 mod measured_field;
 mod model;
 mod nearest_word;

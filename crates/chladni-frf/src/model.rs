@@ -4,6 +4,7 @@
 //! the fit.
 
 use crate::finding::{numbered, warnings};
+use crate::limits::ROUNDING;
 use crate::{Dof, Finding, FrfKind, Geometry, Node, Reasons, ReferenceUnit};
 use ndarray::{Array1, Array2, Array3, Axis};
 use num_complex::Complex64;
@@ -108,6 +109,17 @@ pub enum Damping {
     Viscous,
 }
 
+impl Damping {
+    /// The law that this one is weighed against.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Structural => Self::Viscous,
+            Self::Viscous => Self::Structural,
+        }
+    }
+}
+
 /// Scaling of the shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -183,9 +195,6 @@ impl Mode {
     /// all others, std_i² = σ_i² + |ψ_i/ψ_m|²·σ_m², and none at itself but rounding; σ_m
     /// is taken as the root mean square of the others.
     pub fn shape_std_up_to_scale(&self) -> Vec<f64> {
-        /// Part of the other errors that rounding leaves at most: a difference of equal
-        /// squares is known to the root of the last digit, 1e-8.
-        const ROUNDING: f64 = 1e-4;
         let shape = &self.shape.0;
         let std = (0..shape.len().min(self.shape_std.len()))
             .map(|response| self.shape_std_at_known_scale(response));

@@ -1,10 +1,7 @@
 //! The known word that a misspelt one may stand for.
 
+use crate::limits::LONGEST;
 use strsim::levenshtein;
-
-/// Letters of a word that are compared: no name is longer, and the cost grows with the
-/// square.
-const LONGEST: usize = 64;
 
 /// The known word that `word` may stand for: one that begins with it (a name without its
 /// unit or extension), else the one with the fewest letters to change, insert or delete

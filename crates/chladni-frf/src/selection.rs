@@ -2,21 +2,10 @@
 //!
 //! Out-of-band poles (residual terms) stay; rejected candidates stay listed.
 
+use crate::limits::{AS_SEEN, POINTS_OVER_BAND, POINTS_PER_MODE, SELECTION_SAME_MODE};
 use crate::{Error, Finding, FrfKind, ModalModel, Mode, Result, Trust, CREATED_BY};
 use serde_json::json;
 use std::f64::consts::{FRAC_PI_2, TAU};
-
-/// Points of the frequency grid around each mode, and evenly over the band, on which a
-/// dropped part is weighed.
-const POINTS_PER_MODE: usize = 40;
-const POINTS_OVER_BAND: usize = 400;
-
-/// Half-bandwidths between a mode before and after a new fit, at most: farther ones are
-/// two.
-const SAME_MODE: f64 = 1.0;
-/// The same between an added mode and the place where it was seen, and the part of its
-/// frequency that a reader's eye may be off.
-const AS_SEEN: (f64, f64) = (4.0, 5e-3);
 
 /// The modes of a model that stay, and those to be added to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,7 +99,8 @@ impl Selection {
                 continue;
             }
             let found = pick.find(&old)?.into_iter();
-            let again = found.filter_map(|n| nearest(old[n].frequency_hz, SAME_MODE, 0.0));
+            let again =
+                found.filter_map(|n| nearest(old[n].frequency_hz, SELECTION_SAME_MODE, 0.0));
             picks.extend(again.map(|n| pick.numbered(n + 1)));
         }
         if self.keep {

@@ -1,6 +1,7 @@
 //! SHA-256 of files: of one that is read for it, and of many whose bytes pass by while
 //! they are read part by part.
 
+use crate::limits::BLOCK;
 use chladni_frf::{Error, Result, Source};
 use chladni_text::door::{self, place_of, size_of};
 use chladni_text::file_name;
@@ -9,9 +10,6 @@ use sha2::{Digest, Sha256};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, MutexGuard};
-
-/// Bytes read at a time: they stay in the cache next to a core.
-const BLOCK: usize = 1 << 17;
 
 /// SHA-256 of a file, in hexadecimal digits.
 ///

@@ -1,7 +1,8 @@
 //! Everything that was read from some files and can be written to another.
 
-use super::paths::{shortened, NAMES_LISTED};
+use super::paths::shortened;
 use super::{DatasetInfo, Document, Function, Shape};
+use crate::limits::PATHS_LISTED;
 use chladni_frf::{Finding, FrfSet, Geometry, Source};
 
 /// The content of the files of one command together.
@@ -78,7 +79,7 @@ pub(super) fn not_carried(document: &Document) -> Vec<String> {
     if !paths.is_empty() {
         left.push(format!(
             "{file}: not carried over: {}",
-            shortened(&paths, NAMES_LISTED)
+            shortened(&paths, PATHS_LISTED)
         ));
     }
     left

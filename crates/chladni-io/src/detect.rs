@@ -1,6 +1,7 @@
 //! Formats are told apart by content, never by the name of the file.
 
 use super::{csv, FileFormat};
+use crate::limits::{HEAD_BYTES, TABLE_HEAD_BYTES};
 use crate::signatures::{is_npz, MAT_SIGNATURE, NPY_SIGNATURE};
 
 use chladni_frf::{Error, ErrorKind, Result, MODEL_FORMAT};
@@ -14,11 +15,6 @@ use std::path::Path;
 /// First eight bytes of every HDF5 file, at offset 0, 512, 1024, 2048, ... (a user block
 /// may stand before them).
 const HDF5_SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
-/// The bytes of a file that decide whether it is text: analysers' headers are shorter.
-const HEAD_BYTES: usize = 4096;
-/// The bytes of a text that show whether it is a table: longer than any header with the
-/// first rows.
-const TABLE_HEAD_BYTES: u64 = 1 << 20;
 /// The formats that can be read, for messages.
 const KNOWN: &str =
     "a universal file, HDF5, MATLAB, NumPy, a text table, WAV, or a model or weights as JSON";

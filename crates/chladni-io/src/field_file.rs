@@ -4,14 +4,13 @@
 //! Nothing is guessed: frequency and unit must stand in the file. A response that occurs
 //! more than once is a repeat; the mean counts, and what repeats scatter says how sure it is.
 
+use crate::limits::VELOCITY;
 use crate::unit_label;
 use chladni_frf::{Dof, Error, FieldPoint, MeasuredField, Result};
 use chladni_text::read_text;
 use num_complex::Complex64;
 use std::path::Path;
 
-/// Powers of m, kg, s, V, rad, cycle of a velocity.
-const VELOCITY: [i32; 6] = [1, 0, -1, 0, 0, 0];
 const EXPECTED: &str = "a measured field, CSV";
 const COLUMNS: &str = "response,re,im or response,re,im,std or response,magnitude or \
                        response,magnitude,std";

@@ -42,6 +42,7 @@ mod document;
 mod field_file;
 mod hdf5;
 mod json;
+mod limits;
 mod mat;
 mod model_file;
 mod model_shapes;

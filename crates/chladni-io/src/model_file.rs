@@ -4,6 +4,7 @@ use super::atomic::write_atomically;
 use super::json::write_json;
 use super::mat::MatFile;
 use super::{detect_format, hdf5, model_table, FileFormat};
+use crate::limits::{CRITICAL, FARTHEST_M, LARGEST, MOST_MODES};
 use chladni_frf::{Damping, Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
 use chladni_text::door::KeptInputs;
 use chladni_text::{json_error, read_text};
@@ -12,16 +13,6 @@ use std::path::Path;
 
 /// Version of the model file that is written and read here.
 const VERSION: u32 = 1;
-/// Largest number in a model, in its SI unit. No panel comes near it; the product of two
-/// is still a number.
-const LARGEST: f64 = 1e100;
-/// Farthest place of a node, m: a thousand kilometres.
-const FARTHEST_M: f64 = 1e6;
-/// Most modes: a hundred times what fits find. All of them are summed at every frequency.
-const MOST_MODES: usize = 100_000;
-/// Loss factor from which a viscous mode swings no more (ζ = 1): it has no pair of poles,
-/// and the model no form for it.
-const CRITICAL: f64 = 2.0;
 
 /// Reads a model, JSON or HDF5 by content, and checks it.
 ///

@@ -2,6 +2,7 @@
 //! apart here.
 
 use super::detect::not_readable;
+use crate::limits::PATHS_LISTED;
 use chladni_frf::{Error, ErrorKind, Finding, Result};
 use chladni_text::file_name;
 use std::cmp::Ordering;
@@ -16,9 +17,6 @@ pub struct Inputs {
     /// Files of folders that no reader knows, by the reason.
     pub warnings: Vec<Finding>,
 }
-
-/// Names that a warning lists before it only counts.
-pub(super) const NAMES_LISTED: usize = 5;
 
 /// Files as they are; a name with `*` or `?` stands for all that fits; a folder for all
 /// files in it that a reader knows, the others are named in a warning. Both in natural
@@ -75,7 +73,7 @@ impl Inputs {
         let left_out = strangers.into_iter().map(|(reason, names)| {
             let words = format!(
                 "left out of the folder: {} ({reason})",
-                shortened(&names, NAMES_LISTED)
+                shortened(&names, PATHS_LISTED)
             );
             Finding::caution("not-read", words)
         });

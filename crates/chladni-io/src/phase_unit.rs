@@ -1,5 +1,6 @@
 //! Units of a phase: degrees or radians, by their names and by the numbers.
 
+use crate::limits::{SURELY_DEGREES, WRAPPED_DEGREES};
 use serde::Serialize;
 use std::str::FromStr;
 
@@ -17,11 +18,6 @@ pub enum PhaseUnit {
 
 const DEGREES: [&str; 7] = ["deg", "degs", "degree", "degrees", "°", "º", "â°"];
 const RADIANS: [&str; 4] = ["rad", "rads", "radian", "radians"];
-/// Phases of a measured FRF in degrees reach beyond this, an eighth of a turn, and
-/// wrapped ones in radians do not: they end at 2π.
-const SURELY_DEGREES: f64 = 45.0;
-/// Beyond one turn in degrees a phase was unwrapped, in degrees or in radians.
-const WRAPPED_DEGREES: f64 = 360.0;
 
 impl PhaseUnit {
     /// The unit that a label or a word of a header names.

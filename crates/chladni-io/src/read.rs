@@ -1,11 +1,13 @@
 //! From paths to documents, and from documents to one set.
 
 use super::checksums::{sha256_of, sha256_of_bytes};
-use super::paths::{shortened, NAMES_LISTED};
+use super::paths::shortened;
 use super::{
     assemble, csv, detect_format, expand_paths, function_name, hdf5, mat, numpy, read_model, uff,
     wav, Contents, DatasetInfo, Document, FileFormat, ReadOptions,
 };
+use crate::limits::LISTED_BY_HEADERS;
+use crate::limits::PATHS_LISTED;
 use chladni_frf::{Error, Finding, FrfSet, Mode, Reason, Result, Source, Trust};
 use chladni_text::door::{read_bytes, size_of, KeptInputs};
 use chladni_text::{json_error, read_text};
@@ -19,9 +21,6 @@ use std::path::{Path, PathBuf};
 pub fn read_document(path: &Path, options: &ReadOptions) -> Result<Document> {
     read_numbered(path, options, &mut 1)
 }
-
-/// A universal file beyond this size is listed by its headers, bytes.
-const LISTED_BY_HEADERS: u64 = 256 << 20;
 
 /// As [`read_document`], for the list of what is inside: a large universal file is not
 /// held in memory. Its document has neither functions nor shapes nor `sha256`, and says
@@ -107,7 +106,7 @@ fn listed(documents: &[Document]) -> String {
     if names.is_empty() {
         "nothing".into()
     } else {
-        shortened(&names, NAMES_LISTED)
+        shortened(&names, PATHS_LISTED)
     }
 }
 

@@ -1,12 +1,11 @@
 //! Runs of time records: channels that were measured together.
 
+use crate::limits::STEP_TOLERANCE;
 use crate::{Abscissa, Document, Function, Ordinate};
 use chladni_frf::{Channel, Dof, Error, Result, Run, SignalUnit};
 
 /// Function type of time records, dataset 58.
 const TIME: i32 = 1;
-/// Relative difference of two steps that counts as rounding of printed digits.
-const STEP_TOLERANCE: f64 = 1e-4;
 
 /// The user's settings of the channels of each file, in their order.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -4,22 +4,16 @@
 //! away with the process, however that ends. What lies in a folder without a lock is
 //! removed by the next run that writes there.
 
+use crate::limits::{ABANDONED, TRIES};
 use std::collections::HashSet;
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
-use std::time::Duration;
 use tempfile::NamedTempFile;
 
 const PREFIX: &str = ".chladni-";
 const SUFFIX: &str = ".tmp";
-/// Age of a file of another machine (or of this one before it was started anew) at which
-/// it is nobody's: not every network share tells one machine of the locks of another.
-const ABANDONED: Duration = Duration::from_secs(24 * 3600);
-/// Another run may take a new file away before its lock is on it; so often in a row it
-/// does not.
-const TRIES: usize = 10;
 
 /// The folder that a path lies in.
 pub(super) fn folder_of(path: &Path) -> &Path {

@@ -7,21 +7,54 @@ use hound::{SampleFormat, WavReader};
 use std::io::Cursor;
 use std::path::Path;
 
+fn damaged(error: hound::Error) -> Error {
+    Error::bad_data("the sound file is damaged")
+        .field("WAV")
+        .found(error)
+        .expected("PCM or float samples")
+        .help("export or copy it again")
+}
+
+/// The samples of all `channels` in turn, whole and finite.
+fn samples_of(reader: &mut WavReader<Cursor<&[u8]>>, channels: usize) -> Result<Vec<f64>> {
+    let (spec, declared) = (reader.spec(), reader.len() as usize);
+    let samples: std::result::Result<Vec<f64>, hound::Error> = match spec.sample_format {
+        SampleFormat::Float => reader
+            .samples::<f32>()
+            .map(|sample| sample.map(f64::from))
+            .collect(),
+        SampleFormat::Int => {
+            let full_scale = 2f64.powi(i32::from(spec.bits_per_sample) - 1);
+            reader
+                .samples::<i32>()
+                .map(|sample| sample.map(|value| f64::from(value) / full_scale))
+                .collect()
+        }
+    };
+    let samples = samples.map_err(damaged)?;
+    if samples.len() != declared || !samples.len().is_multiple_of(channels) {
+        return Err(Error::bad_data("the sound file ends early")
+            .field("WAV data chunk")
+            .found(format!("{} samples", samples.len()))
+            .expected(format!("{declared}, a multiple of {channels} channels"))
+            .help("the file is cut short; export or copy it again"));
+    }
+    if let Some(k) = samples.iter().position(|sample| !sample.is_finite()) {
+        return Err(Error::bad_data("a sample is not finite")
+            .field(format!("sample {}", k / channels + 1))
+            .found(samples[k])
+            .expected("finite numbers"));
+    }
+    Ok(samples)
+}
+
 /// Reads all channels; `sha256` is left empty.
 ///
 /// # Errors
 /// A header that is none, a file cut short, samples that are not finite.
 pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
-    let damaged = |error: hound::Error| {
-        let error = Error::bad_data("the sound file is damaged")
-            .file(file)
-            .field("WAV")
-            .found(error);
-        error
-            .expected("PCM or float samples")
-            .help("export or copy it again")
-    };
-    let mut reader = WavReader::new(Cursor::new(bytes)).map_err(damaged)?;
+    let mut reader =
+        WavReader::new(Cursor::new(bytes)).map_err(|error| damaged(error).file(file))?;
     let spec = reader.spec();
     let count = usize::from(spec.channels);
     if count == 0 || spec.sample_rate == 0 {
@@ -33,40 +66,7 @@ pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
                 .expected("at least one channel and 1 Hz"),
         );
     }
-    let declared = reader.len() as usize;
-    let samples: Vec<f64> = match spec.sample_format {
-        SampleFormat::Float => reader
-            .samples::<f32>()
-            .map(|sample| sample.map(f64::from))
-            .collect::<std::result::Result<_, _>>()
-            .map_err(damaged)?,
-        SampleFormat::Int => {
-            let full_scale = 2f64.powi(i32::from(spec.bits_per_sample) - 1);
-            let scaled = |sample: std::result::Result<i32, hound::Error>| {
-                sample.map(|value| f64::from(value) / full_scale)
-            };
-            reader
-                .samples::<i32>()
-                .map(scaled)
-                .collect::<std::result::Result<_, _>>()
-                .map_err(damaged)?
-        }
-    };
-    if samples.len() != declared || !samples.len().is_multiple_of(count) {
-        return Err(Error::bad_data("the sound file ends early")
-            .file(file)
-            .field("WAV data chunk")
-            .found(format!("{} samples", samples.len()))
-            .expected(format!("{declared}, a multiple of {count} channels"))
-            .help("the file is cut short; export or copy it again"));
-    }
-    if let Some(k) = samples.iter().position(|sample| !sample.is_finite()) {
-        return Err(Error::bad_data("a sample is not finite")
-            .file(file)
-            .field(format!("sample {}", k / count + 1))
-            .found(samples[k])
-            .expected("finite numbers"));
-    }
+    let samples = samples_of(&mut reader, count).map_err(|error| error.file(file))?;
     let mut document = Document::new(file, FileFormat::Wav);
     for channel in 0..count {
         let values = samples.iter().skip(channel).step_by(count);

@@ -2,22 +2,13 @@
 //! size depends on nothing but their number, so that the bits are the same on any number
 //! of threads.
 
+use crate::limits::{LEAST, MOST, ROW_BLOCKS, SMALL};
 use crate::{
     add_matmul, matmul, qr_r, qr_thin, set_matmul, set_matmul_h, svd_thin, LinalgError, Scalar,
 };
 use ndarray::{s, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Columns of a block, about: fewer, and packing the left side again for each block costs
-/// more than the threads bring.
-const LEAST: usize = 24;
-/// Most blocks.
-const MOST: usize = 64;
-/// Blocks of rows of a tall QR.
-const ROW_BLOCKS: usize = 4;
-/// Multiplications below which one thread is faster than many.
-const SMALL: usize = 1 << 16;
 
 /// Columns per block of a product with `columns` columns and so many multiplications in
 /// all: blocks of nearly one size.

@@ -47,6 +47,7 @@ pub mod blocked;
 mod doors;
 #[doc(hidden)] // for the crates of Chladni: no promise
 pub mod fft;
+mod limits;
 mod scalar;
 
 pub use back_ends::{back_ends, BackEnd, Dense, Factors, Given};

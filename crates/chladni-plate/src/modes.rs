@@ -7,14 +7,12 @@ use crate::plate::Plate;
 use crate::point_mass::PointMass;
 use crate::point_spring::PointSpring;
 use crate::ritz::{self, ModeRange};
+use crate::tolerances::POINTS_AT_ONCE;
 use crate::tolerances::{EDGE_SLACK, EXTRA_TERMS, MOST_BLOCK_TERMS};
 use chladni_frf::{Error, Result};
 use chladni_linalg::matmul;
 use ndarray::{s, Array1, Array2};
 use std::f64::consts::{PI, TAU};
-
-/// Points whose shapes are evaluated together: bounds the memory of dense grids.
-const POINTS_AT_ONCE: usize = 256;
 
 /// Undamped modes of a plate, rigid-body modes first, then elastic modes by rising
 /// frequency.

@@ -94,32 +94,9 @@ fn truth(
 ) -> Result<ModalModel> {
     let shapes = plate.modes.evaluate(&layout.responses_m)?;
     let participations = plate.modes.evaluate(&layout.references_m)?;
-    let (frequencies, loss_factors, rigid) = (
-        plate.modes.frequency_hz(),
-        plate.loss_factors(),
-        plate.modes.rigid_count(),
-    );
+    let rigid = plate.modes.rigid_count();
     let band_hz = [panel.frf.start_hz, panel.frf.stop_hz];
-    let column = |table: &Array2<f64>, n: usize| {
-        ComplexVector(table.column(n).iter().map(|&v| v.into()).collect())
-    };
-    let modes = (rigid..plate.modes.len())
-        .map(|n| Mode {
-            frequency_hz: frequencies[n],
-            frequency_std_hz: 0.0,
-            loss_factor: loss_factors[n],
-            loss_factor_std: 0.0,
-            damping_ratio: loss_factors[n] / 2.0,
-            in_band: band_hz[0] <= frequencies[n] && frequencies[n] <= band_hz[1],
-            trust: Trust::Sure,
-            reasons: Default::default(),
-            mpc: 1.0,
-            shape: column(&shapes, n),
-            shape_std: vec![0.0; shapes.nrows()],
-            scale_std: None,
-            participation: column(&participations, n),
-        })
-        .collect();
+    let modes = elastic(plate, &shapes, &participations, band_hz);
     let omega_scale = TAU * panel.frf.stop_hz;
     let rigid_sum = Array2::from_shape_fn((shapes.nrows(), participations.nrows()), |(i, j)| {
         let sum: f64 = (0..rigid)
@@ -171,6 +148,36 @@ fn truth(
             path: None,
         },
     })
+}
+
+/// The elastic modes, with what they are at responses and references.
+fn elastic(
+    plate: &DampedPlate,
+    shapes: &Array2<f64>,
+    participations: &Array2<f64>,
+    band_hz: [f64; 2],
+) -> Vec<Mode> {
+    let (frequencies, loss_factors) = (plate.modes.frequency_hz(), plate.loss_factors());
+    let column = |table: &Array2<f64>, n: usize| {
+        ComplexVector(table.column(n).iter().map(|&v| v.into()).collect())
+    };
+    (plate.modes.rigid_count()..plate.modes.len())
+        .map(|n| Mode {
+            frequency_hz: frequencies[n],
+            frequency_std_hz: 0.0,
+            loss_factor: loss_factors[n],
+            loss_factor_std: 0.0,
+            damping_ratio: loss_factors[n] / 2.0,
+            in_band: band_hz[0] <= frequencies[n] && frequencies[n] <= band_hz[1],
+            trust: Trust::Sure,
+            reasons: Default::default(),
+            mpc: 1.0,
+            shape: column(shapes, n),
+            shape_std: vec![0.0; shapes.nrows()],
+            scale_std: None,
+            participation: column(participations, n),
+        })
+        .collect()
 }
 
 fn findings(panel: &Panel, plate: &DampedPlate) -> Vec<Finding> {

@@ -18,6 +18,7 @@
 
 use crate::noise::generator;
 use crate::synthetic::Synthetic;
+use crate::tolerances::SETTLING_RECORDS;
 use chladni_frf::{Channel, Run, SignalUnit};
 use chladni_frf::{Damping, Error, FrfSet, FrfValues, Geometry, ModalModel, ReferenceUnit, Result};
 use chladni_linalg::fft;
@@ -30,8 +31,6 @@ use std::f64::consts::{PI, TAU};
 /// Random streams of forces and of noise.
 const FORCE_STREAM: u64 = (1 << 62) + 2;
 const NOISE_STREAM: u64 = (1 << 62) + 3;
-/// Records of a continuous force before the first that counts: transients have gone.
-const SETTLING_RECORDS: usize = 4;
 
 /// Excitation of the structure.
 #[derive(Debug, Clone, Copy, PartialEq)]

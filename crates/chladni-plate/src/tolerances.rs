@@ -70,3 +70,13 @@ pub const RIGID_BAND: f64 = 0.5;
 /// Turns in which inverse mass matrix and gains of the channels are found; from gains that
 /// are 10 % off six turns leave 1e-6 of it.
 pub const GAIN_ROUNDS: usize = 12;
+
+// modes.rs
+
+/// Points whose shapes are evaluated together: bounds the memory of dense grids.
+pub const POINTS_AT_ONCE: usize = 256;
+
+// time.rs
+
+/// Records of a continuous force before the first that counts: transients have gone.
+pub const SETTLING_RECORDS: usize = 4;

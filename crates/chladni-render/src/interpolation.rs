@@ -12,6 +12,7 @@
 use crate::lattice::Lattice;
 use crate::plane::Position;
 use crate::tolerances;
+use crate::tolerances::ORDERS;
 use chladni_linalg::{
     cholesky, matmul, matmul_h, qr_thin, solve_lower, solve_lower_adjoint, solve_upper,
     RANK_TOLERANCE,
@@ -19,9 +20,6 @@ use chladni_linalg::{
 use ndarray::{concatenate, s, stack, Array1, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
 use std::sync::Arc;
-
-/// The orders m that are tried, the smoothest first.
-const ORDERS: [usize; 3] = [4, 3, 2];
 
 /// Places where a field is known, made ready for interpolation: once for any number of
 /// queries and fields.

@@ -109,14 +109,7 @@ fn render_tone(
     options: &RenderOptions,
     measured: Option<&FrfSet>,
 ) -> Result<Rendering> {
-    let others = others
-        .iter()
-        .map(|other| {
-            let Calibrated { model, scene, .. } =
-                Calibrated::new(model, other, Some(other.frequency_hz), &options.drift)?;
-            Setup::new(&model, &scene, &options.drift)
-        })
-        .collect::<Result<Vec<_>>>()?;
+    let others = set_up(model, others, options)?;
     let calibration = scene.actuators.calibration.as_deref();
     let gain_error = calibration.and_then(Calibration::gain_error);
     let Calibrated {
@@ -126,19 +119,7 @@ fn render_tone(
     } = Calibrated::new(model, scene, Some(scene.frequency_hz), &options.drift)?;
     let (model, scene) = (&*model, &*scene);
     let whole = Setup::new(model, scene, &options.drift)?;
-    if let Some(other) = others
-        .iter()
-        .find(|other| other.operator.references != whole.operator.references)
-    {
-        return Err(Error::bad_data("the scenes allow different actuators")
-            .field("actuators.use")
-            .found(format!(
-                "{} and {} actuators",
-                whole.operator.references.len(),
-                other.operator.references.len()
-            ))
-            .expected("the same actuators in every scene"));
-    }
+    check_actuators(&whole, &others)?;
     let judge = match measured {
         Some(frf) => Judge::of_line(&whole, frf)?,
         None => Judge::of_model(&whole, options.modes == Count::Auto),
@@ -205,26 +186,17 @@ fn render_tone(
     if !feasible {
         findings.push(shortfall(&points, ceiling.as_ref(), limits, method));
     }
+    let through = match measured {
+        Some(_) => "measured line",
+        None => "whole model",
+    };
     let [_, replayed, _] = judge.served(&drive);
-    if replayed < points.success_ratio {
-        let through = if measured.is_some() {
-            "measured line"
-        } else {
-            "whole model"
-        };
-        let words = format!(
-            "replayed through the {through}, {:.1} % of the responses keep their limit, where \
-             {:.1} % do in the model with {} modes",
-            100.0 * replayed,
-            100.0 * points.success_ratio,
-            setup.modes.len()
-        );
-        findings.push(
-            Finding::caution("replayed-worse", words)
-                .value("replayed_ratio", replayed)
-                .help("sum more modes"),
-        );
-    }
+    findings.extend(replayed_worse(
+        replayed,
+        &points,
+        setup.modes.len(),
+        through,
+    ));
     findings.extend(
         indices
             .area
@@ -236,17 +208,8 @@ fn render_tone(
     let endurance = endures.then(|| Endurance::of(&setup, model, &drive, gain_error));
     findings.extend(endurance.iter().filter_map(Endurance::finding));
     let touch = under_fingers(model, scene, &setup, &drive);
-    if let (Some(told), Some(plan)) = (&touch, &setup.touch) {
-        let asked = [scene.frequency_hz, limits.apart_db()];
-        let is_borne = told.firmest == plan.touch.impedances.last().map(|t| t.name.clone());
-        let elsewhere = match is_borne {
-            true => None,
-            false => bearing_frequency(model, scene, options, told.firmest.as_deref())?,
-        };
-        let mode_hz = mode_near(model, scene.frequency_hz);
-        findings.extend(touch_findings(
-            told, plan, asked, touched_db, mode_hz, elsewhere,
-        ));
+    if let Some(told) = &touch {
+        findings.extend(of_fingers(told, model, scene, &setup, touched_db, options)?);
     }
     findings.extend(judge.findings);
     findings.extend(strength(&field, limits));
@@ -283,6 +246,53 @@ fn render_tone(
         zones: zones.clone(),
         limits: *limits,
         other_tones: Vec::new(),
+    })
+}
+
+/// The other scenes, set up as their own renderings do.
+fn set_up(model: &ModalModel, others: &[Scene], options: &RenderOptions) -> Result<Vec<Setup>> {
+    let set_up = |other: &Scene| {
+        let Calibrated { model, scene, .. } =
+            Calibrated::new(model, other, Some(other.frequency_hz), &options.drift)?;
+        Setup::new(&model, &scene, &options.drift)
+    };
+    others.iter().map(set_up).collect()
+}
+
+fn check_actuators(whole: &Setup, others: &[Setup]) -> Result<()> {
+    let references = &whole.operator.references;
+    let other = others
+        .iter()
+        .find(|other| other.operator.references != *references);
+    other.map_or(Ok(()), |other| {
+        Err(Error::bad_data("the scenes allow different actuators")
+            .field("actuators.use")
+            .found(format!(
+                "{} and {} actuators",
+                references.len(),
+                other.operator.references.len()
+            ))
+            .expected("the same actuators in every scene"))
+    })
+}
+
+/// Tells where a drive serves fewer responses than in the model with fewer `modes`.
+fn replayed_worse(
+    replayed: f64,
+    points: &PointIndices,
+    modes: usize,
+    through: &str,
+) -> Option<Finding> {
+    (replayed < points.success_ratio).then(|| {
+        let words = format!(
+            "replayed through the {through}, {:.1} % of the responses keep their limit, where \
+             {:.1} % do in the model with {modes} modes",
+            100.0 * replayed,
+            100.0 * points.success_ratio,
+        );
+        Finding::caution("replayed-worse", words)
+            .value("replayed_ratio", replayed)
+            .help("sum more modes")
     })
 }
 
@@ -330,6 +340,31 @@ fn under_fingers(
         judged(setup),
         [plan, tried],
         drive,
+    ))
+}
+
+/// Findings on what fingers do to a drive; of one that a firm finger ends, with a frequency
+/// that bears it.
+fn of_fingers(
+    told: &TouchIndices,
+    model: &ModalModel,
+    scene: &Scene,
+    setup: &Setup,
+    touched_db: Option<f64>,
+    options: &RenderOptions,
+) -> Result<Vec<Finding>> {
+    let Some(plan) = &setup.touch else {
+        return Ok(Vec::new());
+    };
+    let asked = [scene.frequency_hz, setup.limits.apart_db()];
+    let is_borne = told.firmest == plan.touch.impedances.last().map(|t| t.name.clone());
+    let elsewhere = match is_borne {
+        true => None,
+        false => bearing_frequency(model, scene, options, told.firmest.as_deref())?,
+    };
+    let mode_hz = mode_near(model, scene.frequency_hz);
+    Ok(touch_findings(
+        told, plan, asked, touched_db, mode_hz, elsewhere,
     ))
 }
 

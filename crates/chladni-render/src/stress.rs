@@ -83,38 +83,24 @@ pub fn stress(
     )?;
 
     let mut findings = Vec::new();
+    let mass = Finger::of_mass(options.added_mass_kg);
     for (trial, finger) in [
         ("a finger in the hot zone", options.finger),
-        (
-            "an added mass in the hot zone",
-            Finger::of_mass(options.added_mass_kg),
-        ),
+        ("an added mass in the hot zone", mass),
     ] {
-        let touched: Option<Vec<_>> = finger_rows(&field)
-            .into_iter()
-            .map(|row| modal.touched(&finger, row))
-            .collect();
+        let rows = finger_rows(&field).into_iter();
+        let touched: Option<Vec<_>> = rows.map(|row| modal.touched(&finger, row)).collect();
         match touched {
             Some(fields) => add(trial, fields)?,
-            None => findings.push(
-                Finding::note(
-                    "trial-needs-scale",
-                    format!("{trial} cannot be tried: the shapes are not mass-scaled"),
-                )
-                .help("measure a driving point"),
-            ),
+            None => findings.push(unscaled(trial)),
         }
     }
 
     let of_drive = |drive: &Drive| operator.mobility.dot(drive);
-    let dead = (0..drive.len())
-        .filter(|&i| drive[i].norm() > 0.0)
-        .map(|dead| {
-            let mut drive = drive.clone();
-            drive[dead] = Complex64::ZERO;
-            of_drive(&drive)
-        });
-    add("one dead actuator", dead.collect())?;
+    add(
+        "one dead actuator",
+        one_dead(&drive).map(|drive| of_drive(&drive)).collect(),
+    )?;
     let wrong =
         (0..options.draws).map(|_| of_drive(&drive.mapv(|weight| weight * draw.gain(options))));
     add("amplitudes and phases of the drives", wrong.collect())?;
@@ -123,6 +109,21 @@ pub fn stress(
         vec![of_drive(&quantised(&drive, options.converter_bits))],
     )?;
     Ok((rows, findings))
+}
+
+fn unscaled(trial: &str) -> Finding {
+    let words = format!("{trial} cannot be tried: the shapes are not mass-scaled");
+    Finding::note("trial-needs-scale", words).help("measure a driving point")
+}
+
+/// The drive without each of the actuators that it drives.
+fn one_dead(drive: &Drive) -> impl Iterator<Item = Drive> + '_ {
+    let driven = (0..drive.len()).filter(|&i| drive[i].norm() > 0.0);
+    driven.map(|dead| {
+        let mut drive = drive.clone();
+        drive[dead] = Complex64::ZERO;
+        drive
+    })
 }
 
 impl StressRow {

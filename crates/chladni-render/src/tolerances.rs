@@ -368,3 +368,13 @@ pub const TOUCH_TRIED: usize = 3;
 /// Relative step of the slope of a field over a natural frequency: a thousandth of a narrow
 /// bandwidth, and a thousand times the rounding of its square root.
 pub const SLOPE_STEP: f64 = 1e-6;
+
+// interpolation.rs
+
+/// The orders m that are tried, the smoothest first.
+pub const ORDERS: [usize; 3] = [4, 3, 2];
+
+// zones.rs
+
+/// Corners of the outline of a spot, for pictures.
+pub const SPOT_CORNERS: usize = 48;

@@ -12,10 +12,8 @@ use crate::plane::{
     area_goes_on_beyond, distance, polygon_contains, union_border, Metric, Position, Rectangle,
 };
 use crate::tolerances;
+use crate::tolerances::SPOT_CORNERS;
 use std::collections::BTreeSet;
-
-/// Corners of the outline of a spot, for pictures.
-const SPOT_CORNERS: usize = 48;
 
 /// The demand on a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]

@@ -1,5 +1,6 @@
 //! The band to fit instead where modes explain little of the data.
 
+use crate::sizes::{MOST_ABOVE, MOST_BELOW, MOST_OF_BAND};
 use chladni_frf::{ModalModel, Trust};
 
 /// A band in which most modes are sure.
@@ -35,13 +36,6 @@ pub fn better_band(model: &ModalModel) -> Option<BetterBand> {
         sure,
     })
 }
-
-/// The band goes at most so far below its first mode, and above its last, as parts of
-/// these: as much as fits take to tell a mode from what lies outside.
-const MOST_BELOW: f64 = 0.4;
-const MOST_ABOVE: f64 = 1.3;
-/// A proposal that keeps more of the band would change little.
-const MOST_OF_BAND: f64 = 0.7;
 
 /// First and last mode of the run with the largest count of sure modes less that of weak
 /// ones.

@@ -1,11 +1,9 @@
 //! The sentence that a result begins with.
 
 use crate::better_band::{better_band, BetterBand};
+use crate::sizes::HALF;
 use crate::text::{counted, plain, significant};
 use chladni_frf::{ModalModel, Trust};
-
-/// Share of the data from which on modes explain most of them.
-const HALF: f64 = 0.5;
 
 /// The band to fit instead, where the modes explain little of this one.
 pub(crate) fn advised_band(model: &ModalModel) -> Option<BetterBand> {

@@ -56,3 +56,45 @@ pub(crate) const SIGMAS: f64 = 1.96;
 /// MAC beside the diagonal that calls for attention: two shapes that agree so far are
 /// hardly two modes.
 pub(crate) const HIGH_MAC: f64 = 0.5;
+
+// better_band.rs
+
+/// The band goes at most so far below its first mode, and above its last, as parts of
+/// these: as much as fits take to tell a mode from what lies outside.
+pub(crate) const MOST_BELOW: f64 = 0.4;
+/// TODO
+pub(crate) const MOST_ABOVE: f64 = 1.3;
+/// A proposal that keeps more of the band would change little.
+pub(crate) const MOST_OF_BAND: f64 = 0.7;
+
+// data/frfs.rs
+
+/// Lines of a common scale.
+pub(crate) const BLOCK: usize = 32;
+
+// data/lines.rs
+
+/// Between resonances lines are so much sparser than beside them.
+pub(crate) const SPARSER: usize = 8;
+
+// data/model.rs
+
+/// Files that are named with their hashes.
+pub(crate) const SOURCES_LISTED: usize = 3;
+
+// data/time.rs
+
+/// Levels of the first and the last colour, dB re threshold.
+pub(crate) const RANGE_DB: f64 = 12.0;
+
+// sentence.rs
+
+/// Share of the data from which on modes explain most of them.
+pub(crate) const HALF: f64 = 0.5;
+
+// structure.rs
+
+/// Nodes are on one line where none is farther from it, part of its length.
+pub(crate) const ON_LINE: f64 = 1e-3;
+/// A response moves along that line where its direction agrees so far.
+pub(crate) const ALONG: f64 = 0.99;

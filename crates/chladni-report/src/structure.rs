@@ -1,14 +1,10 @@
 //! The measured structure in space: nodes, the lines and faces that join them, and how
 //! each response moves its node.
 
+use crate::sizes::{ALONG, ON_LINE};
 use chladni_frf::{Dof, Geometry, ModalModel, Mode};
 use num_complex::Complex64;
 use std::collections::HashMap;
-
-/// Nodes are on one line where none is farther from it, part of its length.
-const ON_LINE: f64 = 1e-3;
-/// A response moves along that line where its direction agrees so far.
-const ALONG: f64 = 0.99;
 
 /// A place or a direction in space.
 pub(crate) type Vector = [f64; 3];

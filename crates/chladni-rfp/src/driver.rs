@@ -32,6 +32,7 @@ use crate::model::build::Shaped;
 use crate::model::exponential;
 use crate::model::identified::Identified;
 use crate::model::in_law::in_law;
+use crate::tolerances::OUTLIER_ROUNDS;
 use chladni_frf::{Damping, Finding, FrfSet, ModalModel};
 use chladni_linalg::blocked::in_pool;
 
@@ -223,10 +224,6 @@ fn not_checked() -> Finding {
     )
     .help("fit some blocks by themselves to see")
 }
-
-/// Rounds of leaving out outlier lines and fitting again: the second finds those that hid
-/// beside the first.
-const OUTLIER_ROUNDS: usize = 5;
 
 /// True where outlier lines may end a run: not for ever, and not under weights that a run
 /// without them has told.

@@ -58,3 +58,7 @@ pub(crate) const VISCOUS_LOSS_MOST: f64 = 1.98;
 
 /// Loss factor beyond which a pole is no resonance.
 pub(crate) const BACKGROUND_LOSS: f64 = 0.4;
+
+/// Rounds of leaving out outlier lines and fitting again: the second finds those that hid
+/// beside the first.
+pub(crate) const OUTLIER_ROUNDS: usize = 5;

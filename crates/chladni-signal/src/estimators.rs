@@ -15,11 +15,9 @@
 
 use super::spectra::Averages;
 use super::Estimator;
+use crate::limits::SINGULAR;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
-
-/// References whose smallest normalised principal power is below this act as one.
-const SINGULAR: f64 = 1e-10;
 
 /// One line.
 #[derive(Debug, Clone)]

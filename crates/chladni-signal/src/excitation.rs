@@ -1,26 +1,13 @@
 //! Tells continuous random excitation from blows, bursts, sweeps and periodic signals.
 
 use super::whole_record::{smooth_length, spectrum};
+use crate::limits::{
+    ACTING, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LEAST_POWER, LEAST_SAMPLES, LINES,
+    LONG_LAG, LOOKED_AT, PIECES,
+};
 use chladni_frf::{Forcing, Run};
 use chladni_linalg::fft;
 use num_complex::Complex64;
-
-/// Shortest record that is judged, samples.
-const LEAST_SAMPLES: usize = 1024;
-/// Pieces of a record whose powers are compared.
-const PIECES: usize = 16;
-/// Least power of a piece beside the mean; pieces of a random signal scatter, silence
-/// between bursts lies far below.
-const LEAST_POWER: f64 = 0.1;
-/// Lines over which products of neighbours are summed.
-const LINES: usize = 13;
-/// Largest |Σ X_k·X*_{k+1}| beside Σ|X|²: about 0.24 for random lines, near 1 for the smooth
-/// spectrum of a blow or a sweep.
-const LARGEST_NEIGHBOUR: f64 = 0.5;
-/// Largest autocorrelation at long lags: near 1 for periodic signals.
-const LARGEST_REPEAT: f64 = 0.5;
-/// Long lags begin at this part of the record.
-const LONG_LAG: usize = 64;
 
 /// True where the signal goes on through the whole record, its lines are independent and
 /// nothing repeats.
@@ -33,14 +20,6 @@ pub(super) fn is_continuous_random(samples: &[f64]) -> bool {
     lines[0] = Complex64::default();
     has_rough_lines(&lines) && !repeats(lines)
 }
-
-/// Pieces of a block whose powers tell where a burst ends.
-const BLOCK_PIECES: usize = 256;
-/// Power of a piece beside the largest from which on the force acts.
-const ACTING: f64 = 0.01;
-
-/// Samples of a reference that are looked at, and fewest blocks.
-const LOOKED_AT: (usize, usize) = (1 << 20, 4);
 
 /// Course of the force over blocks of `block` samples, where all references agree on it.
 /// Bursts begin with their block.

@@ -53,6 +53,7 @@
 mod blocks;
 mod estimators;
 mod excitation;
+mod limits;
 mod local;
 mod lpm;
 mod lrm;

@@ -6,16 +6,11 @@ use super::setting::LocalSetting;
 use super::table::Table;
 use super::whole_record::{smooth_length, spectrum};
 use super::{lpm, lrm, Group};
+use crate::limits::{BATCH, SPECTRA_BYTES};
 use chladni_frf::{Channel, Dof, Estimator, Run};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Memory of the spectra that are held at a time, bytes. Responses of one run that do not
-/// fit share denominators in smaller sets.
-const SPECTRA_BYTES: usize = 1 << 30;
-/// Frequencies that are fitted before their values are stored.
-const BATCH: usize = 8192;
 
 /// Adds the FRFs of a group. A response of several runs is averaged, each run by its
 /// length.

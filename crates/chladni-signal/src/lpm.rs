@@ -11,16 +11,11 @@
 //! and FRF models for multivariable systems", Mech. Syst. Signal Process. 24 (2010)
 //! 573–595.
 
+use crate::limits::{DEGREE, LPM_SINGULAR, SPARE_LINES};
 use num_complex::Complex64;
 
-/// Degree of all polynomials.
-pub(super) const DEGREE: usize = 2;
 /// Coefficients of one polynomial.
 const TERMS: usize = DEGREE + 1;
-/// Lines beyond the unknowns of one response: what its variance is told from.
-const SPARE_LINES: usize = 7;
-/// A reference whose part beyond the other columns is less than this acts as one with them.
-const SINGULAR: f64 = 1e-10;
 
 /// Lines that one frequency wants: an odd number, so that the frequency is one of them.
 pub(super) fn wanted_lines(references: usize) -> usize {
@@ -117,7 +112,7 @@ impl Basis {
                 }
             }
             let length = norm(column);
-            if length.is_nan() || length <= SINGULAR * before {
+            if length.is_nan() || length <= LPM_SINGULAR * before {
                 return false;
             }
             column.iter_mut().for_each(|value| *value /= length);

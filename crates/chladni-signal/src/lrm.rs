@@ -15,16 +15,8 @@
 //! 8 (1963) 56–58.
 
 use super::lpm::{coherence, inner, square, unknowns, Basis, LocalEstimate, Window};
+use crate::limits::{LEAST_DENOMINATOR, ROUNDING, STEPS};
 use num_complex::Complex64;
-
-/// Steps of Sanathanan and Koerner after the first, unweighted solution.
-const STEPS: usize = 2;
-/// Least power of a column beside what it had before projection, by which rounding is told
-/// from signal.
-const ROUNDING: f64 = 1e-24;
-
-/// |D| on a line, beside its largest, below which the line weighs no more.
-const LEAST_DENOMINATOR: f64 = 1e-6;
 
 /// d₁, d₂.
 type Denominator = [Complex64; 2];

@@ -4,14 +4,11 @@ use super::excitation::{forcing, is_continuous_random};
 use super::lpm::wanted_lines;
 use super::whole_record::{smooth_length, Grid};
 use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
+use crate::limits::HANN_OVERLAP;
 use chladni_frf::{
     BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Forcing, Result, Run,
 };
 use ndarray::Array1;
-
-/// Overlap of Hann blocks: beyond it the variance does not fall any further (the window
-/// has a hop of a third for which its squares add up to a constant).
-const HANN_OVERLAP: f64 = 2.0 / 3.0;
 
 /// Setting of the estimation of FRFs.
 pub(super) enum Setting {

@@ -1,13 +1,11 @@
 //! Transform of a whole record, and the lines that belong to each line of the FRFs.
 
+use crate::limits::LARGEST_FACTOR;
 use chladni_frf::{Error, Result};
 use chladni_linalg::fft;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::ops::Range;
-
-/// Largest prime factor of a transform's length: above it transforms slow down.
-const LARGEST_FACTOR: usize = 7;
 
 /// The largest even length up to `samples` with small prime factors; a record loses less
 /// than a hundredth by it.

@@ -1,12 +1,9 @@
 //! Text files and their names.
 
 use crate::door::{read_bytes, size_of, KeptInputs};
+use crate::limits::TEXT_MOST;
 use chladni_frf::{Error, Result};
 use std::path::Path;
-
-/// Most bytes of a file that is read as one text: a model of 10⁵ responses and 100 modes
-/// has 6·10⁸.
-const TEXT_MOST: u64 = 1 << 30;
 
 fn text_bytes(path: &Path, expected: &str) -> Result<Vec<u8>> {
     let _kept = KeptInputs::new();

@@ -7,6 +7,7 @@
 pub mod door;
 mod file;
 mod json;
+mod limits;
 mod spool;
 #[doc(hidden)]
 pub mod toml_reader;

@@ -1,16 +1,12 @@
 //! The content of a pipe, kept in a temporary file that can be read as often as wanted.
 
+use crate::limits::{BLOCK, SPOOL_MOST};
 use chladni_frf::{Error, ErrorKind, Result};
 use std::fs::{self, File};
 use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
-/// Most bytes that a pipe may give: what is kept of it takes room on the disk of temporary
-/// files, which an endless pipe would fill.
-const SPOOL_MOST: u64 = 4 << 30;
-/// Bytes of a pipe read at a time.
-const BLOCK: usize = 1 << 16;
 /// The name of the standard input.
 pub(crate) const STANDARD_INPUT: &str = "-";
 

@@ -1,6 +1,7 @@
 //! Reading TOML key by key, so that every complaint names the line, the key, what stood
 //! there and what belongs there.
 
+use crate::limits::LARGEST;
 use crate::{line_of_byte, toml_complaint};
 use chladni_frf::{nearest_word, Error, Result};
 use toml::de::{DeTable, DeValue};
@@ -8,10 +9,6 @@ use toml::Spanned;
 
 /// The keys a file may hold: table name (empty: top level) and its keys.
 pub type Keys = &'static [(&'static str, &'static [&'static str])];
-
-/// Largest number that is taken, in any unit: far above what is told of panels and scenes,
-/// and its square is still a number.
-const LARGEST: f64 = 1e15;
 
 /// Parses the text; a syntax error becomes an error with its line.
 pub fn parse(text: &str) -> Result<Spanned<DeTable<'_>>> {

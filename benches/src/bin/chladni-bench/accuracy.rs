@@ -81,6 +81,51 @@ pub struct Args {
     cases: Vec<String>,
 }
 
+impl Args {
+    /// What is fitted and what is rendered, by the `chosen` methods.
+    fn asked(&self, chosen: &[Solver], knobs: bool) -> (AccuracyOptions, SceneOptions) {
+        let quick = self.place.quick;
+        let names = || self.cases.iter();
+        let (cases, scene_cases): (Vec<&Case>, Vec<&SceneCase>) = match self.cases.is_empty() {
+            true => (
+                CASES.iter().filter(|case| case.quick || !quick).collect(),
+                SCENE_CASES
+                    .iter()
+                    .filter(|case| case.quick && (!quick || QUICK_SCENES.contains(&case.name)))
+                    .collect(),
+            ),
+            false => (
+                names().filter_map(|name| Case::named(name)).collect(),
+                names().filter_map(|name| SceneCase::named(name)).collect(),
+            ),
+        };
+        let of_fits = chosen.iter().filter_map(|solver| match solver {
+            Solver::Identify(method) => Some(*method),
+            Solver::Render(_) => None,
+        });
+        let of_scenes = chosen.iter().filter_map(|solver| match solver {
+            Solver::Render(method) => Some(*method),
+            Solver::Identify(_) => None,
+        });
+        let usual = if quick { QUICK_SEEDS } else { SEEDS };
+        let options = AccuracyOptions {
+            cases,
+            methods: of_fits.collect(),
+            shapes: self.shapes,
+            seeds: self.seeds.map_or(usual, |seeds| seeds as usize),
+            first_seed: self.seed,
+            knobs,
+        };
+        let of_scenes = SceneOptions {
+            cases: scene_cases,
+            methods: of_scenes.collect(),
+            means: vec![Means::default()],
+            by_measured_line: false,
+        };
+        (options, of_scenes)
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -93,64 +138,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .map_err(|error| error.file(file))?,
         None => Vec::new(),
     };
-    let (cases, scene_cases): (Vec<&Case>, Vec<&SceneCase>) = match args.cases.is_empty() {
-        true => (
-            CASES.iter().filter(|case| case.quick || !quick).collect(),
-            SCENE_CASES
-                .iter()
-                .filter(|case| case.quick && (!quick || QUICK_SCENES.contains(&case.name)))
-                .collect(),
-        ),
-        false => (
-            args.cases
-                .iter()
-                .filter_map(|name| Case::named(name))
-                .collect(),
-            args.cases
-                .iter()
-                .filter_map(|name| SceneCase::named(name))
-                .collect(),
-        ),
+    let chosen = match args.methods.is_empty() {
+        true => Solver::all(),
+        false => args.methods.clone(),
     };
-    let chosen = if args.methods.is_empty() {
-        Solver::all()
-    } else {
-        args.methods.clone()
-    };
-    let of_fits = chosen.iter().filter_map(|solver| {
-        if let Solver::Identify(method) = solver {
-            Some(*method)
-        } else {
-            None
-        }
-    });
-    let of_scenes = chosen.iter().filter_map(|solver| {
-        if let Solver::Render(method) = solver {
-            Some(*method)
-        } else {
-            None
-        }
-    });
-    let seeds = args
-        .seeds
-        .map_or(if quick { QUICK_SEEDS } else { SEEDS }, |seeds| {
-            seeds as usize
-        });
     let knobs = !args.no_knobs && (!quick || !args.cases.is_empty());
-    let options = AccuracyOptions {
-        cases,
-        methods: of_fits.collect(),
-        shapes: args.shapes,
-        seeds,
-        first_seed: args.seed,
-        knobs,
-    };
-    let of_scenes = SceneOptions {
-        cases: scene_cases,
-        methods: of_scenes.collect(),
-        means: vec![Means::default()],
-        by_measured_line: false,
-    };
+    let (options, of_scenes) = args.asked(&chosen, knobs);
+    let seeds = options.seeds;
     let purpose = format!(
         "{:?} {} {:?} {chosen:?}",
         options.shapes, options.first_seed, args.cases

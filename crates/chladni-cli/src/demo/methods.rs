@@ -1,6 +1,7 @@
 //! Speed against accuracy on the demonstration's own FRFs: a few methods, one fit each,
 //! beside what the noise allows.
 
+use crate::limits::RESIDUAL_POWERS;
 use crate::truth::Comparison;
 use chladni_console::Console;
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Mode, Result};
@@ -18,9 +19,6 @@ const METHODS: [Method; 5] = [
     Method::Peak,
     Method::Circle,
 ];
-/// Powers of ω of the residual terms that any fit of a band must leave free
-/// (`docs/theory.md`, eq. 5).
-const RESIDUAL_POWERS: [i32; 4] = [-2, 0, 2, 4];
 
 /// A row for `auto`, which took `auto_s` seconds for `model`, and for each other method;
 /// columns as `chladni bench accuracy` names them.

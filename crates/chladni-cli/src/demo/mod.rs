@@ -4,6 +4,7 @@ mod methods;
 
 use crate::curves::curves;
 use crate::fit::{echo_of, fit_model};
+use crate::limits::{LEAST_RATIO, SCENES};
 use crate::render::{render_scene, write_weights, Trials};
 use crate::report::write_page;
 use crate::truth::Comparison;
@@ -22,11 +23,6 @@ use chladni_rfp::FitOptions;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Cells of the scenes, each hot in one of them.
-const SCENES: usize = 4;
-/// Least share of hot ground that is felt, and of cold ground that is quiet.
-const LEAST_RATIO: f64 = 0.95;
 
 /// The trials of the first scene beside being rendered, as by `chladni render --stress
 /// --sweep 290:330`.

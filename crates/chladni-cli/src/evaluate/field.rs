@@ -2,6 +2,7 @@
 
 use super::Args;
 use crate::indices::indices_table;
+use crate::limits::CAUSES_SHOWN;
 use chladni_console::input::source;
 use chladni_console::table::{significant, table};
 use chladni_console::{Console, Outcome};
@@ -11,9 +12,6 @@ use chladni_render::{
     evaluate_field, Agreement, FieldEvaluation, Hypothesis, Place, Scene, Weights,
 };
 use serde_json::{json, Value};
-
-/// Causes that the text lists.
-const CAUSES_SHOWN: usize = 5;
 
 /// Scores every field that was named.
 ///

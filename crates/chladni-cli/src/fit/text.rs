@@ -1,16 +1,9 @@
 //! A model in words: the sentence that a fit begins with, and the table of its modes.
 
+use crate::limits::{COLUMN_WIDTH, FEW_MODES, MOST_MODES};
 use chladni_console::table::{bounded, counted, table, SIGMAS_95};
 use chladni_frf::{Damping, ModalModel, Mode, Scaling, Trust};
 use chladni_report::sentence;
-
-/// Modes up to which weak ones are listed unasked, and from which on a table without
-/// remarks has two columns.
-const FEW_MODES: usize = 16;
-/// Modes that are listed at most unless all are asked for.
-const MOST_MODES: usize = 40;
-/// Width of one of two columns.
-const COLUMN_WIDTH: usize = 38;
 
 /// The sentence, the table of modes, and a line about the whole.
 pub fn text(model: &ModalModel, verbose: bool) -> String {

@@ -2,14 +2,9 @@
 //! the drive endures.
 
 use crate::indices::{stress_table, sweep_table, weights_table};
+use crate::limits::{MOST_COLUMNS, MOST_ROWS, SAME_M};
 use chladni_console::table::{counted, significant, table};
-use chladni_render::{Field, Ground, Limits, Rendering, Weights};
-
-/// Columns and rows of responses that a terminal shows as a map.
-const MOST_COLUMNS: usize = 36;
-const MOST_ROWS: usize = 12;
-/// Two coordinates nearer than this are one column or row, m.
-const SAME_M: f64 = 1e-6;
+use chladni_render::{Field, Ground, Limits, Rendering, TouchIndices, Weights};
 
 /// All tones, one below the other; `weights` carry what the trials added to the rendering.
 pub fn text(weights: &Weights, rendering: &Rendering, verbose: bool) -> String {
@@ -190,18 +185,27 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
         rows.push(one("rigs that are served", survives, rigs));
     }
     if let Some(touch) = &weights.touch {
-        let kappa = touch.kappa.unwrap_or(f64::INFINITY);
-        let borne = match &touch.firmest {
-            Some(firmest) => format!("up to {firmest}, with {kappa:.1} standard deviations"),
-            None => "none".into(),
-        };
+        let [borne, served, least] = under_fingers(touch);
         rows.push(one("bears fingers", borne, String::new()));
-        let served = format!("{:.1} %", 100.0 * touch.points.success_ratio);
-        let least = format!(
-            "at the worst place {:.0} % of the worse zone",
-            100.0 * touch.points.min_ratio
-        );
         rows.push(one("served under them", served, least));
     }
     table(&["", "responses", "ground between"], &rows)
+}
+
+/// The firmest finger that is borne; the share served under it; the least of any place.
+fn under_fingers(touch: &TouchIndices) -> [String; 3] {
+    let kappa = touch.kappa.unwrap_or(f64::INFINITY);
+    let borne = match &touch.firmest {
+        Some(firmest) => format!("up to {firmest}, with {kappa:.1} standard deviations"),
+        None => "none".into(),
+    };
+    let [served, least] = [touch.points.success_ratio, touch.points.min_ratio];
+    [
+        borne,
+        format!("{:.1} %", 100.0 * served),
+        format!(
+            "at the worst place {:.0} % of the worse zone",
+            100.0 * least
+        ),
+    ]
 }

@@ -4,6 +4,9 @@
 mod resume;
 
 use crate::explain::explain;
+use crate::limits::{
+    FIT_OVER_SET, LANES_MOST, LANES_WAITING, PARTS_OF_MEMORY, PART_MOST, PILOT_PARTS, PILOT_SHARE,
+};
 use chladni_console::input::source;
 use chladni_console::refused_threads;
 use chladni_console::Console;
@@ -16,26 +19,6 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::sync_channel;
 use std::thread;
 use std::time::Instant;
-
-/// Parts that fit into the memory allowed: as many as there are lanes are held, and what
-/// the passes leave needs room beside them.
-const PARTS_OF_MEMORY: u64 = 32;
-/// Bytes of a part beyond which larger ones are no faster: merging costs less, memory
-/// that no part was in yet more (16, 32 and 64 MiB).
-const PART_MOST: u64 = 16 << 20;
-/// Parts at work at a time beyond one for each thread: while one waits for the disk or
-/// for its turn, the others are reduced. A fit of 3 GiB on two cores took 6.1 to 6.6 s
-/// with two parts in all, 5.6 to 5.7 with four, 5.0 to 5.4 with five, 5.1 to 5.6 with
-/// six.
-const LANES_WAITING: usize = 3;
-/// Most parts at work at a time: half of [`PARTS_OF_MEMORY`], whatever the number of
-/// threads.
-const LANES_MOST: usize = 16;
-/// Most parts of a pilot, and of how many parts it takes one.
-const PILOT_PARTS: usize = 8;
-const PILOT_SHARE: usize = 16;
-/// Memory that a fit of a set held in memory needs, over the set.
-const FIT_OVER_SET: u64 = 2;
 
 /// True where FRFs of so many bytes are fitted part by part.
 pub fn too_large(bytes: u64, memory: u64) -> bool {

@@ -4,6 +4,7 @@
 //! One line of JSON that says of which files it is, and with which options they were read
 //! and fitted, then the partial so far.
 
+use crate::limits::SHARE;
 use chladni_console::{is_standard_output, unbroken};
 use chladni_frf::{Error, ErrorKind, Result, CREATED_BY};
 use chladni_io::{stamp_of, write_atomically};
@@ -16,8 +17,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Keeping what was done may cost one part in so many of the time.
-const SHARE: u32 = 40;
 /// Version of the first line; another one is refused.
 const VERSION: u64 = 2;
 

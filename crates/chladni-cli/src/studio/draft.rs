@@ -5,17 +5,8 @@
 //! resonances FRFs are smooth, so that few lines hold what all of them do, and a fit
 //! costs as much as it has lines.
 
+use crate::limits::{FEW_LINES, LINES_PER_RESONANCE, ONE_OF_OTHERS, REACH};
 use chladni_frf::ModalModel;
-
-/// So many lines are fitted as fast as a hand moves, whatever they hold.
-const FEW_LINES: usize = 300;
-/// Reach of a resonance on either side, half-power bandwidths.
-const REACH: f64 = 2.0;
-/// Lines over a resonance's reach: five would tell a pole and a residue, these also tell
-/// it from its neighbours.
-const LINES_PER_RESONANCE: f64 = 12.0;
-/// One in so many of the other lines is looked at.
-const ONE_OF_OTHERS: f64 = 12.0;
 
 /// The lines of `axis_hz` in `band_hz` (all where it is missing) that a draft needs;
 /// `None` where it may look at all of them.

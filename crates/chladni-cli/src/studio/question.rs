@@ -1,6 +1,7 @@
 //! Questions that the page may ask, and the bounds of every number in it. No question
 //! names a file: what a scene needs besides comes along as text.
 
+use crate::limits::{HIGHEST_HZ, MOST_QUESTIONS, QUESTION_MOST_MODES};
 use chladni_frf::{Error, Result};
 use chladni_render::{MethodChoice, Scene, Threshold, ThresholdTable};
 use chladni_rfp::FitOptions;
@@ -8,13 +9,6 @@ use serde::Deserialize;
 use std::fmt::Debug;
 use std::ops::RangeInclusive;
 use std::path::Path;
-
-/// The largest whole number that the page's script counts exactly.
-const MOST_QUESTIONS: u64 = (1 << 53) - 1;
-/// Most modes that may be asked for, as on the page: ten times what bands of plates hold.
-const MOST_MODES: usize = 1000;
-/// Highest frequency, Hz: above the bandwidth of any vibrometer.
-const HIGHEST_HZ: f64 = 1e10;
 
 /// A question's place among those about fits: what a newer page asks is newer, and of one
 /// page what has the higher number.
@@ -81,12 +75,16 @@ impl FitQuestion {
         within("page", self.page, 0..=pages)?;
         within("number", self.number, 0..=MOST_QUESTIONS)?;
         if let Some(modes) = self.modes {
-            within("modes", modes, 1..=MOST_MODES)?;
+            within("modes", modes, 1..=QUESTION_MOST_MODES)?;
         }
         for hz in self.band_hz.into_iter().flatten() {
             within("band_hz", hz, 0.0..=HIGHEST_HZ)?;
         }
-        within("number of added_hz", self.added_hz.len(), 0..=MOST_MODES)?;
+        within(
+            "number of added_hz",
+            self.added_hz.len(),
+            0..=QUESTION_MOST_MODES,
+        )?;
         for &hz in &self.added_hz {
             within("added_hz", hz, 0.0..=HIGHEST_HZ)?;
         }

@@ -4,6 +4,7 @@
 use super::question::{DataQuestion, FileQuestion, FitQuestion, SceneQuestion};
 use super::session::Session;
 use super::token::Token;
+use crate::limits::{LARGEST_QUESTION, PAUSE, REQUEST_DEADLINE};
 use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::{header, HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{from_fn_with_state, Next};
@@ -17,16 +18,7 @@ use hyper_util::service::TowerToHyperService;
 use serde_json::{json, Value};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
-use std::time::Duration;
 use tokio::net::TcpStream;
-
-/// A question is a band or a scene: no more bytes than that needs.
-const LARGEST_QUESTION: usize = 1 << 20;
-/// Time for the head of a request, and between two of one connection: a browser on this
-/// machine needs milliseconds, and who takes longer holds a handle that others may need.
-const REQUEST_DEADLINE: Duration = Duration::from_secs(5);
-/// Wait for a free handle where the system grants no more of them.
-const PAUSE: Duration = Duration::from_millis(200);
 
 /// Condition of entry: a request to this address, from its own page, with the token.
 pub struct Door {

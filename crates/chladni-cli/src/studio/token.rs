@@ -1,12 +1,10 @@
 //! The studio's token: who can show it may ask. Other users of the machine reach the port,
 //! too, and nothing but the token tells them from the owner.
 
+use crate::limits::BYTES;
 use chladni_frf::{Error, ErrorKind, Result};
 use std::fmt::{Display, Formatter, Write};
 use subtle::ConstantTimeEq;
-
-/// Random bytes of a token: nobody guesses one of 2²⁵⁶.
-const BYTES: usize = 32;
 
 /// A secret of one run, as hexadecimal digits.
 pub struct Token(String);

@@ -1,6 +1,6 @@
 //! The main job, command by command, on a small panel.
 
-use crate::common::Folder;
+use crate::common::{in_band_hz, Folder};
 use serde_json::Value;
 
 #[test]
@@ -14,17 +14,7 @@ fn from_a_panel_to_a_report() {
     assert_eq!(fit["quality"]["trusted"], true);
 
     let truth: Value = serde_json::from_str(&folder.text("truth.json")).unwrap();
-    let in_band = |model: &Value| -> Vec<f64> {
-        let modes = model["modes"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .filter(|mode| mode["in_band"] == true);
-        modes
-            .map(|mode| mode["frequency_hz"].as_f64().unwrap())
-            .collect()
-    };
-    let (found, known) = (in_band(&fit), in_band(&truth));
+    let (found, known) = (in_band_hz(&fit), in_band_hz(&truth));
     assert_eq!(found.len(), known.len(), "{found:?} {known:?}");
     for (found, known) in found.iter().zip(&known) {
         assert!((found / known - 1.0).abs() < 1e-4, "{found} {known}");

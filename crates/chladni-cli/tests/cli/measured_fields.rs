@@ -5,14 +5,7 @@ use serde_json::Value;
 
 /// A mass-scaled model, its weights, and the field that they make in it, one channel dead.
 fn prepared() -> Folder {
-    let folder = Folder::new();
-    folder.write(
-        "panel.toml",
-        "[responses]\nat_references = true\n[frf]\nstart_hz = 100\nstop_hz = 1000\nstep_hz = 10\n",
-    );
-    folder
-        .run("simulate panel.toml -o panel.h5 --truth model.json -q")
-        .exits(0);
+    let folder = Folder::with_glass();
     folder.write(
         "scene.toml",
         "frequency_hz = 330.0\n[zones]\ngrid = [2, 2]\nhot = [1]\narea_m = [0.034, 0.025, 0.234, \

@@ -315,7 +315,7 @@ fn a_slider_shows_the_ground_of_a_burst_at_any_instant() {
     page.open_file(&folder.path().join("report.html"));
     assert!(page.text("#scene-1 .time").contains("hot after 1"));
     let shown = "[...document.querySelectorAll('#time-1')].map((svg) => svg.previousSibling.toDataURL())[0]";
-    let lines = page.eval("document.querySelectorAll('#scene-1 .time .force-line').length");
+    let lines = page.eval("document.querySelectorAll('#scene-1 .time .of-series-2').length");
     assert_eq!(lines, 34, "one line per actuator");
     // 77 responses in 60 pictures, of which each row has its first one at least
     let runs = page.eval("[...document.querySelectorAll('#scene-1 .time-places path[stroke]')].map((p) => p.getAttribute('d').split('M').length - 1).reduce((a, b) => a + b)");

@@ -1,7 +1,7 @@
 //! The fit in pieces from the command line: verbs, files larger than the memory allowed,
 //! interruption.
 
-use crate::common::Folder;
+use crate::common::{in_band_hz, Folder};
 use serde_json::Value;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -23,19 +23,8 @@ fn model(folder: &Folder, name: &str) -> Value {
     serde_json::from_str(&folder.text(name)).unwrap()
 }
 
-fn frequencies(model: &Value) -> Vec<f64> {
-    let modes = model["modes"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .filter(|mode| mode["in_band"] == true);
-    modes
-        .map(|mode| mode["frequency_hz"].as_f64().unwrap())
-        .collect()
-}
-
 fn assert_near(a: &Value, b: &Value, tolerance: f64) {
-    let (a, b) = (frequencies(a), frequencies(b));
+    let (a, b) = (in_band_hz(a), in_band_hz(b));
     assert_eq!(a.len(), b.len());
     for (a, b) in a.iter().zip(&b) {
         assert!((a / b - 1.0).abs() < tolerance, "{a} {b}");

@@ -4,14 +4,7 @@ use crate::common::Folder;
 
 /// The glass panel with driving points at few lines; its truth is the model.
 fn prepared() -> Folder {
-    let folder = Folder::new();
-    folder.write(
-        "panel.toml",
-        "[responses]\nat_references = true\n[frf]\nstart_hz = 100\nstop_hz = 1000\nstep_hz = 10\n",
-    );
-    folder
-        .run("simulate panel.toml -o panel.h5 --truth model.json -q")
-        .exits(0);
+    let folder = Folder::with_glass();
     folder.write("corner.toml", scene(330, 1, ""));
     folder
 }

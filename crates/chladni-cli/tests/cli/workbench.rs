@@ -460,8 +460,8 @@ fn a_burst_is_shown_over_time_with_forces_responses_and_a_slider() {
         .starts_with("chladni play truth.json scene.toml"));
     assert!(page.text("#in-time").contains("cold "), "the sentence");
     let counts = page.eval(
-        "[document.querySelectorAll('#in-time .hot-line').length, document.querySelectorAll('#in-time .behind').length, \
-         document.querySelectorAll('#in-time .force-line').length, document.querySelectorAll('#in-time .time-places path[stroke]').length]",
+        "[document.querySelectorAll('#in-time .of-series-1:not(.thin)').length, document.querySelectorAll('#in-time .of-series-1.thin').length, \
+         document.querySelectorAll('#in-time .of-series-2').length, document.querySelectorAll('#in-time .time-places path[stroke]').length]",
     );
     let counts: Vec<u64> = serde_json::from_value(counts).unwrap();
     let references = page.eval("document.querySelectorAll('#result details tbody tr').length");

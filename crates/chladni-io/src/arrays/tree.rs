@@ -1,6 +1,7 @@
 //! The common language of both back ends: groups, datasets, values and attributes, free
 //! of any library's types.
 
+use crate::limits::{BEST_COMPRESSION, MAX_DEPTH, MAX_OBJECTS};
 use chladni_frf::{Dof, Error, Node, Result};
 use num_complex::{Complex32, Complex64};
 use std::borrow::Cow;
@@ -227,12 +228,6 @@ impl<'a> Group<'a> {
     }
 }
 
-/// Objects in one file; a link that leads back to its own group would otherwise never
-/// end.
-const MAX_OBJECTS: usize = 100_000;
-/// Depth of groups.
-const MAX_DEPTH: usize = 32;
-
 /// Refuses a walk through groups that finds no end.
 pub(crate) fn check_nesting(path: &str, depth: usize, objects: usize) -> Result<()> {
     if depth <= MAX_DEPTH && objects <= MAX_OBJECTS {
@@ -247,10 +242,6 @@ pub(crate) fn check_nesting(path: &str, depth: usize, objects: usize) -> Result<
             )),
     )
 }
-
-/// Deflate cannot do better than 1 : 1032; a dataset that claims more than that per byte
-/// of the file lies.
-const BEST_COMPRESSION: u64 = 1032;
 
 /// Refuses a shape whose values cannot stand in the file, before anything is allocated.
 pub(crate) fn check_size(

@@ -1,11 +1,9 @@
 //! Geometry of several files in one.
 
+use crate::limits::SAME_PLACE_M;
 use chladni_frf::{Error, Finding, FrfSet, Geometry, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
-
-/// Positions closer than this are the same, m: scenes compare positions to it as well.
-const SAME_PLACE_M: f64 = 1e-6;
 
 /// Adds nodes, lines and faces of `more`; what is there already is not doubled.
 pub(super) fn merge(geometry: &mut Geometry, more: Geometry, file: &Path) -> Result<()> {

@@ -2,20 +2,13 @@
 
 use super::super::Duplicates;
 use super::record::{Line, Record};
+use crate::limits::{LANES, NAMES_LISTED, SPARSE_BYTES, SPARSE_FACTOR};
 use chladni_frf::{
     Dof, Error, Finding, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result,
 };
 use ndarray::{Array1, Array3};
 use num_complex::{Complex32, Complex64, ComplexFloat};
 use std::collections::HashMap;
-
-/// Names that a warning lists before it only counts.
-const NAMES_LISTED: usize = 50;
-/// A grid of pairs this many times larger than the measured data, and above
-/// [`SPARSE_BYTES`], is refused.
-const SPARSE_FACTOR: usize = 16;
-/// See [`SPARSE_FACTOR`].
-const SPARSE_BYTES: usize = 1 << 30;
 
 /// DOFs in order of appearance.
 #[derive(Default)]
@@ -62,13 +55,13 @@ pub(super) fn build(
     }
     let dim = (responses.dofs.len(), references.dofs.len(), axis.len());
     check_grid(dim, measured)?;
+    let values = match single {
+        true => FrfValues::F32(Array3::from_elem(dim, Complex32::new(f32::NAN, f32::NAN))),
+        false => FrfValues::F64(Array3::from_elem(dim, Complex64::new(f64::NAN, f64::NAN))),
+    };
     let mut set = FrfSet {
         frequency_hz: axis,
-        values: if single {
-            FrfValues::F32(Array3::from_elem(dim, Complex32::new(f32::NAN, f32::NAN)))
-        } else {
-            FrfValues::F64(Array3::from_elem(dim, Complex64::new(f64::NAN, f64::NAN)))
-        },
+        values,
         responses: responses.dofs,
         references: references.dofs,
         kind,
@@ -89,18 +82,7 @@ pub(super) fn build(
         if records.len() > 1 {
             let name = pair_name(&set, pair);
             if duplicates == Duplicates::Error {
-                return Err(Error::bad_data(format!(
-                    "the pair {name} is there {} \
-                                                    times",
-                    records.len()
-                ))
-                .field("response and reference")
-                .found(format!("{} and {}", records[0].place, records[1].place))
-                .expected("each pair once")
-                .help(
-                    "choose with `duplicates first|last|mean`; files that all say reference \
-                           node 1 need `reference N`",
-                ));
+                return Err(doubled_pair(&name, &records));
             }
             doubled.push(name);
         }
@@ -114,22 +96,36 @@ pub(super) fn build(
         }
     }
     if !doubled.is_empty() {
-        let rule = match duplicates {
-            Duplicates::First => "the first is kept",
-            Duplicates::Last => "the last is kept",
-            Duplicates::Mean => "their mean is taken",
-            Duplicates::Error => "",
-        };
-        warnings.push(Finding::note(
-            "pairs-doubled",
-            format!(
-                "{} pairs are there more than once, {rule}: {}",
-                doubled.len(),
-                listed(doubled.into_iter())
-            ),
-        ));
+        warnings.push(doubled_pairs(doubled, duplicates));
     }
     set.checked()
+}
+
+fn doubled_pair(name: &str, records: &[Record]) -> Error {
+    let count = records.len();
+    Error::bad_data(format!("the pair {name} is there {count} times"))
+        .field("response and reference")
+        .found(format!("{} and {}", records[0].place, records[1].place))
+        .expected("each pair once")
+        .help(
+            "choose with `duplicates first|last|mean`; files that all say reference node 1 need \
+             `reference N`",
+        )
+}
+
+fn doubled_pairs(names: Vec<String>, duplicates: Duplicates) -> Finding {
+    let rule = match duplicates {
+        Duplicates::First => "the first is kept",
+        Duplicates::Last => "the last is kept",
+        Duplicates::Mean => "their mean is taken",
+        Duplicates::Error => "",
+    };
+    let count = names.len();
+    let words = format!(
+        "{count} pairs are there more than once, {rule}: {}",
+        listed(names.into_iter())
+    );
+    Finding::note("pairs-doubled", words)
 }
 
 /// The axis of the first record; the others must lie within half a line of it.
@@ -375,7 +371,6 @@ fn store(set: &mut FrfSet, (i, j): (usize, usize), record: Record) {
 /// True where no value is infinite or NaN: 0 times either is NaN. One sum in lanes is
 /// many times faster than a look at each value.
 fn all_finite<C: ComplexFloat>(values: &[C]) -> bool {
-    const LANES: usize = 8;
     let mut sums = [C::zero(); LANES];
     let (chunks, rest) = values.as_chunks::<LANES>();
     for chunk in chunks {

@@ -1,6 +1,7 @@
 //! One measured FRF or coherence on its way from a document into the set.
 
 use super::super::{Document, Function, Ordinate};
+use crate::limits::ROUNDING;
 use chladni_frf::{
     Dof, Error, Estimation, Finding, FrfKind, FrfSet, FrfValues, ReferenceUnit, Result,
 };
@@ -294,8 +295,6 @@ pub(super) fn lengthen(records: &mut [Record], warnings: &mut Vec<Finding>) {
 
 /// Coherence γ² in single precision; what lies outside 0..=1 becomes NaN and is counted.
 pub(crate) fn clean_coherence(values: impl IntoIterator<Item = f64>) -> (Vec<f32>, usize) {
-    /// Rounding of six printed digits; values this close are brought back into 0..=1.
-    const ROUNDING: f64 = 1e-5;
     let mut outside = 0;
     let cleaned = values
         .into_iter()

@@ -5,6 +5,7 @@ use super::head::{looks_like_unit, without_brackets, Head};
 use super::table::Table;
 use super::text::{both_commas, Dialect, Line};
 use super::vocabulary::{known_words, part_of, words, Part};
+use crate::limits::ROWS_TRIED;
 use crate::unit_label::frequency_unit;
 use chladni_frf::{Error, Result};
 
@@ -138,7 +139,6 @@ impl Table {
     /// Whole numbers between commas, without names to count them, may be the halves of
     /// numbers with a decimal comma.
     pub(super) fn refuse_whole_numbers(&self, rows: &[&Line<'_>], dialect: Dialect) -> Result<()> {
-        const ROWS_TRIED: usize = 50;
         let whole = |row: &&Line<'_>| !row.text.contains(['.', 'e', 'E']);
         if !self.is_nameless()
             || !self.keywords.is_empty()

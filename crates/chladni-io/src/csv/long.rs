@@ -7,18 +7,11 @@ use super::header::outside_brackets;
 use super::text::{both_commas, Cell, Dialect, Line};
 use super::vocabulary::{is_frequency, words, Part};
 use super::{Said, Trace};
+use crate::limits::{HEADER_LINES, LONG_SPARSE_FACTOR, SAME_LINE, SPARSE_CELLS};
 use chladni_frf::{Direction, Dof, Error, Finding, Result};
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::collections::HashMap;
-
-/// A grid of FRFs and lines this many times larger than the rows, and above
-/// [`SPARSE_CELLS`], is refused.
-const SPARSE_FACTOR: usize = 16;
-/// See [`SPARSE_FACTOR`].
-const SPARSE_CELLS: usize = 1 << 22;
-/// Two frequencies closer than this part of their spacing are one line.
-const SAME_LINE: f64 = 1e-3;
 
 /// The place of each column.
 struct Columns {
@@ -53,7 +46,6 @@ pub(super) struct LongTable<'a> {
 
 /// Finds the header of a long table.
 pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
-    const HEADER_LINES: usize = 100;
     lines
         .iter()
         .take(HEADER_LINES)
@@ -211,7 +203,7 @@ impl LongTable<'_> {
         let axis: Vec<f64> = longest.rows.iter().map(|row| row.1).collect();
         let cells = pairs.len().saturating_mul(axis.len());
         let rows: usize = pairs.iter().map(|pair| pair.rows.len()).sum();
-        if cells > SPARSE_CELLS && cells / SPARSE_FACTOR > rows {
+        if cells > SPARSE_CELLS && cells / LONG_SPARSE_FACTOR > rows {
             return Err(
                 Error::bad_data("almost all (pair, frequency) rows are missing").found(format!(
                     "{rows} rows for {} pairs on {} lines",

@@ -1,6 +1,7 @@
 //! A table of numbers with its header: names, units, keywords.
 
 use super::text::{both_commas, refuse_decimal_comma, Cell, Dialect, Line};
+use crate::limits::TABLE_ROWS_TRIED;
 use chladni_frf::{Error, Finding, Result};
 
 /// Rows of numbers, NaN where a cell is empty or masked.
@@ -213,7 +214,6 @@ fn split<'l, 't>(
 /// Columns up to the last one that is not empty in one of the first rows: a delimiter may
 /// end each row.
 fn filled_columns(rows: &[&Line<'_>], dialect: Dialect) -> usize {
-    const ROWS_TRIED: usize = 20;
     let filled = |row: &&Line<'_>| {
         let cells = dialect.cells(row.text);
         cells.len()
@@ -223,7 +223,11 @@ fn filled_columns(rows: &[&Line<'_>], dialect: Dialect) -> usize {
                 .take_while(|cell| cell.is_empty())
                 .count()
     };
-    rows.iter().take(ROWS_TRIED).map(filled).max().unwrap_or(0)
+    rows.iter()
+        .take(TABLE_ROWS_TRIED)
+        .map(filled)
+        .max()
+        .unwrap_or(0)
 }
 
 fn no_numbers(lines: &[Line<'_>]) -> Error {

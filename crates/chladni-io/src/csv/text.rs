@@ -1,5 +1,6 @@
 //! Text of a table: encoding, lines, comments, delimiter, decimal sign, numbers.
 
+use crate::limits::LINES_TRIED;
 use chladni_frf::{Error, Result};
 use std::borrow::Cow;
 
@@ -84,8 +85,6 @@ const COMMAS: Dialect = Dialect {
     delimiter: Some(','),
     decimal_comma: true,
 };
-/// Lines looked at to find the dialect: longer than any header, short beside any data.
-const LINES_TRIED: usize = 400;
 
 impl Dialect {
     /// The dialect in which most lines are rows of numbers; `None` where no line is.

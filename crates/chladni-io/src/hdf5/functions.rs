@@ -98,6 +98,22 @@ pub(super) fn read_functions(own: &Own<'_>) -> Result<Vec<Function>> {
         .collect()
 }
 
+/// The axis of a function that carries one, `count` values long.
+fn uneven(own: &Own<'_>, group: &Entry, count: usize) -> Result<Option<Vec<f64>>> {
+    let path = format!("{}/abscissa", group.path);
+    let Some(entry) = own.find(&path) else {
+        return Ok(None);
+    };
+    let values = reals(entry, own.file.read(entry)?)?;
+    if values.len() != count {
+        return Err(Error::bad_data("sizes disagree")
+            .field(path)
+            .found(values.len())
+            .expected(format!("{count}, as many as values")));
+    }
+    Ok(Some(values))
+}
+
 fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
     let missing = |name: &str| {
         Error::bad_data("an attribute is missing")
@@ -139,21 +155,13 @@ fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
         Values::Complex64(values) => Ordinate::Complex64(values.into_owned()),
         _ => return Err(wrong_type(entry, "real or complex numbers")),
     };
-    let abscissa = match own.find(&format!("{}/abscissa", group.path)) {
-        Some(entry) => Abscissa::Uneven(reals(entry, own.file.read(entry)?)?),
+    let abscissa = match uneven(own, group, ordinate.len())? {
+        Some(values) => Abscissa::Uneven(values),
         None => Abscissa::Even {
             start: real("abscissa_start")?,
             step: real("abscissa_step")?,
         },
     };
-    if let Abscissa::Uneven(values) = &abscissa {
-        if values.len() != ordinate.len() {
-            return Err(Error::bad_data("sizes disagree")
-                .field(format!("{}/abscissa", group.path))
-                .found(values.len())
-                .expected(format!("{}, as many as values", ordinate.len())));
-        }
-    }
     Ok(Function {
         function_type: small("function_type")?,
         id_lines: [

@@ -182,19 +182,7 @@ impl Walk {
                     .add(&path, vec![1], Values::Text(vec![text]), false);
                 Ok(())
             }
-            CELL => {
-                let cells: Vec<_> = parts.collect();
-                if let Some(texts) = self.texts(&cells)? {
-                    let count = texts.len();
-                    self.arrays
-                        .add(&path, vec![count], Values::Text(texts), false);
-                    return Ok(());
-                }
-                for (k, cell) in cells.into_iter().enumerate() {
-                    self.matrix(&cell?, &path, Some(&(k + 1).to_string()), depth + 1)?;
-                }
-                Ok(())
-            }
+            CELL => self.cells(parts.collect(), &path, depth),
             STRUCT => {
                 let width = part("length of field names")?
                     .unsigned(self.order)?
@@ -207,18 +195,7 @@ impl Walk {
                     .map(|name| trimmed(name).to_string())
                     .collect();
                 let several = shape.iter().product::<usize>() > 1;
-                for (k, value) in parts.enumerate() {
-                    let Some(name) = names.get(k % names.len().max(1)) else {
-                        break;
-                    };
-                    let folder = if several {
-                        format!("{path}/{}", k / names.len() + 1)
-                    } else {
-                        path.clone()
-                    };
-                    self.matrix(&value?, &folder, Some(name), depth + 1)?;
-                }
-                Ok(())
+                self.fields(parts, &names, several, &path, depth)
             }
             _ if NUMERIC.contains(&class) => {
                 let re = part("values")?;
@@ -251,6 +228,43 @@ impl Walk {
                 Ok(())
             }
         }
+    }
+
+    /// The cells of an array: texts as one array, anything else each by itself.
+    fn cells(&mut self, cells: Vec<Result<Element<'_>>>, path: &str, depth: usize) -> Result<()> {
+        if let Some(texts) = self.texts(&cells)? {
+            let count = texts.len();
+            self.arrays
+                .add(path, vec![count], Values::Text(texts), false);
+            return Ok(());
+        }
+        for (k, cell) in cells.into_iter().enumerate() {
+            self.matrix(&cell?, path, Some(&(k + 1).to_string()), depth + 1)?;
+        }
+        Ok(())
+    }
+
+    /// The fields of a struct, or of each of `several`.
+    fn fields(
+        &mut self,
+        values: Elements<'_>,
+        names: &[String],
+        several: bool,
+        path: &str,
+        depth: usize,
+    ) -> Result<()> {
+        for (k, value) in values.enumerate() {
+            let Some(name) = names.get(k % names.len().max(1)) else {
+                break;
+            };
+            let folder = if several {
+                format!("{path}/{}", k / names.len() + 1)
+            } else {
+                path.to_owned()
+            };
+            self.matrix(&value?, &folder, Some(name), depth + 1)?;
+        }
+        Ok(())
     }
 }
 

@@ -1,14 +1,10 @@
 //! Packed elements of version 7: zlib, with a limit to what a file may unfold to.
 
 use super::element::Element;
+use crate::limits::{LEAST_ROOM, MOST_EXPANSION};
 use chladni_frf::{Error, Result};
 use flate2::read::ZlibDecoder;
 use std::io::Read;
-
-/// A file may unfold to this many times its size ...
-const MOST_EXPANSION: usize = 128;
-/// ... and, however small it is, to this many bytes.
-const LEAST_ROOM: usize = 4 << 20;
 
 /// The amount left to unfold.
 pub(super) struct Budget {

@@ -2,6 +2,7 @@
 //! little endian, not packed. No date stands in the header: same input, same bytes.
 
 use super::{CELL, CHAR, COMPLEX, HEADER_BYTES, MATRIX, SINGLE};
+use crate::limits::LARGEST_ELEMENT;
 use crate::signatures::MAT_SIGNATURE;
 use chladni_frf::{
     Damping, Dof, Error, FrfSet, FrfValues, ModalModel, Mode, Result, Scaling, Trust,
@@ -18,8 +19,6 @@ const REAL_64: u32 = 9;
 const UNSIGNED_16: u32 = 4;
 /// Class of arrays of double precision.
 const DOUBLE: u32 = 6;
-/// MATLAB reads no larger variable of this version, bytes.
-const LARGEST_ELEMENT: usize = (1 << 31) - 1;
 
 /// A file of named variables on its way out.
 pub(crate) struct MatFile {

@@ -4,17 +4,13 @@ use super::npy;
 use crate::arrays::memory::MemoryFile;
 use crate::arrays::tree::check_nesting;
 use crate::atomic::{create_atomically, write_error};
+use crate::limits::{ARCHIVE_LEAST_ROOM, ARCHIVE_MOST_EXPANSION};
 use chladni_frf::{Error, Finding, FrfSet, FrfValues, Result};
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
-
-/// An archive may unfold to this many times its size ...
-const MOST_EXPANSION: u64 = 128;
-/// ... and, however small it is, to this many bytes.
-const LEAST_ROOM: u64 = 4 << 20;
 
 fn damaged(error: impl std::fmt::Display) -> Error {
     let error = Error::bad_data("the archive is damaged")
@@ -34,8 +30,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<MemoryFile> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
     let mut arrays = MemoryFile::default();
     let limit = (bytes.len() as u64)
-        .saturating_mul(MOST_EXPANSION)
-        .max(LEAST_ROOM);
+        .saturating_mul(ARCHIVE_MOST_EXPANSION)
+        .max(ARCHIVE_LEAST_ROOM);
     let mut left = limit;
     check_nesting("/", 0, archive.len())?;
     for k in 0..archive.len() {
@@ -60,7 +56,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<MemoryFile> {
                 Error::bad_data("the archive unfolds to more than is plausible")
                     .field(&name)
                     .found(format!("more than {limit} bytes"))
-                    .expected(format!("at most {MOST_EXPANSION} times the file's size"))
+                    .expected(format!(
+                        "at most {ARCHIVE_MOST_EXPANSION} times the file's size"
+                    ))
                     .help(
                         "save it with numpy.savez (not compressed) if it really holds that many \
                        equal values",

@@ -332,49 +332,44 @@ pub(super) fn locate(
         return Ok(at);
     }
     if let Some(at) = search.any_of(&contradicting(layout), &[Landing::Strict, Landing::Loose]) {
-        let [said, written] =
-            [layout.double, at.form.y_bytes == 8]
-                .map(|double| if double { "double" } else { "single" });
-        if lenient {
-            warnings.push(Finding::caution(
-                "loosely-written",
-                format!(
-                "the header says {said} precision, the data are in {written} precision and read so"
-            ),
-            ));
-            return Ok(at);
-        }
-        let message = format!(
-            "the header says {said} precision, but the data are written in {written} precision"
-        );
-        return Err(wrong(&message, "record 7: ordinate type")
-            .found(format!(
+        let precision = |is_double: bool| if is_double { "double" } else { "single" };
+        let [said, written] = [layout.double, at.form.y_bytes == 8].map(precision);
+        if !lenient {
+            let message = format!(
+                "the header says {said} precision, but the data are written in {written} precision"
+            );
+            let found = format!(
                 "{} and {} bytes of data for {} values",
                 layout.code(),
                 at.length,
                 layout.count
-            ))
-            .expected(format!("data in {said} precision"))
-            .help("read it with `lenient`, which takes the data as they are written"));
+            );
+            return Err(wrong(&message, "record 7: ordinate type")
+                .found(found)
+                .expected(format!("data in {said} precision"))
+                .help("read it with `lenient`, which takes the data as they are written"));
+        }
+        let words = format!(
+            "the header says {said} precision, the data are in {written} precision and read so"
+        );
+        warnings.push(Finding::caution("loosely-written", words));
+        return Ok(at);
     }
     if let Some(at) = search.declared_length() {
-        let present = at.length / at.form.point_bytes() as u64;
-        if lenient {
-            warnings.push(Finding::caution(
-                "values-missing",
-                format!(
-                    "the header declares {} values, the data hold {present}; these are read",
-                    layout.count
-                ),
-            ));
-            return Ok(at);
+        let (declared, present) = (layout.count, at.length / at.form.point_bytes() as u64);
+        if !lenient {
+            return Err(
+                wrong("the declared number of values and the data disagree", COUNT)
+                    .found(format!("{declared} declared, {present} present"))
+                    .expected("equal numbers")
+                    .help("export the file again, or read what is there with `lenient`"),
+            );
         }
-        return Err(
-            wrong("the declared number of values and the data disagree", COUNT)
-                .found(format!("{} declared, {present} present", layout.count))
-                .expected("equal numbers")
-                .help("export the file again, or read what is there with `lenient`"),
+        let words = format!(
+            "the header declares {declared} values, the data hold {present}; these are read"
         );
+        warnings.push(Finding::caution("values-missing", words));
+        return Ok(at);
     }
     if let Some(at) = search
         .any_of(&allowed(layout), &[Landing::FileEnd])

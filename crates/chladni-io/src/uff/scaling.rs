@@ -213,17 +213,15 @@ fn frf(
     }
     if let (Some(codes), Some(label)) = (by_codes, by_label) {
         if codes != label {
-            warnings.push(Finding::caution(
-                "unit-contradicted",
-                format!(
+            let words = format!(
                 "the quantity codes say {} ({}), the unit label `{shown}` says {} ({}); the codes \
                  are used",
                 codes.0,
                 codes.0.unit(codes.1),
                 label.0,
                 label.0.unit(label.1)
-            ),
-            ));
+            );
+            warnings.push(Finding::caution("unit-contradicted", words));
         }
     }
     let label_factor = ratio
@@ -258,28 +256,34 @@ fn frf(
         }
         (None, Some(label)) => label,
         (None, None) => {
-            if units.is_none_or(|units| !units.is_si()) {
-                warnings.push(Finding::caution(
+            warnings.extend(units.is_none_or(|units| !units.is_si()).then(|| {
+                Finding::caution(
                     "unit-assumed",
                     "the file does not state the unit of the FRF: SI is assumed",
-                ));
-            }
+                )
+            }));
             1.0
         }
     };
-    if numerator.quantity == EXCITATION_FORCE && motion(denominator.quantity).is_some() {
-        warnings.push(Finding::caution("swapped-codes", "the quantity codes say force over motion: response and reference are swapped (correct the export), or these are dynamic \
-             stiffnesses (export the FRFs themselves)"));
-    } else if scaling.kind.is_none() && (numerator.quantity > 1 || denominator.quantity > 1) {
-        warnings.push(Finding::caution(
-            "swapped-codes",
-            format!(
-            "quantity codes {} over {} are no receptance (8/13), mobility (11/13) or accelerance \
-             (12/13)",
-            numerator.quantity, denominator.quantity
-        ),
-        ));
-    }
+    let codes = [numerator.quantity, denominator.quantity];
+    warnings.extend(swapped(codes, scaling.kind.is_none()));
+}
+
+/// Quantity codes that no FRF has.
+fn swapped([above, below]: [i32; 2], is_unknown: bool) -> Option<Finding> {
+    let words = if above == EXCITATION_FORCE && motion(below).is_some() {
+        "the quantity codes say force over motion: response and reference are swapped (correct \
+         the export), or these are dynamic stiffnesses (export the FRFs themselves)"
+            .into()
+    } else if is_unknown && (above > 1 || below > 1) {
+        format!(
+            "quantity codes {above} over {below} are no receptance (8/13), mobility (11/13) or \
+             accelerance (12/13)"
+        )
+    } else {
+        return None;
+    };
+    Some(Finding::caution("swapped-codes", words))
 }
 
 fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<Finding>) -> f64 {

@@ -14,9 +14,47 @@ use std::io::{self, Write};
 /// # Errors
 /// Values that are not finite, in text; numbers that do not fit their columns.
 pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<Finding>> {
-    let whose = || format!("function {} / {}", function.response, function.reference);
-    let count = function.ordinate.len();
+    check_numbers(function)?;
     let mut warnings = Vec::new();
+    warnings.extend(check_abscissa(function, options)?);
+    if !options.binary {
+        if let Some(line) = first_not_finite(&function.ordinate) {
+            return Err(Error::bad_data(
+                "a masked or infinite value cannot be written to a text universal file",
+            )
+            .field(format!("{}: value {}", named(function), line + 1))
+            .found("NaN or infinity")
+            .expected("finite numbers")
+            .help("write the binary form, or HDF5"));
+        }
+    }
+    let mut names = function.entity_names.iter();
+    let mut axes = function.axes.iter();
+    let lost = [
+        (
+            names.any(|name| name.chars().count() > 10),
+            "entity names are cut to 10 characters",
+        ),
+        (
+            axes.any(|axis| axis.label.chars().count() > 20 || axis.unit.chars().count() > 20),
+            "axis and unit labels are cut to 20 characters",
+        ),
+        (
+            id_line_4(function).1,
+            "ID line 4 is full: the exact step df= replaces its text",
+        ),
+    ];
+    let lost = lost.into_iter().filter(|(is_lost, _)| *is_lost);
+    warnings.extend(lost.map(|(_, words)| Finding::note("digits-lost", words)));
+    Ok(warnings)
+}
+
+fn named(function: &Function) -> String {
+    format!("function {} / {}", function.response, function.reference)
+}
+
+/// Numbers of the records that must fit their columns.
+fn check_numbers(function: &Function) -> Result<()> {
     let of_record_6 = [
         ("function type", i64::from(function.function_type), 99_999),
         ("function id", function.ids[0], 9_999_999_999),
@@ -36,20 +74,28 @@ pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<Fi
     for (name, number, limit) in of_record_6.into_iter().chain(of_axes) {
         if !(-limit / 10..=limit).contains(&number) {
             return Err(Error::bad_data("the number does not fit its columns")
-                .field(format!("{}: {name}", whose()))
+                .field(format!("{}: {name}", named(function)))
                 .found(number)
                 .expected(format!("{} to {limit}", -limit / 10))
                 .help("write HDF5 (.h5), which holds any number"));
         }
     }
+    Ok(())
+}
+
+/// The abscissa: as long as the values, finite, and in text still rising.
+fn check_abscissa(function: &Function, options: WriteOptions) -> Result<Option<Finding>> {
+    let field = format!("{}: abscissa", named(function));
+    let count = function.ordinate.len();
     let finite_axis = match &function.abscissa {
         Abscissa::Even { start, step } => start.is_finite() && step.is_finite(),
         Abscissa::Uneven(values) => values.iter().all(|x| x.is_finite()),
     };
+    let mut warning = None;
     if let Abscissa::Uneven(values) = &function.abscissa {
         if values.len() != count {
             return Err(Error::bad_data("sizes disagree")
-                .field(format!("{}: abscissa", whose()))
+                .field(field)
                 .found(values.len())
                 .expected(format!("{count}, one per value")));
         }
@@ -59,12 +105,12 @@ pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<Fi
                     "a text universal file keeps six digits of an uneven axis, and two of its values are \
                      the same then",
                 )
-                .field(format!("{}: abscissa", whose()))
+                .field(field)
                 .found(format!("{} and {}", values[line], values[line + 1]))
                 .expected("values that differ in six digits")
                 .help("write the binary form (.uff) or HDF5 (.h5), which keep all digits"));
             }
-            warnings.push(Finding::note(
+            warning = Some(Finding::note(
                 "digits-lost",
                 "text keeps 6 digits of an uneven abscissa; the binary form and HDF5 keep all",
             ));
@@ -72,47 +118,10 @@ pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<Fi
     }
     if !finite_axis || !function.z.is_finite() {
         return Err(Error::bad_data("the abscissa is not finite")
-            .field(format!("{}: abscissa", whose()))
+            .field(field)
             .expected("finite numbers"));
     }
-    if !options.binary {
-        if let Some(line) = first_not_finite(&function.ordinate) {
-            return Err(Error::bad_data(
-                "a masked or infinite value cannot be written to a text universal file",
-            )
-            .field(format!("{}: value {}", whose(), line + 1))
-            .found("NaN or infinity")
-            .expected("finite numbers")
-            .help("write the binary form, or HDF5"));
-        }
-    }
-    if function
-        .entity_names
-        .iter()
-        .any(|name| name.chars().count() > 10)
-    {
-        warnings.push(Finding::note(
-            "digits-lost",
-            "entity names are cut to 10 characters",
-        ));
-    }
-    if function
-        .axes
-        .iter()
-        .any(|axis| axis.label.chars().count() > 20 || axis.unit.chars().count() > 20)
-    {
-        warnings.push(Finding::note(
-            "digits-lost",
-            "axis and unit labels are cut to 20 characters",
-        ));
-    }
-    if id_line_4(function).1 {
-        warnings.push(Finding::note(
-            "digits-lost",
-            "ID line 4 is full: the exact step df= replaces its text",
-        ));
-    }
-    Ok(warnings)
+    Ok(warning)
 }
 
 fn first_not_finite(ordinate: &Ordinate) -> Option<usize> {

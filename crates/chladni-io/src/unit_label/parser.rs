@@ -1,13 +1,7 @@
 //! The text of a unit label: products of powers, from left to right.
 
 use super::{named, Unit, ONE};
-
-/// No sensible unit carries a larger power; a larger one is a misreading.
-const LARGEST_POWER: i32 = 9;
-/// A longer text is no unit label, in bytes.
-const LONGEST_LABEL: usize = 80;
-/// Parentheses nested more deeply stand in no unit.
-const MAX_DEPTH: usize = 8;
+use crate::limits::{LARGEST_POWER, LONGEST_LABEL, PARSER_MAX_DEPTH};
 
 /// The unit that a label names; `None` for an empty label or one that is not understood.
 /// Brackets of any kind are parentheses.
@@ -73,7 +67,7 @@ impl Parser<'_> {
     fn factor(&mut self, depth: usize) -> Option<Unit> {
         self.skip_blanks();
         let base = match self.peek()? {
-            '(' if depth < MAX_DEPTH => {
+            '(' if depth < PARSER_MAX_DEPTH => {
                 self.at += 1;
                 let inner = self.product(depth + 1)?;
                 if self.peek() != Some(')') {

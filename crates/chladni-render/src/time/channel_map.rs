@@ -1,5 +1,6 @@
 //! Assignment of actuators to the channels of a converter.
 
+use crate::tolerances::MOST_CHANNELS;
 use chladni_frf::{Dof, Error, Result};
 
 /// A channel of a map.
@@ -13,14 +14,59 @@ pub struct Mapped {
     pub gain: f64,
 }
 
+/// An error of line `line`, counted from 0, in a field with what was found there.
+fn bad(line: usize, message: &str, [field, found]: [&str; 2], expected: &str) -> Error {
+    Error::bad_data(message)
+        .at_line(line as u64 + 1)
+        .field(field)
+        .found(found)
+        .expected(expected)
+}
+
+fn cells(line: &str) -> Vec<String> {
+    line.split(',').map(|cell| cell.trim().to_owned()).collect()
+}
+
+impl Mapped {
+    /// From two cells, or three with a gain.
+    fn parse(line: usize, cells: &[String]) -> Result<Self> {
+        let channel = cells[0]
+            .parse::<usize>()
+            .ok()
+            .filter(|channel| (1..=MOST_CHANNELS).contains(channel))
+            .ok_or_else(|| {
+                let expected = format!("a number from 1 to {MOST_CHANNELS}");
+                bad(line, "no such channel", ["channel", &cells[0]], &expected)
+            })?;
+        let reference = cells[1].parse::<Dof>().map_err(|_| {
+            let found = ["reference", &*cells[1]];
+            bad(line, "no DOF", found, "a reference like 101:+Z")
+        })?;
+        let gain = match cells.get(2) {
+            Some(cell) => cell.parse::<f64>().unwrap_or(f64::NAN),
+            None => 1.0,
+        };
+        if !(gain.is_finite() && gain != 0.0) {
+            return Err(bad(
+                line,
+                "no usable gain",
+                ["gain", &cells[2]],
+                "a finite number other than 0",
+            ));
+        }
+        Ok(Self {
+            channel,
+            reference,
+            gain,
+        })
+    }
+}
+
 /// Assignment of actuators to channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelMap(pub Vec<Mapped>);
 
 impl ChannelMap {
-    /// Most channels of a converter.
-    const MOST: usize = 1024;
-
     /// Actuators in their order, without gains.
     pub(crate) fn plain(references: &[Dof]) -> Self {
         let mapped = references.iter().enumerate().map(|(k, &reference)| Mapped {
@@ -37,21 +83,11 @@ impl ChannelMap {
     /// [`chladni_frf::ErrorKind::BadData`] with the line: another header, no channel number, no DOF, a
     /// gain of 0, a channel or an actuator twice.
     pub fn parse(text: &str) -> Result<Self> {
-        let bad = |line: usize, message: &str, field: &str, found: &str, expected: &str| {
-            Error::bad_data(message)
-                .at_line(line as u64 + 1)
-                .field(field)
-                .found(found)
-                .expected(expected)
-        };
         let mut lines = text
             .lines()
             .enumerate()
             .map(|(k, line)| (k, line.trim().trim_start_matches('\u{feff}')))
             .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-        let cells = |line: &str| -> Vec<String> {
-            line.split(',').map(|cell| cell.trim().to_owned()).collect()
-        };
         let header = lines.next().map(|(k, line)| (k, cells(line)));
         let with_gain = match &header {
             Some((_, names)) if *names == ["channel", "reference", "gain"] => true,
@@ -61,8 +97,7 @@ impl ChannelMap {
                 return Err(bad(
                     line,
                     "not a channel map",
-                    "header",
-                    &found.join(","),
+                    ["header", &found.join(",")],
                     "channel,reference,gain",
                 ));
             }
@@ -74,70 +109,28 @@ impl ChannelMap {
                 return Err(bad(
                     line,
                     "wrong number of cells",
-                    "row",
-                    text,
+                    ["row", text],
                     "one cell for each name of the header",
                 ));
             }
-            let channel = cells[0]
-                .parse::<usize>()
-                .ok()
-                .filter(|channel| (1..=Self::MOST).contains(channel))
-                .ok_or_else(|| {
-                    bad(
-                        line,
-                        "no such channel",
-                        "channel",
-                        &cells[0],
-                        "a number from 1 to 1024",
-                    )
-                })?;
-            let reference = cells[1].parse::<Dof>().map_err(|_| {
-                bad(
-                    line,
-                    "no DOF",
-                    "reference",
-                    &cells[1],
-                    "a reference like 101:+Z",
-                )
-            })?;
-            let gain = if with_gain {
-                cells[2].parse::<f64>().unwrap_or(f64::NAN)
-            } else {
-                1.0
-            };
-            if !(gain.is_finite() && gain != 0.0) {
-                return Err(bad(
-                    line,
-                    "no usable gain",
-                    "gain",
-                    &cells[2],
-                    "a finite number other than 0",
-                ));
-            }
-            if mapped.iter().any(|m| m.channel == channel) {
+            let row = Mapped::parse(line, &cells)?;
+            if mapped.iter().any(|m| m.channel == row.channel) {
                 return Err(bad(
                     line,
                     "a channel occurs twice",
-                    "channel",
-                    &cells[0],
+                    ["channel", &cells[0]],
                     "each channel once",
                 ));
             }
-            if mapped.iter().any(|m| m.reference.same_axis(reference)) {
+            if mapped.iter().any(|m| m.reference.same_axis(row.reference)) {
                 return Err(bad(
                     line,
                     "an actuator occurs twice",
-                    "reference",
-                    &cells[1],
+                    ["reference", &cells[1]],
                     "each actuator once",
                 ));
             }
-            mapped.push(Mapped {
-                channel,
-                reference,
-                gain,
-            });
+            mapped.push(row);
         }
         mapped.sort_by_key(|mapped| mapped.channel);
         Ok(Self(mapped))

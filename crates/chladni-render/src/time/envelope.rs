@@ -1,6 +1,7 @@
 //! The factor of a pattern over time, with its derivatives: raised-cosine steps, and the
 //! cubic splines of an envelope program.
 
+use crate::tolerances::EASE_S;
 use std::f64::consts::PI;
 
 /// A value with its first three derivatives by time; where one jumps, either side.
@@ -112,13 +113,9 @@ pub(crate) struct Travel {
 }
 
 impl Travel {
-    /// Time in which the speed rises, s: 1 mm of the path at 800 mm/s lies between this
-    /// and a speed that jumps.
-    const EASE_S: f64 = 0.01;
-
     /// The position between the keyframes, with its derivatives.
     fn at(&self, time_s: f64) -> Course {
-        let ease = Self::EASE_S.min(0.5 * self.duration_s);
+        let ease = EASE_S.min(0.5 * self.duration_s);
         // ∫ of a speed that rises from 0 to 1 over `ease` about τ = 0
         let run = |tau: f64| {
             let within = tau + 0.5 * ease;

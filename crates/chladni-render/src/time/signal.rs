@@ -6,13 +6,11 @@ use crate::time::play::Played;
 use crate::time::sidecar::{Channel, Sidecar, SIGNAL_FORMAT, SIGNAL_VERSION};
 use crate::time::wav_file::{wav_bytes, SampleFormat};
 use crate::tolerances;
+use crate::tolerances::MOST_BYTES;
 use chladni_frf::{Error, ErrorKind, Result};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
-
-/// Most bytes of a sound file: its header counts them in 32 bits.
-const MOST_BYTES: f64 = 4_294_900_000.0;
 
 /// Settings of the conversion of a drive to samples.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,15 +2,10 @@
 //! sample by the cubic of their values and derivatives (theory.md, eq. 62).
 
 use crate::time::causal::CausalModel;
+use crate::tolerances::{SMALL_STEP, TERMS};
 use chladni_linalg::matmul;
 use ndarray::Array2;
 use num_complex::Complex64;
-
-/// Below this |λh| the exact functions of the recursion lose digits, and their series has
-/// them all: the first term left out is below 1e-17.
-const SMALL_STEP: f64 = 1.0;
-/// Terms of that series.
-const TERMS: u32 = 18;
 
 /// Complex envelopes of a drive on even samples: a(t_k) = Σ_b values[k, b]·patterns[b].
 #[derive(Debug, Clone)]

@@ -8,12 +8,10 @@ use crate::time::envelope::Envelope;
 use crate::time::simulate::CubicStep;
 use crate::time::tracks::Track;
 use crate::tolerances;
+use crate::tolerances::SUPPORT;
 use chladni_linalg::{matmul, matmul_h};
 use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
-
-/// Knots over which a spline is not zero.
-const SUPPORT: usize = 4;
 
 /// Splines on a grid of times: from control points to the field and back.
 pub(crate) struct Splines<'a> {

@@ -13,16 +13,11 @@ use crate::time::play::Played;
 use crate::time::table::Measure;
 use crate::time::timeline::maps_over;
 use crate::time::tracks::Tracks;
+use crate::tolerances::{FIRMEST, STAYS_S};
 use crate::zones::{Ground, ZoneMap};
 use chladni_frf::{Finding, ModalModel, Mode, Result, Scaling};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
-
-/// Mean time for which a finger stays, and stays away, s: taps of a hand that explores.
-const STAYS_S: f64 = 0.05;
-/// Largest share of the impedance of a light finger by which one that comes and goes may
-/// press: firm.
-const FIRMEST: f64 = 3.0;
 
 /// One trial in time, at the responses, at each instant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

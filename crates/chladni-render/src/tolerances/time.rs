@@ -128,3 +128,40 @@ pub const PROGRAM_MARGIN_DB: f64 = 0.6;
 /// Share of the steady drive's margin, in dB, that is asked of an envelope program where
 /// it has less than that.
 pub const PROGRAM_MARGIN: f64 = 0.9;
+
+// channel_map.rs
+
+/// Most channels of a converter.
+pub const MOST_CHANNELS: usize = 1024;
+
+// envelope.rs
+
+/// Time in which the speed rises, s: 1 mm of the path at 800 mm/s lies between this
+/// and a speed that jumps.
+pub const EASE_S: f64 = 0.01;
+
+// signal.rs
+
+/// Most bytes of a sound file: its header counts them in 32 bits.
+pub const MOST_BYTES: f64 = 4_294_900_000.0;
+
+// simulate.rs
+
+/// Below this |λh| the exact functions of the recursion lose digits, and their series has
+/// them all: the first term left out is below 1e-17.
+pub const SMALL_STEP: f64 = 1.0;
+/// Terms of that series.
+pub const TERMS: u32 = 18;
+
+// splines.rs
+
+/// Knots over which a spline is not zero.
+pub const SUPPORT: usize = 4;
+
+// stress.rs
+
+/// Mean time for which a finger stays, and stays away, s: taps of a hand that explores.
+pub const STAYS_S: f64 = 0.05;
+/// Largest share of the impedance of a light finger by which one that comes and goes may
+/// press: firm.
+pub const FIRMEST: f64 = 3.0;

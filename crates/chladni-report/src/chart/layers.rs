@@ -2,7 +2,7 @@
 
 use super::axis::Ruler;
 use super::clip::{clip_line, thinned};
-use super::marks::disc;
+use super::marks::{disc, Mark};
 use super::{Cell, Disc, Layer, Place};
 use crate::drawing::{is_dark, text_width, Anchor, Colour, Drawing, Item, Point, Stroke};
 
@@ -55,6 +55,66 @@ pub(super) fn legend_name(layer: &Layer) -> Option<&str> {
     }
 }
 
+/// The box of a chart, px, with the rulers of its axes.
+#[derive(Clone, Copy)]
+struct Plotted<'a> {
+    sides: [f64; 4],
+    x: &'a Ruler,
+    y: &'a Ruler,
+}
+
+impl Plotted<'_> {
+    fn place(&self, point: &Place) -> Point {
+        [self.x.place(point[0]), self.y.place(point[1])]
+    }
+
+    fn holds(&self, p: &Point) -> bool {
+        let [left, top, right, bottom] = self.sides;
+        p[0] >= left - 0.5 && p[0] <= right + 0.5 && p[1] >= top - 0.5 && p[1] <= bottom + 0.5
+    }
+
+    /// Lines through the whole box at those `at` that lie in it, along `which` axis.
+    fn across(&self, at: &[f64], which: usize) -> Vec<Vec<Point>> {
+        let [left, top, right, bottom] = self.sides;
+        let (ruler, [low, high]) = [(self.x, [left, right]), (self.y, [top, bottom])][which];
+        let places = at.iter().map(|&value| ruler.place(value));
+        places
+            .filter(|p| (low..=high).contains(p))
+            .map(|p| match which {
+                0 => vec![[p, top], [p, bottom]],
+                _ => vec![[left, p], [right, p]],
+            })
+            .collect()
+    }
+
+    fn stems(&self, drawing: &mut Drawing, points: &[(Place, String)], mark: Mark, colour: Colour) {
+        let [_, top, _, bottom] = self.sides;
+        let zero = self.y.place(0.0);
+        let base = match zero.is_finite() {
+            true => zero.clamp(top, bottom),
+            false => bottom,
+        };
+        for (point, hint) in points {
+            let tip = self.place(point);
+            if self.holds(&tip) {
+                drawing.line(vec![[tip[0], base], tip], Stroke::new(colour, 2.0));
+                mark.draw(drawing, tip, colour, STEM_MARK, Some(hint.clone()));
+            }
+        }
+    }
+
+    fn outline(&self, drawing: &mut Drawing, points: &[Place], stroke: Stroke, casing: bool) {
+        let closed = points.iter().chain(points.first());
+        let closed: Vec<Point> = closed.map(|point| self.place(point)).collect();
+        let cut = clip_line(&closed, self.sides);
+        if casing {
+            let white = Stroke::new(Colour::Rgb([255, 255, 255]), stroke.width + 2.5);
+            push_lines(drawing, cut.clone(), white, None);
+        }
+        push_lines(drawing, cut, stroke, None);
+    }
+}
+
 pub(super) fn draw_layer(
     drawing: &mut Drawing,
     layer: &Layer,
@@ -62,11 +122,8 @@ pub(super) fn draw_layer(
     x: &Ruler,
     y: &Ruler,
 ) {
-    let [left, top, right, bottom] = sides;
-    let place = |point: &Place| [x.place(point[0]), y.place(point[1])];
-    let inside = |p: &Point| {
-        p[0] >= left - 0.5 && p[0] <= right + 0.5 && p[1] >= top - 0.5 && p[1] <= bottom + 0.5
-    };
+    let plotted = Plotted { sides, x, y };
+    let place = |point: &Place| plotted.place(point);
     match layer {
         Layer::Lines {
             name,
@@ -85,85 +142,33 @@ pub(super) fn draw_layer(
             size,
             ..
         } => {
-            for point in points.iter().map(place).filter(inside) {
+            for point in points.iter().map(place).filter(|p| plotted.holds(p)) {
                 mark.draw(drawing, point, *colour, *size, None);
             }
         }
         Layer::Verticals { at, stroke, .. } => {
-            let lines = at
-                .iter()
-                .map(|&value| x.place(value))
-                .filter(|&p| p >= left && p <= right);
-            push_lines(
-                drawing,
-                lines.map(|p| vec![[p, top], [p, bottom]]).collect(),
-                *stroke,
-                None,
-            );
+            push_lines(drawing, plotted.across(at, 0), *stroke, None)
         }
         Layer::Horizontals { at, stroke, .. } => {
-            let lines = at
-                .iter()
-                .map(|&value| y.place(value))
-                .filter(|&p| p >= top && p <= bottom);
-            push_lines(
-                drawing,
-                lines.map(|p| vec![[left, p], [right, p]]).collect(),
-                *stroke,
-                None,
-            );
+            push_lines(drawing, plotted.across(at, 1), *stroke, None)
         }
         Layer::Stems {
             points,
             mark,
             colour,
             ..
-        } => {
-            let zero = y.place(0.0);
-            let base = if zero.is_finite() {
-                zero.clamp(top, bottom)
-            } else {
-                bottom
-            };
-            for (point, hint) in points {
-                let tip = place(point);
-                if inside(&tip) {
-                    drawing.line(vec![[tip[0], base], tip], Stroke::new(*colour, 2.0));
-                    mark.draw(drawing, tip, *colour, STEM_MARK, Some(hint.clone()));
-                }
-            }
-        }
+        } => plotted.stems(drawing, points, *mark, *colour),
         Layer::Outline {
             points,
             stroke,
             casing,
             ..
-        } => {
-            let closed: Vec<Point> = points.iter().chain(points.first()).map(place).collect();
-            let cut = clip_line(&closed, sides);
-            if *casing {
-                push_lines(
-                    drawing,
-                    cut.clone(),
-                    Stroke::new(Colour::Rgb([255, 255, 255]), stroke.width + 2.5),
-                    None,
-                );
-            }
-            push_lines(drawing, cut, *stroke, None);
-        }
-        Layer::Pixels {
-            x: [x0, x1],
-            y: [y0, y1],
-            image,
-        } => {
-            let (upper_left, lower_right) = (place(&[*x0, *y1]), place(&[*x1, *y0]));
-            let size = [
-                lower_right[0] - upper_left[0],
-                lower_right[1] - upper_left[1],
-            ];
+        } => plotted.outline(drawing, points, *stroke, *casing),
+        Layer::Pixels { x, y, image } => {
+            let (corner, lower_right) = (place(&[x[0], y[1]]), place(&[x[1], y[0]]));
             drawing.items.push(Item::Image {
-                corner: upper_left,
-                size,
+                corner,
+                size: [lower_right[0] - corner[0], lower_right[1] - corner[1]],
                 image: image.clone(),
             });
         }
@@ -177,10 +182,9 @@ pub(super) fn draw_layer(
             anchor,
             bold,
         } => {
-            let at = place(at);
-            let at = [at[0], at[1] + 4.0];
+            let [x, y] = place(at);
             drawing.items.push(Item::Text {
-                at,
+                at: [x, y + 4.0],
                 text: text.clone(),
                 size: 12.0,
                 anchor: *anchor,

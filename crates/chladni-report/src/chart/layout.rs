@@ -3,7 +3,7 @@
 use super::axis::{Ruler, ALONG_X, ALONG_Y};
 use super::layers::{draw_layer, draw_sample, extent, legend_name, SAMPLE};
 use super::{Axis, Chart, ColourBar, Figure, Height, Layer, RightAxis, Scale};
-use crate::drawing::{fitted, text_width, Anchor, Colour, Drawing, Image, Item, Stroke};
+use crate::drawing::{fitted, text_width, Anchor, Colour, Drawing, Image, Item, Point, Stroke};
 
 /// Size of the title, px.
 const TITLE: f64 = 15.0;
@@ -46,6 +46,13 @@ impl Figure {
         }
         drawing.height = top;
         drawing
+    }
+}
+
+impl Chart {
+    /// Ends of the x axis and of the y axis.
+    pub(crate) fn ends(&self) -> [[f64; 2]; 2] {
+        [ends(&self.x, self, 0), ends(&self.y, self, 1)]
     }
 }
 
@@ -105,7 +112,7 @@ fn right_ends(right: &RightAxis) -> [f64; 2] {
 /// Draws below `top` and returns where it ends.
 fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]) -> f64 {
     let top = draw_legend(drawing, chart, [left, top, right]);
-    let (x_ends, y_ends) = (ends(&chart.x, chart, 0), ends(&chart.y, chart, 1));
+    let [x_ends, y_ends] = chart.ends();
     let (right, height) = match chart.height {
         Height::Px(height) => (right, height),
         Height::EqualScales(highest) => {
@@ -155,14 +162,40 @@ fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]
 }
 
 /// Grid, ticks, numbers and labels; returns where they end.
-fn draw_axes(
+fn draw_axes(drawing: &mut Drawing, chart: &Chart, sides: [f64; 4], x: &Ruler, y: &Ruler) -> f64 {
+    let [left, top, right, bottom] = sides;
+    let numbers = draw_x_ticks(drawing, chart, sides, x);
+    draw_y_ticks(drawing, chart, sides, y);
+    let label_line = bottom + numbers + LABEL + 5.0;
+    let room = right - left + 40.0;
+    drawing.text(
+        [(left + right) / 2.0, label_line],
+        fitted(&chart.x.caption(), LABEL, room),
+        LABEL,
+        Anchor::Middle,
+        Colour::Ink,
+    );
+    for (k, line) in label_lines(&chart.y, chart.height).iter().enumerate() {
+        let across = EDGE + LABEL - 2.0 + k as f64 * LABEL_LINE;
+        turned_text(
+            drawing,
+            [across, (top + bottom) / 2.0],
+            line,
+            LABEL,
+            Anchor::Middle,
+            Colour::Ink,
+        );
+    }
+    label_line + 5.0
+}
+
+/// Grid, ticks and numbers below the box; returns the height that these numbers take.
+fn draw_x_ticks(
     drawing: &mut Drawing,
     chart: &Chart,
     [left, top, right, bottom]: [f64; 4],
     x: &Ruler,
-    y: &Ruler,
 ) -> f64 {
-    let grid = Stroke::new(Colour::Grid, 1.0);
     let ticks = chart.x.ticks(x.ends, right - left, ALONG_X);
     let widest = ticks
         .iter()
@@ -189,48 +222,69 @@ fn draw_axes(
     for (value, name) in &ticks {
         let place = x.place(*value);
         if chart.grid && (place - left).min(right - place) > 0.5 {
-            drawing.line(vec![[place, top], [place, bottom]], grid);
+            drawing.line(
+                vec![[place, top], [place, bottom]],
+                Stroke::new(Colour::Grid, 1.0),
+            );
         }
+        let end = bottom + tick_length(name);
         drawing.line(
-            vec![
-                [place, bottom],
-                [place, bottom + if name.is_empty() { 3.0 } else { 5.0 }],
-            ],
+            vec![[place, bottom], [place, end]],
             Stroke::new(Colour::Muted, 1.0),
         );
         if name.is_empty() {
             continue;
         }
-        if count % every == 0 && turned {
-            turned_text(
-                drawing,
-                [place + 0.36 * TICK, bottom + 8.0],
-                name,
-                TICK,
-                Anchor::End,
-                Colour::Ink,
-            );
-        } else if count % every == 0 {
-            drawing.text(
-                [place, bottom + 5.0 + TICK],
-                name,
-                TICK,
-                Anchor::Middle,
-                Colour::Ink,
-            );
+        if count % every == 0 {
+            draw_number(drawing, [place, bottom], name, turned);
         }
         count += 1;
     }
+    if turned {
+        widest + 10.0
+    } else {
+        TICK + 5.0
+    }
+}
+
+/// A number, or a name, below a tick.
+fn draw_number(drawing: &mut Drawing, [place, bottom]: Point, name: &str, turned: bool) {
+    if turned {
+        let at = [place + 0.36 * TICK, bottom + 8.0];
+        turned_text(drawing, at, name, TICK, Anchor::End, Colour::Ink);
+    } else {
+        let at = [place, bottom + 5.0 + TICK];
+        drawing.text(at, name, TICK, Anchor::Middle, Colour::Ink);
+    }
+}
+
+/// Ticks with a number are longer, px.
+fn tick_length(name: &str) -> f64 {
+    if name.is_empty() {
+        3.0
+    } else {
+        5.0
+    }
+}
+
+/// Grid, ticks and numbers left of the box.
+fn draw_y_ticks(
+    drawing: &mut Drawing,
+    chart: &Chart,
+    [left, top, right, bottom]: [f64; 4],
+    y: &Ruler,
+) {
     for (value, name) in chart.y.ticks(y.ends, bottom - top, ALONG_Y) {
         let place = y.place(value);
         if chart.grid && (place - top).min(bottom - place) > 0.5 {
-            drawing.line(vec![[left, place], [right, place]], grid);
+            drawing.line(
+                vec![[left, place], [right, place]],
+                Stroke::new(Colour::Grid, 1.0),
+            );
         }
+        let end = left - tick_length(&name);
         drawing.line(
-            vec![
-                [left - if name.is_empty() { 3.0 } else { 5.0 }, place],
-                [left, place],
-            ],
+            vec![[end, place], [left, place]],
             Stroke::new(Colour::Muted, 1.0),
         );
         drawing.text(
@@ -241,28 +295,6 @@ fn draw_axes(
             Colour::Ink,
         );
     }
-    let numbers = if turned { widest + 10.0 } else { TICK + 5.0 };
-    let label_line = bottom + numbers + LABEL + 5.0;
-    let room = right - left + 40.0;
-    drawing.text(
-        [(left + right) / 2.0, label_line],
-        fitted(&chart.x.caption(), LABEL, room),
-        LABEL,
-        Anchor::Middle,
-        Colour::Ink,
-    );
-    for (k, line) in label_lines(&chart.y, chart.height).iter().enumerate() {
-        let across = EDGE + LABEL - 2.0 + k as f64 * LABEL_LINE;
-        turned_text(
-            drawing,
-            [across, (top + bottom) / 2.0],
-            line,
-            LABEL,
-            Anchor::Middle,
-            Colour::Ink,
-        );
-    }
-    label_line + 5.0
 }
 
 /// Ticks, numbers and label right of the box.

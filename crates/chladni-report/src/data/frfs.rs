@@ -11,13 +11,12 @@ use super::array::{complex, f32s, f64s, i8s, u32s};
 use super::lines::thinned;
 use crate::comparison::{Comparison, Sums};
 use crate::sizes;
+use crate::sizes::BLOCK;
 use chladni_frf::ModalModel;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde_json::{json, Value};
 
-/// Lines of a common scale.
-const BLOCK: usize = 32;
 /// Stands for a value that was not measured.
 const MISSING: i8 = i8::MIN;
 

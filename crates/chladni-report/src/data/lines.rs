@@ -1,9 +1,7 @@
 //! The spectral lines that a page carries: all, or fewer with the resonances dense.
 
+use crate::sizes::SPARSER;
 use chladni_frf::ModalModel;
-
-/// Between resonances lines are so much sparser than beside them.
-const SPARSER: usize = 8;
 
 /// At most about `limit` indices of `frequency_hz`, rising: every k-th line, and within a
 /// bandwidth of each mode up to [`SPARSER`] times as many.

@@ -5,6 +5,7 @@
 //! its key is `null`, and the page says so.
 
 mod array;
+mod chart;
 mod diagrams;
 mod findings;
 mod frfs;
@@ -43,7 +44,7 @@ pub(crate) fn of(input: &ReportInput) -> Result<Value> {
         "mac": input.model.and_then(diagrams::mac),
         "geometry": geometry.as_ref().map(geometry::Geometry::value),
         "structure": input.model.and_then(geometry::structure),
-        "scenes": input.scenes.iter().map(|scene| scenes::value(scene, input, geometry.as_ref())).collect::<Vec<_>>(),
+        "scenes": input.scenes.iter().enumerate().map(|(k, scene)| scenes::value(scene, k + 1, input, geometry.as_ref())).collect::<Vec<_>>(),
         "tables": input.tables.iter().map(|table| json!({"name": table.name, "header": table.header, "rows": table.rows})).collect::<Vec<_>>(),
     }))
 }
@@ -102,5 +103,5 @@ pub(crate) fn of_scene(input: &ReportInput) -> Option<Value> {
     input
         .scenes
         .first()
-        .map(|scene| scenes::value(scene, input, geometry.as_ref()))
+        .map(|scene| scenes::value(scene, 1, input, geometry.as_ref()))
 }

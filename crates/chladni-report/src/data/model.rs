@@ -2,13 +2,11 @@
 //! its synthesis needs.
 
 use super::array::{complex, f64s};
+use crate::sizes::SOURCES_LISTED;
 use crate::text::{counted, plain, significant};
 use chladni_frf::{Damping, ModalModel, Mode, Scaling, Source, Trust};
 use chladni_rfp::{mean_phase_deviation_deg, modal_complexity_factor};
 use serde_json::{json, Value};
-
-/// Files that are named with their hashes.
-const SOURCES_LISTED: usize = 3;
 
 /// The model as the page sees it.
 pub(crate) fn value(model: &ModalModel) -> Value {

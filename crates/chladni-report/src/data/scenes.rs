@@ -3,17 +3,22 @@
 //! of the modes.
 
 use super::array::{complex, u8s};
+use super::chart;
 use super::geometry::Geometry;
-use crate::input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField};
+use crate::figures::curves::curves;
+use crate::figures::sweep::sweep;
+use crate::figures::weights_around_edge::weights_by_actuator;
+use crate::input::{RenderedScene, ReportInput, ShownField};
 use crate::text::{counted, fixed, plain};
 use chladni_frf::{ModalModel, ReferenceUnit};
 use chladni_render::{Ground, Weights};
 use num_complex::Complex64;
 use serde_json::{json, Value};
 
-/// Everything about one scene.
+/// Everything about scene `number`, counted from 1.
 pub(crate) fn value(
     scene: &RenderedScene,
+    number: usize,
     input: &ReportInput,
     geometry: Option<&Geometry>,
 ) -> Value {
@@ -36,20 +41,13 @@ pub(crate) fn value(
         "weights": weights.weights.iter().map(|weight| json!({"reference": weight.reference, "re": weight.re, "im": weight.im,
             "place": geometry.and_then(|geometry| geometry.place(weight.reference))})).collect::<Vec<_>>(),
         "stress": weights.stress,
-        "sweep": weights.sweep,
-        "curves": scene.curves.map(curves),
+        "sweep": sweep(weights, number).map(|figure| chart::value(&figure, 1)),
+        "by_actuator": chart::value(&weights_by_actuator(weights, number), 2),
+        "curves": curves(scene, number).map(|figure| chart::value(&figure, 2)),
         "time": scene.time.map(super::time::value),
         "field": scene.shown.as_ref().map(|shown| field(shown, geometry)),
         "modal": input.model.zip(drive).map(|(model, drive)| modal(model, &drive, geometry)),
     })
-}
-
-fn curves(curves: &Curves) -> Value {
-    let points = |list: &[CurvePoint]| -> Value {
-        let point = |p: &CurvePoint| json!({"count": p.count, "hot": p.hot_ratio, "cold": p.cold_ratio, "both": p.success_ratio});
-        list.iter().map(point).collect::<Vec<_>>().into()
-    };
-    json!({"method": curves.method, "modes": points(&curves.modes), "actuators": points(&curves.actuators)})
 }
 
 /// The grounds as the page numbers them.

@@ -1,43 +1,26 @@
 //! A scene in time: traces, forces, and pictures of the ground in a byte a place.
 
-use super::array::{f32s, u8s};
-use chladni_frf::ReferenceUnit;
-use chladni_render::{AreaFrames, Played, TimeFrames, TimeTraces};
+use super::array::u8s;
+use super::chart;
+use crate::figures::time::time;
+use crate::sizes::RANGE_DB;
+use chladni_render::{AreaFrames, Played, TimeFrames};
 use serde_json::{json, Value};
 
-/// Levels of the first and the last colour, dB re threshold.
-const RANGE_DB: f64 = 12.0;
 /// Codes of levels, and that of ground without one.
 const LAST: f64 = 254.0;
 const NONE: u8 = 255;
 
 /// Everything about it.
 pub(crate) fn value(played: &Played) -> Value {
-    let traces = &played.traces;
+    let figure = time("time", "Hot and cold ground over time", played);
     let frames = played.frames.as_ref();
     json!({
         "sentence": played.indices.sentence(),
-        "step_s": traces.step_s,
-        "hot_db": levels(&traces.hot_db),
-        "cold_db": levels(&traces.cold_db),
-        "plain": played.plain.as_ref().map(plain),
-        "unit": match played.unit { ReferenceUnit::Newton => "N", ReferenceUnit::Volt => "V" },
-        "forces": frames.map(forces),
+        "figure": chart::value(&figure, 2),
         "places": frames.map(places),
         "ground": frames.and_then(|frames| Some(ground(frames, frames.area.as_ref()?))),
     })
-}
-
-fn levels(trace: &[Option<f64>]) -> Value {
-    f32s(trace.iter().map(|level| level.unwrap_or(f64::NAN)))
-}
-
-fn plain(traces: &TimeTraces) -> Value {
-    json!({"hot_db": levels(&traces.hot_db), "cold_db": levels(&traces.cold_db)})
-}
-
-fn forces(frames: &TimeFrames) -> Value {
-    json!({"shape": frames.drive.shape(), "step_s": frames.step_s, "values": f32s(frames.drive.iter().copied())})
 }
 
 /// Every response over time, from hot to cold ground.

@@ -77,52 +77,7 @@ fn paint_item(canvas: &mut Pixmap, item: &Item, view: Transform) {
                 fill_and_stroke(canvas, &path, *fill, *stroke, view);
             }
         }
-        Item::Text {
-            at,
-            text,
-            size,
-            anchor,
-            turned,
-            bold,
-            colour,
-            halo,
-        } => {
-            let Some(path) = text_outline(text, *size) else {
-                return;
-            };
-            let shift = match anchor {
-                Anchor::Start => 0.0,
-                Anchor::Middle => 0.5,
-                Anchor::End => 1.0,
-            } * text_width(text, *size);
-            let turn = if *turned {
-                Transform::from_rotate(-90.0)
-            } else {
-                Transform::identity()
-            };
-            let place = turn
-                .pre_translate(-shift as f32, 0.0)
-                .post_translate(at[0] as f32, at[1] as f32)
-                .post_concat(view);
-            if *halo {
-                fill_and_stroke(
-                    canvas,
-                    &path,
-                    None,
-                    Some(Stroke::new(Colour::Paper, 3.0)),
-                    place,
-                );
-            }
-            let thick = bold.then(|| Stroke::new(*colour, size / 24.0));
-            fill_and_stroke_by(
-                canvas,
-                &path,
-                Some(*colour),
-                thick,
-                place,
-                FillRule::Winding,
-            );
-        }
+        Item::Text { .. } => paint_text(canvas, item, view),
         Item::Image {
             corner,
             size,
@@ -145,6 +100,46 @@ fn paint_item(canvas: &mut Pixmap, item: &Item, view: Transform) {
             canvas.draw_pixmap(0, 0, pixels.as_ref(), &paint, place.post_concat(view), None);
         }
     }
+}
+
+fn paint_text(canvas: &mut Pixmap, item: &Item, view: Transform) {
+    let Item::Text {
+        at,
+        text,
+        size,
+        anchor,
+        turned,
+        bold,
+        colour,
+        halo,
+    } = item
+    else {
+        return;
+    };
+    let Some(path) = text_outline(text, *size) else {
+        return;
+    };
+    let shift = match anchor {
+        Anchor::Start => 0.0,
+        Anchor::Middle => 0.5,
+        Anchor::End => 1.0,
+    } * text_width(text, *size);
+    let turn = if *turned {
+        Transform::from_rotate(-90.0)
+    } else {
+        Transform::identity()
+    };
+    let place = turn
+        .pre_translate(-shift as f32, 0.0)
+        .post_translate(at[0] as f32, at[1] as f32)
+        .post_concat(view);
+    if *halo {
+        let paper = Stroke::new(Colour::Paper, 3.0);
+        fill_and_stroke(canvas, &path, None, Some(paper), place);
+    }
+    let thick = bold.then(|| Stroke::new(*colour, size / 24.0));
+    let rule = FillRule::Winding;
+    fill_and_stroke_by(canvas, &path, Some(*colour), thick, place, rule);
 }
 
 fn polylines(lines: &[Vec<Point>], closed: bool) -> Option<Path> {

@@ -32,7 +32,10 @@ pub(crate) fn curves(scene: &RenderedScene, number: usize) -> Option<Figure> {
         name: format!("curves-{number}"),
         title: format!("Scene {number} with fewer modes and fewer actuators"),
         caption: format!(
-            "For each number weights of their own (method {}), judged in the whole model.",
+            "For each number weights of their own (method {}), judged in the whole model: with the \
+             modes that count most at the drive frequency, the others folded into residual terms \
+             (render --modes N), and with the actuators that are strongest in these weights \
+             (render --actuators N chooses them better).",
             curves.method
         ),
         width: WIDE_PX,

@@ -3,7 +3,7 @@
 mod auto_mac;
 mod cmif;
 mod complexity;
-mod curves;
+pub(crate) mod curves;
 mod field_map;
 mod frf_overlay;
 mod mode_shape;
@@ -14,9 +14,9 @@ mod poles;
 mod speed;
 mod stabilization;
 mod stress;
-mod sweep;
-mod time;
-mod weights_around_edge;
+pub(crate) mod sweep;
+pub(crate) mod time;
+pub(crate) mod weights_around_edge;
 mod zones;
 
 pub(crate) use cmif::Cmif;
@@ -27,10 +27,9 @@ pub(crate) use moving_shape::moving_shapes;
 pub use time::time;
 pub use weights_around_edge::weights_around_edge;
 
-use crate::chart::{Chart, Figure, Mark, Place};
+use crate::chart::Figure;
 use crate::comparison::Comparison;
 use crate::data::stabilization_options;
-use crate::drawing::{Colour, Dash, Stroke};
 use crate::input::ReportInput;
 use chladni_frf::{ModalModel, Result};
 
@@ -122,12 +121,4 @@ pub(crate) fn natural_frequencies(model: Option<&ModalModel>) -> Vec<f64> {
                 .collect()
         })
         .unwrap_or_default()
-}
-
-/// A curve with a mark at each point, so that single points are seen too.
-fn marked(chart: Chart, name: &str, points: Vec<Place>, series: u8, dash: Dash) -> Chart {
-    let colour = Colour::Series(series);
-    chart
-        .marks("", points.clone(), Mark::Dot, colour, 4.0)
-        .line(name, points, Stroke::new(colour, 1.6).dashed(dash))
 }

@@ -1,9 +1,8 @@
 //! The scene at other drive frequencies, each with weights of its own (`chladni render
 //! --sweep`).
 
-use super::marked;
-use crate::chart::{Axis, Chart, Figure, Height, Place};
-use crate::drawing::Dash;
+use crate::chart::{Axis, Chart, Figure, Height, Mark, Place};
+use crate::drawing::{Colour, Dash, Stroke};
 use crate::sizes::WIDE_PX;
 use crate::text::fixed;
 use chladni_render::{SweptFrequency, Weights};
@@ -41,11 +40,19 @@ pub(crate) fn sweep(weights: &Weights, number: usize) -> Option<Figure> {
     }
     Some(Figure {
         name: format!("sweep-{number}"),
-        title: format!("Scene {number} at other drive frequencies"),
+        title: format!("Scene {number} at other drive frequencies, each with weights of its own"),
         caption: sweep.suggested_hz.map_or(String::new(), |hz| {
             format!("Suggested: {} Hz.", fixed(hz, 1))
         }),
         width: WIDE_PX,
         charts: vec![chart],
     })
+}
+
+/// A curve with a mark at each point, so that single points are seen too.
+fn marked(chart: Chart, name: &str, points: Vec<Place>, series: u8, dash: Dash) -> Chart {
+    let colour = Colour::Series(series);
+    chart
+        .marks("", points.clone(), Mark::Dot, colour, 4.0)
+        .line(name, points, Stroke::new(colour, 1.6).dashed(dash))
 }

@@ -140,35 +140,23 @@ fn time_axis(end_ms: f64) -> Axis {
     Axis::linear("Time", "ms").range([0.0, end_ms])
 }
 
-/// Pieces of a trace without gaps; what lies far below is drawn at the lower end.
-fn curves(traces: &TimeTraces, levels: &[Option<f64>]) -> Vec<Vec<Place>> {
-    let mut pieces: Vec<Vec<Place>> = vec![Vec::new()];
-    for (k, level) in levels.iter().enumerate() {
-        match level {
-            Some(level) => {
-                let at = [1e3 * traces.step_s * k as f64, level.max(SHOWN_BELOW_DB)];
-                if let Some(piece) = pieces.last_mut() {
-                    piece.push(at);
-                }
-            }
-            None if pieces.last().is_some_and(|piece| !piece.is_empty()) => pieces.push(Vec::new()),
-            None => {}
-        }
-    }
-    pieces.retain(|piece| piece.len() > 1);
-    pieces
+/// A trace, with a gap where nothing is judged; what lies far below is drawn at the lower
+/// end.
+fn curve(traces: &TimeTraces, levels: &[Option<f64>]) -> Vec<Place> {
+    let shown = |level: Option<f64>| level.map_or(f64::NAN, |level| level.max(SHOWN_BELOW_DB));
+    let places = levels.iter().enumerate();
+    places
+        .map(|(k, &level)| [1e3 * traces.step_s * k as f64, shown(level)])
+        .collect()
 }
 
-/// Hot and cold ground of one way of ramping; colours and dashes as on the page.
+/// Hot and cold ground of one way of ramping.
 fn with_levels(chart: Chart, traces: &TimeTraces, names: [&str; 2], width: f64) -> Chart {
     let styles = [(1, Dash::Solid), (0, Dash::Dashed)];
     let levels = [&traces.hot_db, &traces.cold_db];
     let named = names.into_iter().zip(levels).zip(styles);
     named.fold(chart, |chart, ((name, levels), (series, dash))| {
-        chart.with(Layer::Lines {
-            name: Some(name.into()),
-            lines: curves(traces, levels),
-            stroke: Stroke::new(Colour::Series(series), width).dashed(dash),
-        })
+        let stroke = Stroke::new(Colour::Series(series), width).dashed(dash);
+        chart.line(name, curve(traces, levels), stroke)
     })
 }

@@ -33,6 +33,7 @@ const STUDIO_MODULES: &[Module] = modules!(
     "colour",
     "scale",
     "chart",
+    "described",
     "synthesis",
     "surface",
     "panel_map",

@@ -50,6 +50,9 @@ pub(super) const STILL: f64 = 1e-4;
 /// common to all of them.
 pub(super) const UNKNOWNS: usize = 4;
 
+/// Log-likelihood by which one window must beat the others.
+pub(super) const DECIDES: f64 = 12.0;
+
 // moving.rs
 
 /// FRFs looked at for each mode: the strongest.

@@ -19,8 +19,6 @@ use std::f64::consts::TAU;
 
 /// Line shapes compared.
 const TRIED: [Window; 3] = [Window::None, Window::Hann, Window::Rectangular];
-/// Log-likelihood by which one window must beat the others.
-pub(crate) const DECIDES: f64 = 12.0;
 
 /// The window whose line shape wins, by how much (log-likelihood over the second best),
 /// and on how many modes.

@@ -2,7 +2,8 @@
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
-use crate::checks::line_shape::{likely_window, DECIDES};
+use crate::checks::limits::DECIDES;
+use crate::checks::line_shape::likely_window;
 use crate::checks::witness::{decades, witness, Correlation, Witness};
 use crate::damping::leakage::Leakage;
 use crate::data::layout::DataLayout;

@@ -127,3 +127,10 @@ pub(super) const BY_VALUES: (usize, usize) = (1024, 256);
 /// Least share of an error of a line that counts as left in the residual: a line that is all
 /// but interpolated says nothing of its own error.
 pub(super) const LEAST_KEPT: f64 = 0.1;
+
+// what messages list
+
+/// Outlier lines that a finding lists before it only counts.
+pub(super) const OUTLIERS_SHOWN: usize = 8;
+/// FRFs that an error lists before it only counts.
+pub(super) const PAIRS_SHOWN: usize = 6;

@@ -103,7 +103,6 @@ fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
 
 /// The finding on the lines left out, if any.
 pub(crate) fn words(data: &DataLayout) -> Option<Finding> {
-    const SHOWN: usize = 8;
     let mut dropped = data.dropped_hz.clone();
     if dropped.is_empty() {
         return None;
@@ -111,11 +110,14 @@ pub(crate) fn words(data: &DataLayout) -> Option<Finding> {
     dropped.sort_by(f64::total_cmp);
     let mut names: Vec<String> = dropped
         .iter()
-        .take(SHOWN)
+        .take(limits::OUTLIERS_SHOWN)
         .map(|f| format!("{f:.2}"))
         .collect();
-    if dropped.len() > SHOWN {
-        names.push(format!("and {} more", dropped.len() - SHOWN));
+    if dropped.len() > limits::OUTLIERS_SHOWN {
+        names.push(format!(
+            "and {} more",
+            dropped.len() - limits::OUTLIERS_SHOWN
+        ));
     }
     let finding = Finding::note(
         "outlier-lines",

@@ -71,17 +71,7 @@ impl<'a> Screened<'a> {
             return Err(FitError::NoData);
         }
         if pairs.len() < frf.pairs() {
-            let without = frf.pairs() - pairs.len();
-            warnings.push(
-                Finding::note(
-                    "frfs-without-values",
-                    format!(
-                        "{without} of {} FRFs hold no values in the band and are left out",
-                        frf.pairs()
-                    ),
-                )
-                .value("frfs_left_out", without as f64),
-            );
+            warnings.push(without_values(frf.pairs() - pairs.len(), frf.pairs()));
         }
         if bad.iter().any(|b| *b) {
             let dropped = bad.iter().filter(|b| **b).count();
@@ -99,22 +89,7 @@ impl<'a> Screened<'a> {
             .collect();
         if !noisy.is_empty() {
             pairs.retain(|pair| !noisy.contains(pair));
-            warnings.push(
-                Finding::caution(
-                    "far-noisier",
-                    format!(
-                        "far noisier than the other FRFs and left out, their values follow from \
-                         the shapes: {}",
-                        named(frf, &noisy)
-                    ),
-                )
-                .dofs(
-                    noisy
-                        .iter()
-                        .flat_map(|&(i, j)| [frf.responses[i], frf.references[j]]),
-                )
-                .help("measure these points again"),
-            );
+            warnings.push(noisier(frf, &noisy));
         }
         enough(lines.len(), [low, high], options.modes)?;
         let mut head = DataLayout {
@@ -251,16 +226,33 @@ pub(crate) fn enough(
     }
 }
 
+fn without_values(without: usize, of: usize) -> Finding {
+    let words = format!("{without} of {of} FRFs hold no values in the band and are left out");
+    Finding::note("frfs-without-values", words).value("frfs_left_out", without as f64)
+}
+
+fn noisier(frf: &FrfSet, pairs: &[(usize, usize)]) -> Finding {
+    let words = format!(
+        "far noisier than the other FRFs and left out, their values follow from the shapes: {}",
+        named(frf, pairs)
+    );
+    let dofs = pairs
+        .iter()
+        .flat_map(|&(i, j)| [frf.responses[i], frf.references[j]]);
+    Finding::caution("far-noisier", words)
+        .dofs(dofs)
+        .help("measure these points again")
+}
+
 /// The first of a list of pairs, in words.
 fn named(frf: &FrfSet, pairs: &[(usize, usize)]) -> String {
-    const SHOWN: usize = 6;
     let mut names: Vec<String> = pairs
         .iter()
-        .take(SHOWN)
+        .take(limits::PAIRS_SHOWN)
         .map(|&(i, j)| format!("{} from {}", frf.responses[i], frf.references[j]))
         .collect();
-    if pairs.len() > SHOWN {
-        names.push(format!("and {} more", pairs.len() - SHOWN));
+    if pairs.len() > limits::PAIRS_SHOWN {
+        names.push(format!("and {} more", pairs.len() - limits::PAIRS_SHOWN));
     }
     names.join(", ")
 }

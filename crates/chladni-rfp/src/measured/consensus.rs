@@ -1,5 +1,6 @@
 //! Poles that several orders and both halves of the lines agree on.
 
+use super::limits::NUISANCE_MOST;
 use crate::data::columns::Columns;
 use crate::measured::candidates::Origin;
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
@@ -10,10 +11,6 @@ use rayon::prelude::*;
 
 /// A pole with what the runs say of it.
 pub(crate) type Voted = (Complex64, Origin);
-
-/// Poles that stand for the world outside the band or for background; more than these are
-/// not needed to be smooth.
-const NUISANCE_MOST: usize = 8;
 
 struct Run {
     poles: Vec<Complex64>,

@@ -1,6 +1,7 @@
 //! Noise as the data show it: per FRF, per line, additive and multiplicative (theory.md,
 //! eq. 22).
 
+use super::limits::{MEDIAN_TO_MEAN, MULTIPLICATIVE_RANGE};
 use crate::data::columns::{line_energy, Columns};
 use crate::data::peaks::running_median;
 use ndarray::{Array1, Array2};
@@ -14,12 +15,6 @@ pub(crate) struct NoiseModel {
     /// Relative part (gain noise, misfit), as a ratio of amplitudes.
     pub multiplicative: f64,
 }
-
-/// Least and largest multiplicative part that is believed.
-const MULTIPLICATIVE_RANGE: (f64, f64) = (1e-4, 0.32);
-/// Median of |E|²: a mean over a few columns of exponential variables has its median a
-/// little below the mean.
-const MEDIAN_TO_MEAN: f64 = 0.8;
 
 impl NoiseModel {
     /// Start: additive noise from fourth differences, 2 % gain noise.

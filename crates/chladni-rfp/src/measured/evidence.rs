@@ -1,6 +1,7 @@
 //! Evidence about one pole: what the residual, the neighbourhood and the other runs say
 //! of it.
 
+use super::limits::FEWEST;
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::Origin;
@@ -128,10 +129,6 @@ pub(crate) fn look(
             .map(|residues| stand(&residues)),
     }
 }
-
-/// Least FRFs from which one that stands alone, or has another phase than all others,
-/// tells anything.
-const FEWEST: usize = 3;
 
 fn alone_db(residues: &[Complex64]) -> f64 {
     let mut squares: Vec<f64> = residues.iter().map(|r| r.norm_sqr()).collect();

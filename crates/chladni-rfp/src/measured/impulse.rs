@@ -1,20 +1,10 @@
 //! Evidence of the record itself, through its impulse response: was it padded with zeros,
 //! was it windowed (theory.md, eq. 24)?
 
+use super::limits::{CUT_DB, LINES_LEAST, SEGMENTS, WINDOWED_DB};
 use crate::data::columns::Columns;
 use chladni_linalg::fft;
 use num_complex::Complex64;
-
-/// Parts of the record the energy is summed over.
-const SEGMENTS: usize = 32;
-/// Fewest lines whose impulse response means anything.
-const LINES_LEAST: usize = 64;
-/// Fall of the impulse response at the end of a padded record, dB.
-const CUT_DB: f64 = 8.0;
-/// A decay that grows by this much from one quarter of the record to the next is a
-/// window's, dB. Modes alone decay ever more slowly, and a uniform window takes 1.6 dB; a
-/// Hann window takes 9 dB (random) to 13 dB (burst).
-const WINDOWED_DB: f64 = 6.0;
 
 /// Energy of the impulse response over the record, all columns, dB; `None` where the
 /// lines are not evenly spaced.

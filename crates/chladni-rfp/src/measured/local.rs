@@ -4,6 +4,7 @@
 //! others stands still. That costs the square of a handful of poles on some tens of
 //! lines, where a refit of the whole costs the square of all on all.
 
+use super::limits::{CLEAR, MOST, NEAR, NEEDED, POWERS, REACH};
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::{Candidates, Change};
@@ -14,21 +15,6 @@ use chladni_linalg::{matmul, LinalgError};
 use ndarray::{s, Array2, Axis};
 use num_complex::Complex64;
 use std::ops::Range;
-
-/// Relative rise of the local sum of squares below which a pole is not needed.
-const NEEDED: f64 = 0.35;
-/// One-column gains above this need no refit to be believed: neighbours take over a part,
-/// never four fifths.
-const CLEAR: f64 = 4.0;
-/// Poles closer than this many half-bandwidths move with the candidate.
-const NEAR: f64 = 6.0;
-/// Most poles that move with it.
-const MOST: usize = 5;
-/// Residual terms of a window: what far poles change by when their residues follow is
-/// smooth there.
-const POWERS: [i32; 2] = [0, 1];
-/// Half-bandwidths, and lines, around each moving pole that a window holds.
-const REACH: (f64, usize) = (6.0, 8);
 
 fn energy(residual: &Array2<Complex64>, rows: Range<usize>) -> f64 {
     residual

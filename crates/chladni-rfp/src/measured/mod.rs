@@ -12,6 +12,7 @@ pub(crate) mod error_model;
 pub(crate) mod evidence;
 pub(crate) mod grade;
 pub(crate) mod impulse;
+mod limits;
 pub(crate) mod local;
 pub(crate) mod path;
 pub(crate) mod record;

@@ -1,6 +1,7 @@
 //! The measured-data path as one walk: screen the record, search each section (votes of
 //! several orders, error model, local tests, twins), join what was found, grade it.
 
+use super::limits::COLUMNS_MOST;
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
@@ -25,9 +26,6 @@ use chladni_linalg::{matmul, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Most columns the path works on; more FRFs than that are compressed.
-const COLUMNS_MOST: usize = 24;
 
 /// The poles that the path found.
 #[derive(Debug)]

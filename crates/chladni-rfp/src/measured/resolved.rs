@@ -1,6 +1,7 @@
 //! Isolated modes that the lines resolve: what the peak itself says, free of the error
 //! model.
 
+use super::limits::{ALONE, RESOLVED_LINES, WINDOW};
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::measured::sandwich::variances;
@@ -9,13 +10,6 @@ use crate::tolerances as tol;
 use chladni_linalg::{matmul, LinalgError};
 use ndarray::{s, Array2};
 use num_complex::Complex64;
-
-/// Half-width in lines from which a line counts as resolved.
-const RESOLVED_LINES: f64 = 0.5;
-/// Half-widths within which no other pole may stand.
-const ALONE: f64 = 12.0;
-/// Half-widths of the window of a resolved mode.
-const WINDOW: f64 = 4.0;
 
 /// Refits each such mode in a narrow window without multiplicative weights, and says the
 /// variance E|δλ|² of what is found there. (On the measured beam this is where

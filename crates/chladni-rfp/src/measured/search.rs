@@ -1,5 +1,6 @@
 //! The search for modes in one section: votes, error model, local tests, twins.
 
+use super::limits::{APART, RESEED, RESEED_BELOW, RESEED_OVER_NOISE_DB, WEIGHT_ROUNDS};
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::options::Asked;
@@ -21,18 +22,6 @@ use chladni_frf::{Finding, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
-
-/// Multiplicative error above which residual peaks are leakage, not modes.
-const RESEED_BELOW: f64 = 0.01;
-/// Rounds of estimating the error model from residuals.
-const WEIGHT_ROUNDS: usize = 2;
-/// Peaks of the residual tried per round, and rounds.
-const RESEED: (usize, usize) = (20, 2);
-/// Height of a residual peak over the residual's noise, dB.
-const RESEED_OVER_NOISE_DB: f64 = 10.0;
-
-/// Half-bandwidths of the broader of two poles between which each has a peak of its own.
-const APART: f64 = 2.5;
 
 /// A section with the poles found in it.
 #[derive(Clone)]

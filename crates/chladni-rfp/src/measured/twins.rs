@@ -1,6 +1,7 @@
 //! Twins: two poles that stand for one mode which moves between FRFs (roving mass,
 //! temperature).
 
+use super::limits::{OWN_OVER_PAIR, SAME_SHAPE_MAC, TWINS_NEAR};
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::{Candidates, Change};
@@ -11,14 +12,6 @@ use chladni_frf::Finding;
 use chladni_linalg::{lstsq, matmul, LinalgError};
 use ndarray::{s, Array2};
 use num_complex::Complex64;
-
-/// Two poles nearer than this many half-bandwidths are looked at.
-const NEAR: f64 = 2.5;
-/// Own poles explain the neighbourhood this much better (ratio of sums of squares) and
-/// the pair is one mode.
-const OWN_OVER_PAIR: f64 = 1.3;
-/// Residues of the pair that agree this well are one shape.
-const SAME_SHAPE_MAC: f64 = 0.85;
 
 /// Own pole of each FRF near `pole`: local fit of one pole and a constant, the other
 /// poles' part taken off.
@@ -128,7 +121,7 @@ fn find(
         let (pa, pb) = (refined.lambda[a], refined.lambda[b]);
         if !work.in_band(pa)
             || !work.in_band(pb)
-            || (pa.re - pb.re).abs() >= NEAR * pa.im.max(pb.im)
+            || (pa.re - pb.re).abs() >= TWINS_NEAR * pa.im.max(pb.im)
         {
             continue;
         }

@@ -24,6 +24,7 @@
 //! P. Lietaert, K. Meerbergen, J. Pérez, B. Vandereycken, IMA J. Numer. Anal. 42 (2022)
 //! 1087–1115 (set-valued).
 
+use super::limits::{POLISHING_STEPS, REPRODUCED};
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
@@ -36,13 +37,6 @@ use chladni_linalg::{matmul, qr_r, svd_thin, LinalgError};
 use ndarray::{concatenate, Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Error at which a rational function reproduces the data, relative to their largest
-/// value (Chebfun's default).
-const REPRODUCED: f64 = 1e-13;
-/// Newton steps on the denominator after the eigenvalues, which lose digits where the sum
-/// of the weights is small.
-const POLISHING_STEPS: usize = 3;
 
 /// Poles by set-valued AAA.
 ///

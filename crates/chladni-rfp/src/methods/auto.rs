@@ -1,6 +1,7 @@
 //! The default method: maximum likelihood where the residual is white, the measured-data
 //! path where it is not. It goes on where it stopped for a pass that others made.
 
+use super::limits::MOSTLY_LEFT;
 use crate::damping::structural::POWERS;
 use crate::data::options::FitOptions;
 use crate::data::outliers::{self, single_lines};
@@ -135,7 +136,7 @@ fn chain<S: Source>(data: &S, options: &FitOptions, watch: &Watch) -> Result<Out
     let (other, evidence) = match doubt {
         Some(evidence) => (law, evidence),
         None => match in_law(law, None)? {
-            Outcome::Ended(Doubt::NotWhite(evidence)) => (other_than(law), evidence),
+            Outcome::Ended(Doubt::NotWhite(evidence)) => (law.other(), evidence),
             whole => return Ok(whole),
         },
     };
@@ -143,13 +144,6 @@ fn chain<S: Source>(data: &S, options: &FitOptions, watch: &Watch) -> Result<Out
         white @ Outcome::White(_) => white,
         Outcome::Ended(_) => Outcome::Ended(Doubt::NotWhite(evidence)),
     })
-}
-
-fn other_than(law: Damping) -> Damping {
-    match law {
-        Damping::Structural => Damping::Viscous,
-        Damping::Viscous => Damping::Structural,
-    }
 }
 
 /// The model that poles lead to, and what it leaves of each FRF.
@@ -200,10 +194,6 @@ fn finished<S: Source>(
     model.number_findings();
     Ok((model, left))
 }
-
-/// Residual over data beyond which the band as a whole is not explained, whatever single
-/// peaks are.
-const MOSTLY_LEFT: f64 = 0.5;
 
 fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
     let (grades, spread) = graded(&chain.refined, &chain.projected.work, chain.variance);

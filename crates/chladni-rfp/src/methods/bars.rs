@@ -6,6 +6,7 @@
 //! an efficient estimator at this residual, and the first steps of [`crate::refine`] from
 //! the method's poles, which are not taken.
 
+use super::limits::{MOST_LEFT, SAME_POLE};
 use crate::damping::columns::in_plane_of;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
@@ -21,7 +22,8 @@ use crate::methods::selection::{rises, variance_left};
 use crate::methods::survey::{Compressed, Survey};
 use crate::model::build::Shaped;
 use crate::model::identified::Identified;
-use crate::poles::estimate::{self, Grade, UNCERTAIN};
+use crate::poles::estimate::{self, Grade};
+use crate::poles::limits::UNCERTAIN;
 use crate::poles::pole::{structural_pole, viscous_pole, Pole};
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Projection, Refined};
@@ -29,13 +31,6 @@ use crate::tolerances as tol;
 use chladni_frf::{Damping, Finding, FrfSet, ModalModel, Reason, Trust};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
-
-/// Rms residual over rms data beyond which such a fit is not trusted: it has no other way
-/// to know that it failed.
-const MOST_LEFT: f64 = 0.2;
-/// Distance of two poles in half-bandwidths below which they are one; their residues
-/// could not be told apart.
-const SAME_POLE: f64 = 1e-3;
 
 /// The model of poles by `method`, residues of every FRF by least squares at these poles;
 /// poles by order where the method looks at several.

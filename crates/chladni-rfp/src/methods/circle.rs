@@ -23,6 +23,7 @@
 //! Trans. Instrum. Meas. 25 (1976) 8–14 (circle). P. J. Petersan, S. M. Anlage, J. Appl.
 //! Phys. 84 (1998) 3392–3402 (angle against frequency).
 
+use super::limits::{ANGLE_STEPS, ARC_HALF_WIDTHS, ARC_LEAST_LINES, ROUND};
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
@@ -35,16 +36,6 @@ use chladni_linalg::{lstsq, solve_hermitian};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
-
-/// Half-bandwidths on both sides of the peak that belong to the circle: 2.5 make an arc
-/// of 270°; farther lines add more background than circle.
-const ARC_HALF_WIDTHS: f64 = 2.5;
-/// Lines on both sides at least.
-const ARC_LEAST_LINES: usize = 3;
-/// Gauss–Newton steps on the angle; three or four settle it.
-const ANGLE_STEPS: usize = 12;
-/// Part of its diameter that the points may miss a circle by (rms) and still count.
-const ROUND: f64 = 0.2;
 
 /// Poles of the visible peaks by their circles.
 ///

@@ -1,12 +1,9 @@
 //! Poles that several estimates agree on: those of different FRFs ([`super::rfp()`]) or
 //! of different orders ([`super::stabilization`]).
 
+use super::limits::RADIUS;
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Poles belong together within this part of the smaller half-bandwidth. Larger merges
-/// modes a bandwidth apart, smaller breaks noisy clusters up.
-const RADIUS: f64 = 0.5;
 
 /// Clusters of `poles`, given as (estimate, s) estimate by estimate, the largest first:
 /// indices, at most one of each estimate. It ends with the first cluster that is not

@@ -32,16 +32,12 @@
 //! Cost per band: 8·lines·(numerator + denominator)·columns·order flop for A, then its
 //! QR.
 
+use super::limits::RANK_CUTOFF;
 use crate::methods::forsythe::Forsythe;
 use crate::methods::limits::{LINES_PER_UNKNOWN, NUMERATOR_EXTRA};
 use chladni_linalg::{matmul, matmul_h, qr_r, svd_thin, LinalgError};
 use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
 use num_complex::Complex64;
-
-/// Singular values below this part of the largest are rounding, not information; the
-/// solution of least norm is taken. At 1e-15 rounding passes for information, at 1e-11
-/// the last digits of clean data at order 12 are lost.
-const RANK_CUTOFF: f64 = 1e-13;
 
 /// Lines of a band and the numerator basis on them, shared by all FRFs.
 #[derive(Debug)]

@@ -33,14 +33,10 @@
 //! Proc. IMAC 1 (1982) 167–181. S. Barnett, Linear Algebra Appl. 12 (1975) 197–208
 //! (comrade matrix).
 
+use super::limits::BREAKDOWN;
 use chladni_linalg::{eigenvalues, LinalgError};
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
-
-/// A recurrence coefficient below this part of the largest |y| means that the lines carry
-/// no further polynomial: there are fewer of them, with weight, than the degree asks for.
-/// Rounding leaves about 1e-15.
-const BREAKDOWN: f64 = 1e-13;
 
 /// Real polynomials in s = jy, orthonormal over ±y with given weights.
 #[derive(Debug, Clone)]

@@ -11,6 +11,7 @@
 //!
 //! Cost: 4·lines·m·n·r flop for M, m numerator and n denominator polynomials, r columns.
 
+use super::limits::SILENT;
 use crate::data::columns::Columns;
 use crate::methods::lanczos::Polynomials;
 use crate::methods::plane::Plane;
@@ -19,9 +20,6 @@ use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Energy of a line below which it has no say, relative to the largest.
-const SILENT: f64 = 1e-30;
 
 /// The data of some lines in the plane of a law.
 pub(crate) struct Lines<'a> {

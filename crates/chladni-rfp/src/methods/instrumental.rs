@@ -17,18 +17,11 @@
 //! P. C. Young, Automatica 6 (1970) 271–287 (instrumental variables); L. Kaufman, BIT 15
 //! (1975) 49–57. Cost: twice a Sanathanan–Koerner step for the first, once for the second.
 
+use super::limits::{CONVERGED, LEAST_PART, ROUNDING};
 use crate::methods::fraction::{damped, if_carried, Denominator, Fraction, Lines};
 use chladni_linalg::{lstsq, matmul, matmul_h, qr_thin, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
-
-/// A largest step, in half-bandwidths, that ends the iteration: the next one would be a
-/// hundredth of it.
-const CONVERGED: f64 = 1e-5;
-/// Part of a step below which it is not tried any more.
-const LEAST_PART: f64 = 0.01;
-/// Relative rounding of what the numerators explain.
-const ROUNDING: f64 = 1e-13;
 
 /// The kind of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

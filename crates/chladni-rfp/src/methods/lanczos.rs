@@ -14,16 +14,10 @@
 //! Barnett, Linear Algebra Appl. 12 (1975) 197–208 (comrade matrix). Cost: 8·lines·degree²
 //! flop for the basis, O(degree³) for the roots.
 
+use super::limits::{LANCZOS_BREAKDOWN, VANISHING};
 use chladni_linalg::{eigenvalues, LinalgError};
 use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
-
-/// A recurrence coefficient below this says that the lines carry no further polynomial:
-/// fewer of them have weight than the degree asks for.
-const BREAKDOWN: f64 = 1e-13;
-
-/// Size of a leading coefficient over the largest one below which it is rounding.
-const VANISHING: f64 = 1e-16;
 
 /// Symmetry of the weights about t = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,7 +80,7 @@ impl Polynomials {
                 }
             }
             let norm = next.dot(&next).sqrt();
-            if norm <= BREAKDOWN {
+            if norm <= LANCZOS_BREAKDOWN {
                 return Err(exhausted(k + 1));
             }
             diagonal.push(own);

@@ -18,6 +18,7 @@
 //!
 //! Equations: theory.md, section 2.
 
+use super::limits::BROAD;
 use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
@@ -35,10 +36,6 @@ use crate::poles::scan::usual_loss;
 use crate::tolerances as tol;
 use chladni_linalg::{qr_thin, LinalgError};
 use num_complex::Complex64;
-
-/// Loss factor over the usual one from which a pole of the band, beyond as many as are
-/// asked for or visible, is no mode.
-const BROAD: f64 = 3.0;
 
 /// Poles at the maximum of the likelihood.
 ///

@@ -31,3 +31,232 @@ pub(crate) const BROADEST: f64 = 0.5;
 /// still counts as a mode. Modes stand below a third, computational poles mostly between
 /// one and a thousand.
 pub(crate) const MOST_UNCERTAIN: f64 = 0.5;
+
+// aaa.rs
+
+/// Error at which a rational function reproduces the data, relative to their largest
+/// value (Chebfun's default).
+pub(super) const REPRODUCED: f64 = 1e-13;
+/// Newton steps on the denominator after the eigenvalues, which lose digits where the sum
+/// of the weights is small.
+pub(super) const POLISHING_STEPS: usize = 3;
+
+// auto.rs
+
+/// Residual over data beyond which the band as a whole is not explained, whatever single
+/// peaks are.
+pub(super) const MOSTLY_LEFT: f64 = 0.5;
+
+// bars.rs
+
+/// Rms residual over rms data beyond which such a fit is not trusted: it has no other way
+/// to know that it failed.
+pub(super) const MOST_LEFT: f64 = 0.2;
+/// Distance of two poles in half-bandwidths below which they are one; their residues
+/// could not be told apart.
+pub(super) const SAME_POLE: f64 = 1e-3;
+
+// circle.rs
+
+/// Half-bandwidths on both sides of the peak that belong to the circle: 2.5 make an arc
+/// of 270°; farther lines add more background than circle.
+pub(super) const ARC_HALF_WIDTHS: f64 = 2.5;
+/// Lines on both sides at least.
+pub(super) const ARC_LEAST_LINES: usize = 3;
+/// Gauss–Newton steps on the angle; three or four settle it.
+pub(super) const ANGLE_STEPS: usize = 12;
+/// Part of its diameter that the points may miss a circle by (rms) and still count.
+pub(super) const ROUND: f64 = 0.2;
+
+// clusters.rs
+
+/// Poles belong together within this part of the smaller half-bandwidth. Larger merges
+/// modes a bandwidth apart, smaller breaks noisy clusters up.
+pub(super) const RADIUS: f64 = 0.5;
+
+// equation_error.rs
+
+/// Singular values below this part of the largest are rounding, not information; the
+/// solution of least norm is taken. At 1e-15 rounding passes for information, at 1e-11
+/// the last digits of clean data at order 12 are lost.
+pub(super) const RANK_CUTOFF: f64 = 1e-13;
+
+// forsythe.rs
+
+/// A recurrence coefficient below this part of the largest |y| means that the lines carry
+/// no further polynomial: there are fewer of them, with weight, than the degree asks for.
+/// Rounding leaves about 1e-15.
+pub(super) const BREAKDOWN: f64 = 1e-13;
+
+// fraction.rs
+
+/// Energy of a line below which it has no say, relative to the largest.
+pub(super) const SILENT: f64 = 1e-30;
+
+// instrumental.rs
+
+/// A largest step, in half-bandwidths, that ends the iteration: the next one would be a
+/// hundredth of it.
+pub(super) const CONVERGED: f64 = 1e-5;
+/// Part of a step below which it is not tried any more.
+pub(super) const LEAST_PART: f64 = 0.01;
+/// Relative rounding of what the numerators explain.
+pub(super) const ROUNDING: f64 = 1e-13;
+
+// lanczos.rs
+
+/// A recurrence coefficient below this says that the lines carry no further polynomial:
+/// fewer of them have weight than the degree asks for.
+pub(super) const LANCZOS_BREAKDOWN: f64 = 1e-13;
+/// Size of a leading coefficient over the largest one below which it is rounding.
+pub(super) const VANISHING: f64 = 1e-16;
+
+// lean.rs
+
+/// Loss factor over the usual one from which a pole of the band, beyond as many as are
+/// asked for or visible, is no mode.
+pub(super) const BROAD: f64 = 3.0;
+
+// local.rs
+
+/// Most FRFs fitted. The median over 200 is known to a tenth of the single scatter, and
+/// bias then dominates.
+pub(super) const FRFS_USED: usize = 200;
+/// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
+pub(super) const CLUSTER_SPACINGS: f64 = 0.25;
+/// A cluster counts where at least one in this many FRFs joins it.
+pub(super) const CLUSTER_SHARE: usize = 3;
+/// Members from which the scatter says more than the single fits.
+pub(super) const SCATTER_MEMBERS: usize = 6;
+
+// lscf.rs
+
+/// Highest order: poles per expected mode, and more for what lies outside the band. Twice
+/// per mode misses weak modes, four times doubles the time for a third less bias.
+pub(super) const POLES_PER_MODE: usize = 3;
+/// See [`POLES_PER_MODE`].
+pub(super) const MORE_POLES: usize = 24;
+/// Lines per pole at least.
+pub(super) const LINES_PER_POLE: usize = 4;
+
+// matrix_fraction.rs
+
+/// Points of the circle without lines, relative to those with. The narrower, the harder
+/// the model must turn there, and the more it bends the modes next to the ends: on the
+/// reference panel the errors are 5 times the Cramér–Rao bound at a tenth, 2 at three
+/// tenths and 1.2 at a half. Wider was not tried: powers lose digits as the arc shrinks.
+pub(super) const GAP: f64 = 0.5;
+/// Distance of a line from the even grid, in spacings, up to which the axis counts as
+/// even.
+pub(super) const UNEVEN: f64 = 0.01;
+/// Grid points per line beyond which lines are too scattered to be called a grid with
+/// gaps.
+pub(super) const SPARSEST: usize = 8;
+/// Ridge on normal equations, relative to their diagonal: clean data leave M singular at
+/// rounding level beyond the true order, and polynomials of high degree may live in the
+/// gap alone.
+pub(super) const RIDGE: f64 = 1e-14;
+/// Ridge at which something else is wrong.
+pub(super) const MOST_RIDGE: f64 = 1e-6;
+/// Outputs whose normal equations are summed one after the other, for sums that do not
+/// depend on threads.
+pub(super) const OUTPUTS_TOGETHER: usize = 8;
+
+// peak.rs
+
+/// Least drop of power on one side of a peak that says something about its width.
+pub(super) const LEAST_DROP: f64 = 1.2;
+
+// plane.rs
+
+/// Numerator terms beyond the degree of the denominator: residual terms from 1/x to x².
+pub(super) const RESIDUAL_TERMS: usize = 3;
+
+// plscf.rs
+
+/// Combinations of references kept. The four strongest of the reference panel miss six of
+/// its modes, one symmetry class; eight miss none.
+pub(super) const REFERENCES: usize = 8;
+/// Combinations of responses kept. The 24 strongest hide weak modes.
+pub(super) const RESPONSES: usize = 80;
+
+// rfp.rs
+
+/// Leading coefficient of a denominator over the length of all, below which its roots
+/// lose digits.
+pub(super) const LEAST_LEADING: f64 = 1e-3;
+
+// rfp_search.rs
+
+/// Reweighted fits after the linear one.
+pub(super) const REWEIGHTED: usize = 3;
+/// Steps of the last fraction.
+pub(super) const LAST_STEPS: usize = 3;
+/// Half-bandwidths beyond its core at which a band may still claim a pole.
+pub(super) const CLAIM: f64 = 0.25;
+/// Half-bandwidths within which two poles of neighbouring bands are one.
+pub(super) const TWINS: f64 = 0.5;
+/// Loss factor and bandwidth over their medians, both, from which a pole of the band
+/// serves the background.
+pub(super) const BACKGROUND: f64 = 4.0;
+/// Variance of a residue over that of its pole alone beyond which the pole adds nothing.
+pub(super) const MOST_INFLATION: f64 = 1e10;
+
+// sanathanan_koerner.rs
+
+/// Eigenvalues of M, whose largest is at most one, below this are rounding.
+pub(super) const SANATHANAN_KOERNER_ROUNDING: f64 = 1e-15;
+
+// selection.rs
+
+/// Variance of a residue, relative to that of its pole alone, beyond which the pole adds
+/// nothing to the others: two poles a hundred-thousandth of a bandwidth apart.
+pub(super) const SELECTION_MOST_INFLATION: f64 = 1e10;
+
+// stabilization.rs
+
+/// Orders looked at, about.
+pub(super) const ORDERS: usize = 24;
+/// Move of a natural frequency to the next order, in half-bandwidths, up to which it is
+/// stable. The usual 1 % of the frequency is a whole bandwidth of a plate.
+pub(super) const STABLE_FREQUENCY: f64 = 0.2;
+/// Relative change of the damping ratio up to which it is stable: the usual 5 % loses
+/// weak modes at 40 dB.
+pub(super) const STABLE_DAMPING: f64 = 0.2;
+/// Part of the orders that must agree on a mode.
+pub(super) const AGREED: f64 = 0.3;
+/// Damping ratio beyond which a pole is background.
+pub(super) const HEAVIEST: f64 = 0.2;
+/// Part of the band's width beyond its ends in which poles stand for what lies there;
+/// residual terms do for what is farther.
+pub(super) const BEYOND: f64 = 0.1;
+/// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
+pub(super) const STABILIZATION_CLUSTER_SPACINGS: f64 = 0.25;
+
+// survey.rs
+
+/// Half window of the noise estimate under the peaks, lines; a few dozen bandwidths at
+/// usual resolutions.
+pub(super) const NOISE_HALF_WINDOW: usize = 40;
+/// Poles beyond the modes asked for: they take up noise and what lies outside the band.
+/// The reference panel needs four.
+pub(super) const SPARE_POLES: usize = 6;
+
+// vf.rs
+
+/// Random mixtures of the compressed columns: twice those of a starter, since nothing
+/// refines the result.
+pub(super) const MIXTURES: usize = 2 * crate::tolerances::POOL_MIXTURES;
+
+// windows.rs
+
+/// Visible peaks per band. With the spare poles |a| then spans six decades.
+pub(super) const WINDOWS_PEAKS_PER_BAND: usize = 8;
+/// Lines of its neighbours on each side, over the width of a band.
+pub(super) const OVERLAP: f64 = 0.15;
+/// Poles beyond the visible ones.
+pub(super) const WINDOWS_SPARE_POLES: usize = 6;
+/// Peaks that a border may stand off an equal share of them, in shares.
+pub(super) const LEEWAY: f64 = 0.35;
+/// Lines beyond twice the order that a fraction needs.
+pub(super) const LEAST_LINES: usize = 8;

@@ -26,6 +26,7 @@
 //! M. H. Richardson, D. L. Formenti, *Parameter estimation from frequency response
 //! measurements using rational fraction polynomials*, Proc. IMAC 1 (1982) 167–181.
 
+use super::limits::{CLUSTER_SHARE, CLUSTER_SPACINGS, FRFS_USED, SCATTER_MEMBERS};
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
@@ -38,16 +39,6 @@ use crate::methods::survey::Survey;
 use chladni_frf::Finding;
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Most FRFs fitted. The median over 200 is known to a tenth of the single scatter, and
-/// bias then dominates.
-const FRFS_USED: usize = 200;
-/// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
-const CLUSTER_SPACINGS: f64 = 0.25;
-/// A cluster counts where at least one in this many FRFs joins it.
-const CLUSTER_SHARE: usize = 3;
-/// Members from which the scatter says more than the single fits.
-const SCATTER_MEMBERS: usize = 6;
 
 /// Common poles by clustering those of each FRF.
 ///

@@ -22,6 +22,7 @@
 //! Auweraer, P. Guillaume, P. Verboven, S. Vanlanduit, J. Dyn. Syst. Meas. Control 123
 //! (2001) 651–658.
 
+use super::limits::{LINES_PER_POLE, MORE_POLES, POLES_PER_MODE};
 use crate::data::error::FitError;
 use crate::data::options::{FitOptions, Method};
 use crate::methods::found::MethodPoles;
@@ -29,14 +30,6 @@ use crate::methods::matrix_fraction::{Circle, MatrixFraction};
 use crate::methods::stabilization::Ladder;
 use crate::methods::survey::{Compressed, Survey};
 use ndarray::Axis;
-
-/// Highest order: poles per expected mode, and more for what lies outside the band. Twice
-/// per mode misses weak modes, four times doubles the time for a third less bias.
-const POLES_PER_MODE: usize = 3;
-/// See [`POLES_PER_MODE`].
-const MORE_POLES: usize = 24;
-/// Lines per pole at least.
-const LINES_PER_POLE: usize = 4;
 
 /// Poles by LSCF with stabilization.
 ///

@@ -24,6 +24,7 @@
 //!
 //! Cost: 8·n³·r²·outputs flop for order n, 25·(nr)³ for the eigenvalues at each order.
 
+use super::limits::{GAP, MOST_RIDGE, OUTPUTS_TOGETHER, RIDGE, SPARSEST, UNEVEN};
 use crate::data::error::FitError;
 use crate::data::options::Method;
 use crate::methods::survey::Survey;
@@ -35,27 +36,6 @@ use ndarray::{s, Array2, Array3, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-
-/// Points of the circle without lines, relative to those with. The narrower, the harder
-/// the model must turn there, and the more it bends the modes next to the ends: on the
-/// reference panel the errors are 5 times the Cramér–Rao bound at a tenth, 2 at three
-/// tenths and 1.2 at a half. Wider was not tried: powers lose digits as the arc shrinks.
-const GAP: f64 = 0.5;
-/// Distance of a line from the even grid, in spacings, up to which the axis counts as
-/// even.
-const UNEVEN: f64 = 0.01;
-/// Grid points per line beyond which lines are too scattered to be called a grid with
-/// gaps.
-const SPARSEST: usize = 8;
-/// Ridge on normal equations, relative to their diagonal: clean data leave M singular at
-/// rounding level beyond the true order, and polynomials of high degree may live in the
-/// gap alone.
-const RIDGE: f64 = 1e-14;
-/// Ridge at which something else is wrong.
-const MOST_RIDGE: f64 = 1e-6;
-/// Outputs whose normal equations are summed one after the other, for sums that do not
-/// depend on threads.
-const OUTPUTS_TOGETHER: usize = 8;
 
 /// Lines as points of the unit circle.
 #[derive(Debug, Clone)]

@@ -16,15 +16,13 @@
 //! the frequency is known to a fraction of the line spacing at best. It is here to teach,
 //! and for a first look.
 
+use super::limits::LEAST_DROP;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::found::MethodPoles;
 use crate::methods::selection::modes_of;
 use crate::methods::survey::{Compressed, Survey};
 use num_complex::Complex64;
-
-/// Least drop of power on one side of a peak that says something about its width.
-const LEAST_DROP: f64 = 1.2;
 
 /// Poles of the visible peaks that matter, or of as many as asked for.
 ///

@@ -8,14 +8,12 @@
 //! In both a damped mode has its root in the upper half plane of t. Poles come and go as λ
 //! of their law (theory.md, eq. 5 and 16).
 
+use super::limits::RESIDUAL_TERMS;
 use crate::damping::columns::viscous_pole_of;
 use crate::damping::viscous::from_structural;
 use crate::methods::lanczos::Symmetry;
 use chladni_frf::Damping;
 use num_complex::Complex64;
-
-/// Numerator terms beyond the degree of the denominator: residual terms from 1/x to x².
-const RESIDUAL_TERMS: usize = 3;
 
 /// Variable, field of the coefficients, and the way back to poles.
 #[derive(Debug, Clone, Copy)]

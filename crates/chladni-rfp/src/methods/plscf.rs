@@ -20,6 +20,7 @@
 //! 21 (2003). B. Peeters, H. Van der Auweraer, P. Guillaume, J. Leuridan, Shock Vib. 11
 //! (2004) 395–409.
 
+use super::limits::{REFERENCES, RESPONSES};
 use crate::data::error::FitError;
 use crate::data::options::{FitOptions, Method};
 use crate::methods::found::MethodPoles;
@@ -30,12 +31,6 @@ use crate::methods::survey::{Compressed, Survey};
 use chladni_linalg::{eigh, matmul, LinalgError};
 use ndarray::{s, Array2, Array3, Axis, ShapeBuilder};
 use num_complex::Complex64;
-
-/// Combinations of references kept. The four strongest of the reference panel miss six of
-/// its modes, one symmetry class; eight miss none.
-const REFERENCES: usize = 8;
-/// Combinations of responses kept. The 24 strongest hide weak modes.
-const RESPONSES: usize = 80;
 
 /// Poles by pLSCF with stabilization.
 ///

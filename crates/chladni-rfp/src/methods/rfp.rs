@@ -26,6 +26,7 @@
 //! M. H. Richardson, D. L. Formenti, *Global curve fitting of frequency response
 //! measurements using the rational fraction polynomial method*, Proc. IMAC 3 (1985).
 
+use super::limits::LEAST_LEADING;
 use crate::damping::structural::POWERS;
 use crate::damping::verdict::{verdict, Fitted};
 use crate::data::error::FitError;
@@ -41,10 +42,6 @@ use crate::poles::refine::Projection;
 use chladni_frf::{Damping, Finding};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
-
-/// Leading coefficient of a denominator over the length of all, below which its roots
-/// lose digits.
-const LEAST_LEADING: f64 = 1e-3;
 
 /// Common poles by orthogonal polynomials.
 ///

@@ -1,6 +1,7 @@
 //! The search of `rfp` in the plane of one law: poles of each band, thinned, then
 //! one fraction for all that is left.
 
+use super::limits::{BACKGROUND, CLAIM, LAST_STEPS, MOST_INFLATION, REWEIGHTED, TWINS};
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::options::{FitOptions, RfpWeight};
@@ -18,25 +19,6 @@ use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Reweighted fits after the linear one.
-const REWEIGHTED: usize = 3;
-
-/// Steps of the last fraction.
-const LAST_STEPS: usize = 3;
-
-/// Half-bandwidths beyond its core at which a band may still claim a pole.
-const CLAIM: f64 = 0.25;
-
-/// Half-bandwidths within which two poles of neighbouring bands are one.
-const TWINS: f64 = 0.5;
-
-/// Loss factor and bandwidth over their medians, both, from which a pole of the band
-/// serves the background.
-const BACKGROUND: f64 = 4.0;
-
-/// Variance of a residue over that of its pole alone beyond which the pole adds nothing.
-const MOST_INFLATION: f64 = 1e10;
 
 /// Poles λ in the plane of a law.
 pub(super) struct Found {

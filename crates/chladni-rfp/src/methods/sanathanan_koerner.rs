@@ -13,13 +13,11 @@
 //! C. K. Sanathanan, J. Koerner, IEEE Trans. Automatic Control 8 (1963) 56–58; B.
 //! Gustavsen, IEEE Trans. Power Delivery 21 (2006) 1587–1592 (relaxed).
 
+use super::limits::SANATHANAN_KOERNER_ROUNDING;
 use crate::methods::fraction::{damped, if_carried, Denominator, Fraction, Lines};
 use chladni_linalg::{eigh, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
-
-/// Eigenvalues of M, whose largest is at most one, below this are rounding.
-const ROUNDING: f64 = 1e-15;
 
 /// Roots in t after the linear fit and `steps` reweighted ones, with the sign of damping
 /// that the last one gave them; none where the lines do not carry so many.
@@ -62,7 +60,7 @@ fn solved(m: &Array2<Complex64>, right: &[Complex64]) -> Result<Vec<Complex64>, 
     let mut out = vec![Complex64::new(0.0, 0.0); right.len()];
     for (value, vector) in values.iter().zip(vectors.columns()) {
         let along: Complex64 = vector.iter().zip(right).map(|(v, r)| v.conj() * r).sum();
-        let along = along / value.max(ROUNDING);
+        let along = along / value.max(SANATHANAN_KOERNER_ROUNDING);
         out.iter_mut()
             .zip(vector)
             .for_each(|(o, v)| *o += along * v);

@@ -1,6 +1,7 @@
 //! Choice of the poles that are modes, for methods that find them in the plane x: the
 //! significance of their residues.
 
+use super::limits::SELECTION_MOST_INFLATION;
 use crate::damping::structural::POWERS;
 use crate::damping::viscous::from_structural;
 use crate::data::columns::Columns;
@@ -15,10 +16,6 @@ use chladni_frf::{Damping, Finding};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use std::ops::RangeInclusive;
-
-/// Variance of a residue, relative to that of its pole alone, beyond which the pole adds
-/// nothing to the others: two poles a hundred-thousandth of a bandwidth apart.
-const MOST_INFLATION: f64 = 1e10;
 
 /// Noise variance that so many poles leave unexplained.
 pub(crate) fn variance_left(work: &Columns, lambda: &[Complex64]) -> Result<f64, LinalgError> {
@@ -59,7 +56,7 @@ pub(crate) fn select(
     let kept = all.thin_out(&physical, |kept, q, rise, inflation| {
         let inside = kept.iter().filter(|&&k| work.in_band(physical[k])).count();
         match work.in_band(physical[q]) {
-            _ if inflation > MOST_INFLATION => true,
+            _ if inflation > SELECTION_MOST_INFLATION => true,
             true => inside > *modes.end() || (inside > *modes.start() && rise < limit),
             false => rise < limit,
         }

@@ -6,6 +6,10 @@
 //! [`super::lscf()`] and [`super::plscf()`] offer as modes. Which of them matter is
 //! decided by their residues.
 
+use super::limits::{
+    AGREED, BEYOND, HEAVIEST, ORDERS, STABILIZATION_CLUSTER_SPACINGS, STABLE_DAMPING,
+    STABLE_FREQUENCY,
+};
 use crate::data::options::FitOptions;
 use crate::methods::clusters::{clusters, median_pole};
 use crate::methods::found::MethodPoles;
@@ -17,24 +21,6 @@ use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-
-/// Orders looked at, about.
-const ORDERS: usize = 24;
-/// Move of a natural frequency to the next order, in half-bandwidths, up to which it is
-/// stable. The usual 1 % of the frequency is a whole bandwidth of a plate.
-const STABLE_FREQUENCY: f64 = 0.2;
-/// Relative change of the damping ratio up to which it is stable: the usual 5 % loses
-/// weak modes at 40 dB.
-const STABLE_DAMPING: f64 = 0.2;
-/// Part of the orders that must agree on a mode.
-const AGREED: f64 = 0.3;
-/// Damping ratio beyond which a pole is background.
-const HEAVIEST: f64 = 0.2;
-/// Part of the band's width beyond its ends in which poles stand for what lies there;
-/// residual terms do for what is farther.
-const BEYOND: f64 = 0.1;
-/// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
-const CLUSTER_SPACINGS: f64 = 0.25;
 
 /// Poles at every order up to the highest.
 pub(crate) struct Ladder {
@@ -102,9 +88,11 @@ impl Ladder {
         let margin = BEYOND * (high - low);
         let near = |s: Complex64| s.im >= low - margin && s.im <= high + margin;
         let spacing = (high - low) / work.lines() as f64;
-        let agreed = clusters(&settled, CLUSTER_SPACINGS * spacing, |members| {
-            members as f64 >= enough
-        });
+        let agreed = clusters(
+            &settled,
+            STABILIZATION_CLUSTER_SPACINGS * spacing,
+            |members| members as f64 >= enough,
+        );
         // the higher orders have less bias
         let lambda: Vec<Complex64> = agreed
             .iter()

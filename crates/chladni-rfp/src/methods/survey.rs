@@ -8,6 +8,7 @@
 //! ratio; no method sees the truth of another's poles. N. Halko, P. G. Martinsson, J. A.
 //! Tropp, SIAM Rev. 53 (2011) 217–288.
 
+use super::limits::{NOISE_HALF_WINDOW, SPARE_POLES};
 use crate::data::columns::{line_energy, Columns};
 use crate::data::options::FitOptions;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
@@ -19,13 +20,6 @@ use crate::tolerances as tol;
 use chladni_linalg::{matmul, qr_thin, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
-
-/// Half window of the noise estimate under the peaks, lines; a few dozen bandwidths at
-/// usual resolutions.
-const NOISE_HALF_WINDOW: usize = 40;
-/// Poles beyond the modes asked for: they take up noise and what lies outside the band.
-/// The reference panel needs four.
-const SPARE_POLES: usize = 6;
 
 /// The first pass.
 pub(crate) struct Survey<'a> {

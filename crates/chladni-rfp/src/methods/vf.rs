@@ -15,6 +15,7 @@
 //! B. Gustavsen, A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052; B. Gustavsen,
 //! ibid. 21 (2006) 1587 (relaxed).
 
+use super::limits::MIXTURES;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
@@ -23,13 +24,8 @@ use crate::methods::found::MethodPoles;
 use crate::methods::selection::modes_of;
 use crate::methods::survey::{Compressed, Survey};
 use crate::poles::pool::{mixtures, starts, vector_fit, Pool, Products};
-use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
-
-/// Random mixtures of the compressed columns: twice those of a starter, since nothing
-/// refines the result.
-const MIXTURES: usize = 2 * tol::POOL_MIXTURES;
 
 /// Poles by relaxed vector fitting.
 ///

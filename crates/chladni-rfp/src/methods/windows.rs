@@ -6,23 +6,13 @@
 //! singular values of these lines say and of the peaks seen, and some more that take up
 //! noise and neighbours.
 
+use super::limits::{LEAST_LINES, LEEWAY, OVERLAP, WINDOWS_PEAKS_PER_BAND, WINDOWS_SPARE_POLES};
 use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
 use crate::poles::start::visible_rank;
 use chladni_linalg::LinalgError;
 use ndarray::Array1;
 use std::ops::Range;
-
-/// Visible peaks per band. With the spare poles |a| then spans six decades.
-const PEAKS_PER_BAND: usize = 8;
-/// Lines of its neighbours on each side, over the width of a band.
-const OVERLAP: f64 = 0.15;
-/// Poles beyond the visible ones.
-const SPARE_POLES: usize = 6;
-/// Peaks that a border may stand off an equal share of them, in shares.
-const LEEWAY: f64 = 0.35;
-/// Lines beyond twice the order that a fraction needs.
-const LEAST_LINES: usize = 8;
 
 /// One band.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +30,7 @@ pub(crate) fn windows(peaks: &[Peak], energy: &Array1<f64>, count: Option<usize>
     rows.sort_unstable();
     let most = (lines / (2 * LEAST_LINES)).clamp(1, rows.len().max(1));
     let count = count
-        .unwrap_or(rows.len().div_ceil(PEAKS_PER_BAND))
+        .unwrap_or(rows.len().div_ceil(WINDOWS_PEAKS_PER_BAND))
         .clamp(1, most);
     let mut borders = vec![0];
     borders.extend((1..count).filter_map(|cut| valley(&rows, energy, cut, count)));
@@ -85,7 +75,7 @@ pub(crate) fn order(
         // too few columns to see the noise: their number bounds no order
         (rank, false) => peaks.max(rank.min(2 * peaks)),
     };
-    let order = seen.max(asked.unwrap_or(0)) + SPARE_POLES;
+    let order = seen.max(asked.unwrap_or(0)) + WINDOWS_SPARE_POLES;
     Ok(order
         .min(window.lines().saturating_sub(LEAST_LINES) / 2)
         .max(1))

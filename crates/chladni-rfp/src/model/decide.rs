@@ -17,7 +17,9 @@ use ndarray::Axis;
 use num_complex::Complex64;
 
 /// Poles of the law that the data prefer, or that is asked for, structured where that
-/// holds; with what is to be said of it. `again`: the poles in another law.
+/// holds; with what is to be said of it. Where phases alone do not decide and one shape per
+/// mode is refused, the other law holds if it bears such shapes. `again`: the poles in
+/// another law.
 pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     data: &DataLayout,
     found: PoleEstimate,
@@ -26,15 +28,28 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, E>,
 ) -> Result<(Identified, Vec<Finding>), E> {
     watch.stage("damping law")?;
-    let told = told(data, &found)?;
+    let mut told = told(data, &found)?;
     let law = options.damping.or(told.law()).unwrap_or(found.work.law);
-    let found = if found.work.law == law {
+    let mut found = if found.work.law == law {
         found
     } else {
         again(found, law)?
     };
     watch.stage("shapes")?;
-    let (refined, unlike) = match shape_search(data, &found, options)? {
+    let mut searched = shape_search(data, &found, options)?;
+    let phases_decide = matches!(told, Verdict::Decided(_));
+    if matches!(searched, Search::Refused(_)) && !phases_decide && options.damping.is_none() {
+        let there = again(found.clone(), law.other())?;
+        let other = shape_search(data, &there, options)?;
+        if borne(&other) {
+            (found, searched) = (there, other);
+            told = Verdict::Decided(law.other());
+        }
+    }
+    let law = found.work.law;
+    let real =
+        matches!(&searched, Search::Found(structured) if structured.borne && structured.real);
+    let (refined, unlike) = match searched {
         Search::Found(structured) => (Some(structured), None),
         Search::Refused(sigmas) => (None, Some(sigmas)),
         Search::Inapplicable => (None, None),
@@ -48,7 +63,8 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         Verdict::Decided(other) if other != law => {
             warnings.push(verdict::contradicted(law, None));
         }
-        Verdict::IfPhasesTrue(other, degrees) if other != law => {
+        // phases that every mode has in common cannot contradict shapes that are real
+        Verdict::IfPhasesTrue(other, degrees) if other != law && !real => {
             warnings.push(verdict::contradicted(law, Some(degrees)));
         }
         Verdict::IfPhasesTrue(own, degrees) if own == law && options.damping.is_none() => {
@@ -75,6 +91,11 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         identified = identified.structured(structured);
     }
     Ok((identified, warnings))
+}
+
+/// True where one shape for each mode leaves no more than chance.
+fn borne(search: &Search) -> bool {
+    matches!(search, Search::Found(structured) if structured.borne)
 }
 
 /// The verdict of the data on the law: nothing where there are no modes, or where line

@@ -1,17 +1,10 @@
 //! Modes that the user has seen: fitted with the others whatever the evidence says, and
 //! graded like them.
 
+use super::limits::{BY_HAND_EXPLAINED, BY_HAND_NARROWEST, CARRIED_AWAY};
 use crate::data::columns::Columns;
 use crate::poles::scan::usual_loss;
 use num_complex::Complex64;
-
-/// A pole so many half-bandwidths away from a place explains it: nothing is added there.
-const EXPLAINED: f64 = 1.0;
-/// Narrowest start, line spacings of half-bandwidth: a narrower pole would see one line.
-const NARROWEST: f64 = 1.0;
-/// An added pole that the refinement carries so many half-bandwidths away is not the one
-/// that was seen.
-const CARRIED_AWAY: f64 = 8.0;
 
 /// Places at which poles are to be added: those of `added_hz` (Hz) that no pole of
 /// `known` explains. `hz` is the frequency of x = 1.
@@ -24,10 +17,10 @@ pub(crate) fn starts(
     let loss = usual_loss(work, known);
     let start = |added_hz: &f64| {
         let x = (added_hz / hz).powi(2);
-        Complex64::new(x, (loss * x).max(NARROWEST * work.spacing(x)))
+        Complex64::new(x, (loss * x).max(BY_HAND_NARROWEST * work.spacing(x)))
     };
     let explains = |start: &Complex64, pole: &Complex64| {
-        (pole.re - start.re).abs() < EXPLAINED * pole.im.max(work.spacing(start.re))
+        (pole.re - start.re).abs() < BY_HAND_EXPLAINED * pole.im.max(work.spacing(start.re))
     };
     let starts = added_hz.iter().map(start);
     starts

@@ -1,6 +1,7 @@
 //! The poles that a path found, and how far each pole is to be trusted by its error bar
 //! alone.
 
+use super::limits::{FAINT, FAINT_OVER_USUAL, UNCERTAIN};
 use crate::data::columns::Columns;
 use crate::data::information::covariance;
 use crate::poles::refine::Refined;
@@ -129,18 +130,9 @@ pub(crate) fn uncertain(half_bandwidths: f64) -> Reason {
 /// The reason of a mode that is much less certain than all others.
 const FAINT_SENTENCE: &str =
     "hundreds of times less certain than the other modes: it may stand for the background";
-/// Standard deviation of a pole, in half-bandwidths, from which it may be called faint, and
-/// that over the usual one of the band. Modes that random structures did not have stood at
-/// 0.02 to 0.2 where their neighbours stood at 1e-6.
-const FAINT: f64 = 0.01;
-/// See above.
-const FAINT_OVER_USUAL: f64 = 300.0;
 
 /// The reason that a pole of infinite variance is not sure.
 const NOT_TOLD: &str = "the data do not tell it from its neighbours: its error bars are not known";
 
 /// Reason for a large error bar.
 pub(crate) const UNCERTAIN_SENTENCE: &str = "its frequency or damping is uncertain";
-
-/// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
-pub(crate) const UNCERTAIN: f64 = 0.3;

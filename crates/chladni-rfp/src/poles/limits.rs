@@ -168,3 +168,24 @@ pub(super) const WHITE_FALSE_ALARM: f64 = 0.01;
 /// Share of the data's energy below which a residual is rounding and need not be white:
 /// −140 dB, what no converter resolves.
 pub(super) const EXPLAINED: f64 = 1e-14;
+
+// by_hand.rs
+
+/// A pole so many half-bandwidths away from a place explains it: nothing is added there.
+pub(super) const BY_HAND_EXPLAINED: f64 = 1.0;
+/// Narrowest start, line spacings of half-bandwidth: a narrower pole would see one line.
+pub(super) const BY_HAND_NARROWEST: f64 = 1.0;
+/// An added pole that the refinement carries so many half-bandwidths away is not the one
+/// that was seen.
+pub(super) const CARRIED_AWAY: f64 = 8.0;
+
+// estimate.rs
+
+/// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
+pub(crate) const UNCERTAIN: f64 = 0.3;
+/// Standard deviation of a pole, in half-bandwidths, from which it may be called faint, and
+/// that over the usual one of the band. Modes that random structures did not have stood at
+/// 0.02 to 0.2 where their neighbours stood at 1e-6.
+pub(super) const FAINT: f64 = 0.01;
+/// See above.
+pub(super) const FAINT_OVER_USUAL: f64 = 300.0;

@@ -6,7 +6,7 @@ pub(crate) mod chain;
 pub(crate) mod descent;
 pub(crate) mod estimate;
 pub(crate) mod first_look;
-mod limits;
+pub(crate) mod limits;
 pub(crate) mod normal;
 pub(crate) mod passes;
 pub(crate) mod pole;

@@ -175,26 +175,33 @@ pub(crate) fn judge(
         words: format!("neighbouring residual lines correlate by {seen:.2}"),
     });
 
-    // the look that comes nearest to its limit, or goes farthest beyond it
-    let ratio = |l: &Look| l.seen / l.limit.max(1e-12);
-    let (excess, words) = looks
-        .iter()
-        .map(|l| (ratio(l), l.words.as_str()))
-        .fold((0.0, "none"), |a, b| if b.0 > a.0 { b } else { a });
-    let white = excess <= 1.0;
-    let evidence = match white {
-        true => format!(
-            "residual white in {} looks (the nearest to doubt: {words})",
-            looks.len()
-        ),
-        false => format!("{words}, {excess:.1} times what white noise allows"),
-    };
-    Whiteness {
-        white,
-        evidence,
-        excess,
-        misfit_share: misfitted.len() as f64 / modes.len().max(1) as f64,
-        shapeless,
+    let misfit_share = misfitted.len() as f64 / modes.len().max(1) as f64;
+    Whiteness::of(&looks, misfit_share, shapeless)
+}
+
+impl Whiteness {
+    /// Judged by the look that comes nearest to its limit, or goes farthest beyond it.
+    fn of(looks: &[Look], misfit_share: f64, shapeless: bool) -> Self {
+        let ratio = |l: &Look| l.seen / l.limit.max(1e-12);
+        let (excess, words) = looks
+            .iter()
+            .map(|l| (ratio(l), l.words.as_str()))
+            .fold((0.0, "none"), |a, b| if b.0 > a.0 { b } else { a });
+        let white = excess <= 1.0;
+        let evidence = match white {
+            true => format!(
+                "residual white in {} looks (the nearest to doubt: {words})",
+                looks.len()
+            ),
+            false => format!("{words}, {excess:.1} times what white noise allows"),
+        };
+        Self {
+            white,
+            evidence,
+            excess,
+            misfit_share,
+            shapeless,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! shows are added, those that the others explain are taken out, and two that cannot be
 //! told apart become one repeated pole (theory.md, section 4).
 
-use crate::poles::estimate::UNCERTAIN;
+use crate::poles::limits::UNCERTAIN;
 use crate::shapes::growth::candidate;
 use crate::shapes::limits;
 use crate::shapes::step::{Enough, State};

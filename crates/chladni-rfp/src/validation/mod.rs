@@ -5,6 +5,7 @@
 pub(crate) mod cmif;
 pub(crate) mod compare;
 pub(crate) mod complexity;
+mod limits;
 pub(crate) mod mac;
 pub(crate) mod reciprocity;
 pub(crate) mod reconstruction;

@@ -2,7 +2,7 @@
 
 use crate::common::{fitted, missed_and_spurious};
 use chladni_frf::{Damping, FrfSet, FrfValues, ModalModel};
-use chladni_plate::{cramer_rao_real, CramerRao, Synthetic, SyntheticSet};
+use chladni_plate::{cramer_rao_real, CramerRao, Synthetic, SyntheticSet, SyntheticShapes};
 use chladni_rfp::FitOptions;
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -175,6 +175,19 @@ fn assert_exact(set: &SyntheticSet, model: &ModalModel, case: &str) {
     assert_eq!(spurious.len(), 0, "{case}");
     let chi2 = model.quality.chi2_per_dof;
     assert!((0.97..1.03).contains(&chi2), "{case}: χ² {chi2}");
+    let path = model.quality.path.as_deref().unwrap_or_default();
+    assert!(!path.contains("weighted"), "{case}, equal noise: {path}");
+    // the file itself, laid over the data, leaves what its search said
+    let FrfValues::F64(values) = &set.frf.values else {
+        panic!("simulated values are f64");
+    };
+    let energy: f64 = values.iter().map(|v| v.norm_sqr()).sum();
+    let left = model.quality.relative_error.powi(2) * energy / set.noise_variance;
+    let ratio = left / values.len() as f64;
+    assert!(
+        (0.95..1.03).contains(&ratio),
+        "{case}: {ratio} of the noise left"
+    );
 }
 
 /// The bound of real shapes with the modes outside the band as unknown as the others.
@@ -231,19 +244,21 @@ impl Errors {
         let rms = |squares: &Vec<f64>| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
         let mut rms: Vec<f64> = own.map(|(_, squares)| rms(squares)).collect();
         rms.sort_by(f64::total_cmp);
-        (rms[rms.len() / 2], rms[rms.len() - 1])
+        let (low, high) = (rms[(rms.len() - 1) / 2], rms[rms.len() / 2]);
+        (0.5 * (low + high), rms[rms.len() - 1])
     }
 }
 
-/// A few seeds by default; `CHLADNI_SEEDS=60` holds the fit to the goals: within 1.1 times
-/// the bound in the median (a tenth of that is the chance of 60 seeds) and 1.4 times for the
-/// worst mode, 92 to 97 % of the intervals.
+/// A few seeds by default; `CHLADNI_SEEDS=240` holds the fit to the goals: within 1.1 times
+/// the bound in the median and 1.4 times for the worst mode, 92 to 97 % of the intervals.
+/// The median of 60 seeds is off by 0.04 by chance, that of 240 by 0.02.
 #[test]
 fn errors_stand_at_the_bound_and_their_bars_hold() {
     let seeds = seeds(2);
     let (median_most, worst_most, held) = match seeds {
         ..20 => (1.6, 3.5, 0.85..1.0),
-        _ => (1.2, 1.4, 0.92..0.97),
+        20..200 => (1.2, 1.4, 0.92..0.97),
+        _ => (1.1, 1.4, 0.92..0.97),
     };
     type Make = fn(f64, u64) -> SyntheticSet;
     let cases: [(&str, Make); 3] = [
@@ -289,8 +304,11 @@ fn through(fault: (f64, f64), law: Damping, loss: f64, snr_db: f64, seed: u64) -
         .iter()
         .enumerate()
         .map(|(n, (f, _))| (*f, spread(n)));
-    let set = set(modes, law, 1, snr_db, seed);
-    let mut frf = set.frf;
+    faulty(set(modes, law, 1, snr_db, seed).frf, fault)
+}
+
+/// FRFs with a phase, degrees, and a delay, s, that all of them share.
+fn faulty(mut frf: FrfSet, fault: (f64, f64)) -> FrfSet {
     let axis = frf.frequency_hz.clone();
     let FrfValues::F64(values) = &mut frf.values else {
         panic!("simulated values are f64");
@@ -330,5 +348,45 @@ fn no_phase_and_no_delay_makes_the_law_another() {
         let share = f64::from(right) / f64::from(all);
         println!("{snr_db} dB: {right} of {all} laws told");
         assert!(share >= least, "{snr_db} dB: {right} of {all}");
+    }
+}
+
+/// Loss factors all alike look like a phase of all FRFs, and complex shapes turn residues
+/// more than a light mode's law does: most such sets tell no law, and none a wrong one.
+#[test]
+fn what_hides_the_law_gives_no_wrong_one() {
+    let five_per_cent = SyntheticShapes::Turned { phase_deg: 3.0 };
+    let thirty_per_cent = SyntheticShapes::Turned { phase_deg: 17.0 };
+    let draws = [
+        (SyntheticShapes::Real, (0.5, 0.0)),
+        (five_per_cent, (0.0, 0.0)),
+        (thirty_per_cent, (0.0, 0.0)),
+    ];
+    for law in [Damping::Viscous, Damping::Structural] {
+        for (shapes, fault) in draws {
+            for (loss, seed) in [0.005, 0.02]
+                .into_iter()
+                .flat_map(|loss| (1..=seeds(2)).map(move |seed| (loss, seed)))
+            {
+                let set = Synthetic {
+                    natural_frequency_hz: SEPARATE.map(|(f, _)| f).to_vec(),
+                    loss_factor: vec![loss],
+                    responses: 12,
+                    references: 1,
+                    shapes,
+                    damping: law,
+                    frequency_hz: Array1::range(9.8, 499.6, 0.30625),
+                    snr_db: 50.0,
+                    seed,
+                    ..Synthetic::default()
+                };
+                let frf = faulty(set.build().expect("a set").frf, fault);
+                let model = fitted(&frf, &FitOptions::default());
+                let open = |code: &str| code == "law-undecidable" || code == "law-if-phases-true";
+                let told = !model.quality.findings.iter().any(|f| open(&f.code));
+                let case = format!("{law:?}, {shapes:?}, {fault:?}, loss {loss}, seed {seed}");
+                assert!(!told || model.damping == law, "{case}");
+            }
+        }
     }
 }

@@ -9,6 +9,7 @@ pub mod studio;
 pub use run::Run;
 
 use assert_cmd::Command;
+use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -42,6 +43,20 @@ impl Folder {
         folder.write("scene.toml", SCENE);
         folder
             .run("simulate panel.toml -o panel.h5 --truth truth.json -q")
+            .exits(0);
+        folder
+    }
+
+    /// A folder with `panel.h5` of the glass panel with driving points at few lines, and
+    /// its truth as `model.json`.
+    pub fn with_glass() -> Self {
+        let folder = Self::new();
+        folder.write(
+            "panel.toml",
+            "[responses]\nat_references = true\n[frf]\nstart_hz = 100\nstop_hz = 1000\nstep_hz = 10\n",
+        );
+        folder
+            .run("simulate panel.toml -o panel.h5 --truth model.json -q")
             .exits(0);
         folder
     }
@@ -82,4 +97,16 @@ impl Folder {
         names.sort();
         names
     }
+}
+
+/// Natural frequencies of the modes in the band, Hz, of a model as JSON.
+pub fn in_band_hz(model: &Value) -> Vec<f64> {
+    let modes = model["modes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|mode| mode["in_band"] == true);
+    modes
+        .map(|mode| mode["frequency_hz"].as_f64().unwrap())
+        .collect()
 }

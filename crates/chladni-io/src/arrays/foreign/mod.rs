@@ -11,6 +11,7 @@ mod parts;
 use super::tree::{Element, Entry, Values};
 use super::values::{real_array, reals, wrong_type, ComplexArray};
 use super::ArrayFile;
+use crate::limits::DATASETS_LISTED;
 use crate::paths::shortened;
 use crate::unit_label::{frequency_unit, frf_unit};
 use crate::ReadOptions;
@@ -37,8 +38,6 @@ const REFERENCE_NAMES: [&str; 5] = [
     "reference_node",
     "input",
 ];
-/// Datasets that an error lists before it only counts.
-const DATASETS_LISTED: usize = 20;
 /// Keys of `--map`.
 const MAP_KEYS: [&str; 9] = [
     "frf",

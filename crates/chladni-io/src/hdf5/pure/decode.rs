@@ -248,23 +248,7 @@ pub(super) fn values_of(
                 return Ok(None);
             };
             if is_plain(datatype, single) {
-                // as this program and h5py write them on most machines: no look at each
-                // value
-                return Ok(Some(if single {
-                    let spare = if let Some(Values::Complex32(Cow::Owned(spare))) = spare {
-                        spare
-                    } else {
-                        Vec::new()
-                    };
-                    Values::Complex32(windows.collect_plain(file, turn, spare)?.into())
-                } else {
-                    let spare = if let Some(Values::Complex64(Cow::Owned(spare))) = spare {
-                        spare
-                    } else {
-                        Vec::new()
-                    };
-                    Values::Complex64(windows.collect_plain(file, turn, spare)?.into())
-                }));
+                return plain_complex(&windows, file, single, turn, spare).map(Some);
             }
             if single {
                 let values = windows
@@ -304,6 +288,27 @@ pub(super) fn values_of(
             windows.collect(node)?.map(Values::Nodes)
         }
         _ => None,
+    })
+}
+
+/// Complex numbers as this program and h5py write them on most machines: no look at each
+/// value.
+fn plain_complex(
+    windows: &Windows<'_>,
+    file: &File,
+    single: bool,
+    turn: Option<Turn>,
+    spare: Option<Values<'static>>,
+) -> Result<Values<'static>, Error> {
+    Ok(match (single, spare) {
+        (true, Some(Values::Complex32(Cow::Owned(spare)))) => {
+            Values::Complex32(windows.collect_plain(file, turn, spare)?.into())
+        }
+        (true, _) => Values::Complex32(windows.collect_plain(file, turn, Vec::new())?.into()),
+        (false, Some(Values::Complex64(Cow::Owned(spare)))) => {
+            Values::Complex64(windows.collect_plain(file, turn, spare)?.into())
+        }
+        (false, _) => Values::Complex64(windows.collect_plain(file, turn, Vec::new())?.into()),
     })
 }
 

@@ -1,10 +1,11 @@
-// A scene in time: hot and cold ground over their limits, forces, and the ground at any instant.
+// A scene in time: its figure, every response, and the ground at any instant.
 
 import { h, slider } from "./dom.js";
 import { array } from "./data.js";
 import { colourAt, cssColour } from "./colour.js";
 import { fixed } from "./numbers.js";
 import { chart } from "./chart.js";
+import { described } from "./described.js";
 import { panelMap, colourBar } from "./panel_map.js";
 
 /** Ends of the colours, dB re threshold, and the code of ground without a level. */
@@ -12,8 +13,6 @@ const RANGE_DB = 12;
 const NONE = 255;
 /** Shades of a chart of levels: as many as the eye tells apart. */
 const SHADES = 24;
-/** Ends of the levels that are drawn, dB over the limit. */
-const [LOW_DB, HIGH_DB] = [-25, 10];
 /** Seconds of the scene in a second of the page. */
 const PACE = 0.1;
 
@@ -21,45 +20,12 @@ const PACE = 0.1;
 export function timeView(time, geometry, id) {
   if (!time) return null;
   const parts = [h("h3", {}, "In time"), h("p", {}, `${time.sentence}.`)];
-  const marker = levels(time);
-  parts.push(marker.element);
-  if (time.forces) parts.push(forces(time));
+  const traces = described(time.figure, `${id}-traces`);
+  const mark = (seconds) => traces[0].update({ verticals: [{ name: "shown below", at: [1e3 * seconds], style: "pole-line" }] });
+  parts.push(...traces.map((one) => one.element));
   if (time.places) parts.push(...places(time));
-  if (time.ground) parts.push(ground(time, geometry, id, marker.at));
+  if (time.ground) parts.push(ground(time, geometry, id, mark));
   return h("div", { class: "time" }, parts);
-}
-
-/** Levels over the limits; `at(seconds)` draws a line there. */
-function levels(time) {
-  const x = axis(time.step_s, array(time.hot_db).length);
-  const end = x[x.length - 1];
-  const shown = (coded) => Array.from(array(coded), (value) => (Number.isNaN(value) ? NaN : Math.max(LOW_DB, value)));
-  const series = [
-    { name: "weakest hot response", x, y: shown(time.hot_db), style: "hot-line" },
-    { name: "loudest cold response", x, y: shown(time.cold_db), style: "cold-line" },
-  ];
-  if (time.plain) {
-    series.push({ name: "hot, plain ramps", x, y: shown(time.plain.hot_db), style: "hot-line behind" }, { name: "cold, plain ramps", x, y: shown(time.plain.cold_db), style: "cold-line behind" });
-  }
-  const spec = {
-    title: "Hot and cold ground over time", height: 260, series, horizontals: [{ at: 0, style: "band-line" }],
-    caption: "Hot ground is to stay above its limit (0 dB), cold ground below, at every instant.",
-    x: { label: "Time", unit: "ms", range: [0, end] }, y: { label: "Over its own limit", unit: "dB", range: [LOW_DB, HIGH_DB] },
-  };
-  const view = chart(spec);
-  return { element: view.element, at: (seconds) => view.update({ ...spec, verticals: [{ name: "shown below", at: [1e3 * seconds], style: "pole-line" }] }) };
-}
-
-function forces(time) {
-  const [rows, columns] = time.forces.shape;
-  const values = array(time.forces.values);
-  const x = axis(time.forces.step_s, rows);
-  const series = Array.from({ length: columns }, (_, j) => ({ x, y: x.map((_, k) => 1e3 * values[k * columns + j]), style: "force-line" }));
-  const most = Math.max(1e-9, ...values.map((value) => 1e3 * value));
-  return chart({
-    title: "Amplitudes of the drives over time", caption: "One line per actuator.", height: 180, series,
-    x: { label: "Time", unit: "ms", range: [0, x[rows - 1]] }, y: { label: "Amplitude", unit: `m${time.unit}`, range: [0, 1.05 * most] },
-  }).element;
 }
 
 /** Every response over time, from hot to cold ground. */
@@ -146,8 +112,4 @@ function ground(time, geometry, id, mark) {
 function levelBar() {
   const colour = (value) => colourAt("sequential", 0.5 + (0.5 * value) / RANGE_DB);
   return colourBar(colour, [-RANGE_DB, RANGE_DB], "velocity, dB re threshold");
-}
-
-function axis(step, count) {
-  return Array.from({ length: count }, (_, k) => 1e3 * step * k);
 }

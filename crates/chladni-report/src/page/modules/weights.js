@@ -4,7 +4,7 @@ import { h, s, table } from "./dom.js";
 import { cssColour } from "./colour.js";
 import { fixed } from "./numbers.js";
 import { panelMap } from "./panel_map.js";
-import { chart } from "./chart.js";
+import { described } from "./described.js";
 
 /** A factor and a unit that give short numbers. */
 function scaled(weights, unit) {
@@ -24,7 +24,7 @@ export function weightsView(scene, geometry, id) {
   const parts = [];
   if (geometry && weights.every((weight) => weight.place)) parts.push(ring(scene, geometry, scale, hint, id));
   else parts.push(h("p", {}, "The positions of the actuators are not known; their weights are listed one by one."));
-  parts.push(stems(scene, scale));
+  parts.push(...described(scene.by_actuator, `${id}-list`).map((one) => one.element));
   const rows = weights.map((weight) => [weight.reference, { number: fixed(amplitude(weight) * scale.factor, 4) }, { number: fixed(phaseDeg(weight), 2) }]);
   parts.push(h("details", {}, h("summary", {}, "Weights as a table"), table(["Actuator", { number: `Amplitude (${scale.unit})` }, { number: "Phase (°)" }], rows, {})));
   return h("div", {}, parts);
@@ -56,23 +56,4 @@ function ring(scene, geometry, scale, hint, id) {
   });
   const words = "The area of a disc is the amplitude of the actuator there. Its hand and colour are the phase: right 0°, up 90°, left 180°.";
   return h("figure", {}, h("p", { class: "figure-title" }, `Weights around the panel, largest ${fixed(scale.most * scale.factor, 2)} ${scale.unit}`), map.element, h("figcaption", {}, words));
-}
-
-function stems(scene, scale) {
-  const { weights } = scene;
-  const count = weights.length;
-  const names = Object.fromEntries(weights.map((weight, k) => [k + 1, weight.reference]));
-  const x = { label: "Actuator", unit: "reference DOF", range: [0, count + 1], names };
-  const hover = (value) => {
-    const weight = weights[Math.round(value) - 1];
-    return weight ? `${weight.reference}: ${fixed(amplitude(weight) * scale.factor, 3)} ${scale.unit}, ${fixed(phaseDeg(weight), 1)}°` : "";
-  };
-  const top = Math.max(scale.most * scale.factor * 1.08, 1e-12);
-  const points = (of) => weights.map((weight, k) => [k + 1, of(weight)]);
-  const [strengths, angles] = [points((weight) => amplitude(weight) * scale.factor), points(phaseDeg)];
-  const upper = chart({ height: 190, still: true, title: "Weights by actuator", x, y: { label: "Amplitude", unit: scale.unit, range: [0, top] }, stems: [{ points: strengths, style: "stem" }],
-    marks: [{ points: strengths, style: "kept", sign: "dot" }], onhover: hover });
-  const lower = chart({ height: 190, still: true, x, y: { label: "Phase", unit: "degrees", range: [-190, 190], step: 90 }, stems: [{ points: angles, style: "stem second" }],
-    marks: [{ points: angles, style: "doubted", sign: "square" }], onhover: hover });
-  return h("div", {}, upper.element, lower.element);
 }

@@ -66,3 +66,17 @@ pub(super) const SEVERE: usize = 2;
 /// Rounds in which the sure modes tell what is usual, the first by grades that know of
 /// nothing usual: poles of noise among them would else vouch for each other.
 pub(super) const ROUNDS: usize = 3;
+
+// usual.rs
+
+/// Sure modes nearest to a pole whose losses are taken together, and the fewest that tell.
+pub(super) const NEIGHBOURS: usize = 6;
+/// See above.
+pub(super) const FEWEST_NEIGHBOURS: usize = 3;
+/// Error bar, in half-bandwidths, below which modes count as equally well known.
+pub(super) const BEST_KNOWN: f64 = 0.01;
+/// Modes, of equal weight, that it takes to tell where residues usually stand; and the
+/// least share of them that agrees.
+pub(super) const FEW: f64 = 3.0;
+/// See above.
+pub(super) const COMMON: f64 = 0.9;

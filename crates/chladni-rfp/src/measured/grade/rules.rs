@@ -4,7 +4,8 @@ use super::limits::*;
 use super::usual::Usual;
 use crate::measured::candidates::Origin;
 use crate::measured::evidence::Evidence;
-use crate::poles::estimate::{UNCERTAIN, UNCERTAIN_SENTENCE};
+use crate::poles::estimate::UNCERTAIN_SENTENCE;
+use crate::poles::limits::UNCERTAIN;
 use chladni_frf::Reason;
 
 /// A pole as the rules see it.

@@ -1,20 +1,9 @@
 //! Common properties of the sure modes of a set: a pole that differs from them is
 //! doubtful.
 
+use super::limits::{BEST_KNOWN, COMMON, FEW, FEWEST_NEIGHBOURS, NEIGHBOURS};
 use crate::measured::evidence::Evidence;
 use num_complex::Complex64;
-
-/// Sure modes nearest to a pole whose losses are taken together, and the fewest that tell.
-const NEIGHBOURS: usize = 6;
-/// See above.
-const FEWEST_NEIGHBOURS: usize = 3;
-/// Error bar, in half-bandwidths, below which modes count as equally well known.
-const BEST_KNOWN: f64 = 0.01;
-/// Modes, of equal weight, that it takes to tell where residues usually stand; and the
-/// least share of them that agrees.
-const FEW: f64 = 3.0;
-/// See above.
-const COMMON: f64 = 0.9;
 
 /// Common properties of the sure modes.
 #[derive(Clone, Copy, Default)]

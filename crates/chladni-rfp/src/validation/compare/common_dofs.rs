@@ -1,13 +1,8 @@
 //! The correspondence of the DOFs of two sets of shapes.
 
+use crate::validation::limits::{SAME_POINT, SPACING_SAMPLES};
 use chladni_frf::{Dof, Node, ShapeSet};
 use std::collections::HashMap;
-
-/// Points farther apart than this part of the spacing of the coarser set are different
-/// points.
-const SAME_POINT: f64 = 0.5;
-/// Nodes whose distance to their neighbour is looked at for the spacing.
-const SPACING_SAMPLES: usize = 400;
 
 /// The rule by which DOFs find their partners.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

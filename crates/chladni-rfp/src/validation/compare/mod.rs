@@ -9,6 +9,7 @@ pub use common_dofs::PairDofs;
 pub use mac_estimate::MacEstimate;
 pub use tracking::{track, ModeTrack, TrackAgainst, Tracking};
 
+use crate::validation::limits::LEAST_MAC;
 use chladni_frf::{Error, Finding, Result, ShapeMode, ShapeSet};
 use common_dofs::CommonDofs;
 use mac_estimate::{mac_estimate, UncertainShape};
@@ -16,9 +17,6 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use serde::Serialize;
 use serde_json::{json, Value};
-
-/// Shapes less alike than this belong to different modes.
-const LEAST_MAC: f64 = 0.5;
 
 /// Settings of the pairing of modes.
 #[derive(Debug, Clone, Copy, PartialEq)]

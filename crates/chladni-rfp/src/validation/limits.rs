@@ -1,0 +1,15 @@
+//! Every constant of this room: meaning, unit, and where it comes from. Facts of a format
+//! stand beside its parser.
+
+// compare/common_dofs.rs
+
+/// Points farther apart than this part of the spacing of the coarser set are different
+/// points.
+pub(super) const SAME_POINT: f64 = 0.5;
+/// Nodes whose distance to their neighbour is looked at for the spacing.
+pub(super) const SPACING_SAMPLES: usize = 400;
+
+// compare/mod.rs
+
+/// Shapes less alike than this belong to different modes.
+pub(super) const LEAST_MAC: f64 = 0.5;

@@ -1,0 +1,70 @@
+//! Every constant of this room: meaning, unit, and where it comes from. Facts of a format
+//! stand beside its parser.
+
+// estimators.rs
+
+/// References whose smallest normalised principal power is below this act as one.
+pub(crate) const SINGULAR: f64 = 1e-10;
+
+// excitation.rs
+
+/// Shortest record that is judged, samples.
+pub(crate) const LEAST_SAMPLES: usize = 1024;
+/// Pieces of a record whose powers are compared.
+pub(crate) const PIECES: usize = 16;
+/// Least power of a piece beside the mean; pieces of a random signal scatter, silence
+/// between bursts lies far below.
+pub(crate) const LEAST_POWER: f64 = 0.1;
+/// Lines over which products of neighbours are summed.
+pub(crate) const LINES: usize = 13;
+/// Largest |Σ X_k·X*_{k+1}| beside Σ|X|²: about 0.24 for random lines, near 1 for the smooth
+/// spectrum of a blow or a sweep.
+pub(crate) const LARGEST_NEIGHBOUR: f64 = 0.5;
+/// Largest autocorrelation at long lags: near 1 for periodic signals.
+pub(crate) const LARGEST_REPEAT: f64 = 0.5;
+/// Long lags begin at this part of the record.
+pub(crate) const LONG_LAG: usize = 64;
+/// Pieces of a block whose powers tell where a burst ends.
+pub(crate) const BLOCK_PIECES: usize = 256;
+/// Power of a piece beside the largest from which on the force acts.
+pub(crate) const ACTING: f64 = 0.01;
+/// Samples of a reference that are looked at, and fewest blocks.
+pub(crate) const LOOKED_AT: (usize, usize) = (1 << 20, 4);
+
+// local.rs
+
+/// Memory of the spectra that are held at a time, bytes. Responses of one run that do not
+/// fit share denominators in smaller sets.
+pub(crate) const SPECTRA_BYTES: usize = 1 << 30;
+/// Frequencies that are fitted before their values are stored.
+pub(crate) const BATCH: usize = 8192;
+
+// lpm.rs
+
+/// Degree of all polynomials.
+pub(crate) const DEGREE: usize = 2;
+/// Lines beyond the unknowns of one response: what its variance is told from.
+pub(crate) const SPARE_LINES: usize = 7;
+/// A reference whose part beyond the other columns is less than this acts as one with them.
+pub(crate) const LPM_SINGULAR: f64 = 1e-10;
+
+// lrm.rs
+
+/// Steps of Sanathanan and Koerner after the first, unweighted solution.
+pub(crate) const STEPS: usize = 2;
+/// Least power of a column beside what it had before projection, by which rounding is told
+/// from signal.
+pub(crate) const ROUNDING: f64 = 1e-24;
+/// |D| on a line, beside its largest, below which the line weighs no more.
+pub(crate) const LEAST_DENOMINATOR: f64 = 1e-6;
+
+// setting.rs
+
+/// Overlap of Hann blocks: beyond it the variance does not fall any further (the window
+/// has a hop of a third for which its squares add up to a constant).
+pub(crate) const HANN_OVERLAP: f64 = 2.0 / 3.0;
+
+// whole_record.rs
+
+/// Largest prime factor of a transform's length: above it transforms slow down.
+pub(crate) const LARGEST_FACTOR: usize = 7;
