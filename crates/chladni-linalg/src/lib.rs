@@ -44,10 +44,14 @@ mod backend;
 mod beside;
 #[doc(hidden)] // for the crates of Chladni: no promise
 pub mod blocked;
+mod doors;
+#[doc(hidden)] // for the crates of Chladni: no promise
+pub mod fft;
 mod limits;
 mod scalar;
 
 pub use back_ends::{back_ends, BackEnd, Dense, Factors, Given};
+use doors::Doors;
 use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 pub use scalar::Scalar;
@@ -135,7 +139,7 @@ pub fn matmul<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
     if a.is_empty() || b.is_empty() {
         return Array2::zeros((a.nrows(), b.ncols()));
     }
-    backend::matmul(a, false, b)
+    Doors::matmul(a, false, b)
 }
 
 /// aᴴ·b.
@@ -147,7 +151,7 @@ pub fn matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
     if a.is_empty() || b.is_empty() {
         return Array2::zeros((a.ncols(), b.ncols()));
     }
-    backend::matmul(a, true, b)
+    Doors::matmul(a, true, b)
 }
 
 /// c ← c + a·b for column-major c: sums over blocks without memory of their own.
@@ -161,7 +165,7 @@ pub fn add_matmul<T: Scalar>(c: ArrayViewMut2<T>, a: ArrayView2<T>, b: ArrayView
         "add_matmul: sizes"
     );
     if !(a.is_empty() || b.is_empty()) {
-        backend::product(c, true, a, false, b);
+        Doors::product(c, true, a, false, b);
     }
 }
 
@@ -179,7 +183,7 @@ pub fn set_matmul<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: Array
     );
     match a.is_empty() || b.is_empty() {
         true => c.fill(T::zero()),
-        false => backend::product(c, false, a, false, b),
+        false => Doors::product(c, false, a, false, b),
     }
 }
 
@@ -195,7 +199,7 @@ pub fn set_matmul_h<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: Arr
     );
     match a.is_empty() || b.is_empty() {
         true => c.fill(T::zero()),
-        false => backend::product(c, false, a, true, b),
+        false => Doors::product(c, false, a, true, b),
     }
 }
 
@@ -216,7 +220,7 @@ pub fn qr_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<T>)> {
     if a.ncols() == 0 {
         return Ok((Array2::zeros((a.nrows(), 0)), Array2::zeros((0, 0))));
     }
-    Ok(backend::qr_thin(a))
+    Ok(Doors::qr_thin(a))
 }
 
 /// R of the thin QR alone, at about half the cost.
@@ -235,7 +239,7 @@ pub fn qr_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
     if a.ncols() == 0 {
         return Ok(Array2::zeros((0, 0)));
     }
-    Ok(backend::qr_r(a))
+    Ok(Doors::qr_r(a))
 }
 
 /// Thin SVD: a = u·diag(s)·vh, s falling.
@@ -262,7 +266,7 @@ pub fn svd_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>, 
             eye(size, a.ncols()),
         ));
     }
-    let (u, s, vh) = backend::svd_thin(a.mapv(|v| v.divided_by(scale)).view())?;
+    let (u, s, vh) = Doors::svd_thin(a.mapv(|v| v.divided_by(scale)).view())?;
     Ok((u, s * scale, vh))
 }
 
@@ -277,7 +281,7 @@ pub fn eigh<T: Scalar>(a: ArrayView2<T>) -> Result<(Array1<f64>, Array2<T>)> {
     if a.is_empty() {
         return Ok((Array1::zeros(0), Array2::zeros((0, 0))));
     }
-    backend::eigh(a)
+    Doors::eigh(a)
 }
 
 /// Eigenvalues of a general complex matrix, in no particular order.
@@ -303,7 +307,7 @@ pub fn cholesky<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
     if a.is_empty() {
         return Ok(Array2::zeros((0, 0)));
     }
-    backend::cholesky(a)
+    Doors::cholesky(a)
 }
 
 /// Solves l·x = b for lower triangular l.
@@ -351,7 +355,7 @@ fn triangular<T: Scalar>(
     if b.is_empty() {
         return Ok(Array2::zeros(b.dim()));
     }
-    Ok(backend::solve_triangular(t, b, which))
+    Ok(Doors::solve_triangular(t, b, which))
 }
 
 /// Solves a·x = b for Hermitian positive definite a (Cholesky).

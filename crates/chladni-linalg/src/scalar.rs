@@ -4,7 +4,12 @@ use num_complex::Complex64;
 
 /// f64 or Complex64; closed.
 pub trait Scalar:
-    crate::backend::Element + ndarray::LinalgScalar + Send + Sync + std::fmt::Debug
+    crate::doors::Doors
+    + crate::backend::Element
+    + ndarray::LinalgScalar
+    + Send
+    + Sync
+    + std::fmt::Debug
 {
     /// A real value as this type.
     fn of_real(value: f64) -> Self;

@@ -21,11 +21,11 @@ use crate::synthetic::Synthetic;
 use crate::tolerances::SETTLING_RECORDS;
 use chladni_frf::{Channel, Run, SignalUnit};
 use chladni_frf::{Damping, Error, FrfSet, FrfValues, Geometry, ModalModel, ReferenceUnit, Result};
+use chladni_linalg::fft;
 use ndarray::{s, Array1, Array2, Array3};
 use num_complex::Complex64;
 use rand::Rng;
 use rand_distr::StandardNormal;
-use rustfft::FftPlanner;
 use std::f64::consts::{PI, TAU};
 
 /// Random streams of forces and of noise.
@@ -362,7 +362,7 @@ impl TimeTest {
         samples: usize,
     ) -> Array3<Complex64> {
         let size = samples * self.padding;
-        let fft = FftPlanner::new().plan_fft_forward(size);
+        let fft = fft::forward(size);
         let mut cross = Array3::<Complex64>::zeros((self.responses, 1, lines.len()));
         let mut auto = vec![0.0; lines.len()];
         for record in records {

@@ -6,8 +6,8 @@ use crate::limits::{
     LONG_LAG, LOOKED_AT, PIECES,
 };
 use chladni_frf::{Forcing, Run};
+use chladni_linalg::fft;
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
 /// True where the signal goes on through the whole record, its lines are independent and
 /// nothing repeats.
@@ -109,9 +109,7 @@ fn repeats(mut lines: Vec<Complex64>) -> bool {
     // one side of an even spectrum: twice its real part is the autocorrelation
     lines[half] = Complex64::default();
     lines.resize(2 * half, Complex64::default());
-    FftPlanner::new()
-        .plan_fft_inverse(2 * half)
-        .process(&mut lines);
+    fft::inverse(2 * half).process(&mut lines);
     let largest = lines[2 * half / LONG_LAG..=half]
         .iter()
         .map(|value| value.re.abs())

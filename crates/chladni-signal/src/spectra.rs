@@ -2,9 +2,9 @@
 
 use super::window::{independent_blocks, window_values};
 use chladni_frf::{BlockWindow, Dof, Result, Run};
+use chladni_linalg::fft::{self, Fft};
 use ndarray::{s, Array3};
 use num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
 /// Averages for one response: the matrix of the products z·z^H of z = (references,
@@ -33,7 +33,7 @@ impl Averages {
         block: usize,
         hop: usize,
     ) -> Result<Self> {
-        let fft = FftPlanner::new().plan_fft_forward(block);
+        let fft = fft::forward(block);
         let lines = block.div_ceil(2) - 1;
         let size = references.len() + 1;
         let mut averages = Self {

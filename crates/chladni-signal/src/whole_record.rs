@@ -2,8 +2,8 @@
 
 use crate::limits::LARGEST_FACTOR;
 use chladni_frf::{Error, Result};
+use chladni_linalg::fft;
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -32,9 +32,7 @@ pub(super) fn spectrum(samples: &[f64]) -> Vec<Complex64> {
         .chunks_exact(2)
         .map(|pair| Complex64::new(pair[0], pair[1]))
         .collect();
-    FftPlanner::new()
-        .plan_fft_forward(half)
-        .process(&mut folded);
+    fft::forward(half).process(&mut folded);
     folded.push(folded[0]);
     for k in 0..=half / 2 {
         let (a, b) = (folded[k], folded[half - k].conj());

@@ -15,9 +15,9 @@ use crate::time::table::{Measure, RampTime};
 use crate::time::timeline::maps_over;
 use crate::tolerances;
 use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
+use chladni_linalg::fft;
 use ndarray::{s, Array2};
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 use std::f64::consts::TAU;
 
 /// A drive as it is played.
@@ -92,11 +92,7 @@ impl Envelopes {
         // so many frames that both rates have whole samples in the same time
         let length_s = step_s * count as f64;
         let padded = (length_s * recorded.rate_hz).round() as usize;
-        let mut planner = FftPlanner::new();
-        let (forward, back) = (
-            planner.plan_fft_forward(padded),
-            planner.plan_fft_inverse(count),
-        );
+        let (forward, back) = (fft::forward(padded), fft::inverse(count));
         let line_hz = recorded.rate_hz / padded as f64;
         let carrier = (operator.frequency_hz / line_hz).round() as i64;
         let offset_hz = operator.frequency_hz - line_hz * carrier as f64;

@@ -268,16 +268,16 @@ pub(crate) fn decades(gain: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_linalg::fft;
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
-    use rustfft::FftPlanner;
 
     /// Errors of H1 over 200 lines: products of the transforms of windowed noise of force
     /// and response, averaged; of one blow the response's alone.
     fn errors(window: &dyn Fn(f64) -> f64, averages: Option<usize>, seed: u64) -> Vec<Complex64> {
         const SAMPLES: usize = 1024;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let fft = FftPlanner::new().plan_fft_forward(SAMPLES);
+        let fft = fft::forward(SAMPLES);
         let mut spectrum = || {
             let mut samples: Vec<Complex64> = (0..SAMPLES)
                 .map(|k| {

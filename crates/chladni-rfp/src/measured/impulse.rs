@@ -3,8 +3,8 @@
 
 use super::limits::{CUT_DB, LINES_LEAST, SEGMENTS, WINDOWED_DB};
 use crate::data::columns::Columns;
+use chladni_linalg::fft;
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
 /// Energy of the impulse response over the record, all columns, dB; `None` where the
 /// lines are not evenly spaced.
@@ -21,7 +21,7 @@ fn decay(work: &Columns, frequency: &[f64]) -> Option<[f64; SEGMENTS]> {
         return None;
     }
     let mut energy = [0.0; SEGMENTS];
-    let fft = FftPlanner::new().plan_fft_inverse(n);
+    let fft = fft::inverse(n);
     for column in work.b.columns() {
         let mut response: Vec<Complex64> = column.to_vec();
         fft.process(&mut response);
@@ -88,7 +88,7 @@ mod tests {
                 modes * window(t)
             })
             .collect();
-        FftPlanner::new().plan_fft_forward(n).process(&mut response);
+        fft::forward(n).process(&mut response);
         let x: Vec<f64> = (0..n).map(|k| (k + 1) as f64).collect();
         let b = Array2::from_shape_fn((n, 1), |(k, _)| response[k]);
         (

@@ -28,13 +28,13 @@ use super::limits::{GAP, MOST_RIDGE, OUTPUTS_TOGETHER, RIDGE, SPARSEST, UNEVEN};
 use crate::data::error::FitError;
 use crate::data::options::Method;
 use crate::methods::survey::Survey;
+use chladni_linalg::fft::{self, Fft};
 use chladni_linalg::{
     cholesky, eigenvalues, matmul_h, solve_lower, solve_lower_adjoint, LinalgError,
 };
 use ndarray::{s, Array2, Array3, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
-use rustfft::FftPlanner;
 use std::f64::consts::TAU;
 
 /// Lines as points of the unit circle.
@@ -104,11 +104,11 @@ impl Circle {
     fn transform(
         &self,
         values: impl Iterator<Item = Complex64>,
-        planner: &mut FftPlanner<f64>,
+        fft: &dyn Fft<f64>,
     ) -> Vec<Complex64> {
         let mut buffer = vec![Complex64::default(); self.points];
         self.at.iter().zip(values).for_each(|(&k, v)| buffer[k] = v);
-        planner.plan_fft_inverse(self.points).process(&mut buffer);
+        fft.process(&mut buffer);
         buffer
     }
 
@@ -158,8 +158,8 @@ impl MatrixFraction {
     ) -> Result<Self, LinalgError> {
         let (outputs, lines, r) = data.dim();
         let size = r * (order + 1);
-        let mut planner = FftPlanner::new();
-        let ones = circle.transform((0..lines).map(|_| Complex64::new(1.0, 0.0)), &mut planner);
+        let fft = fft::inverse(circle.points);
+        let ones = circle.transform((0..lines).map(|_| Complex64::new(1.0, 0.0)), &*fft);
         let basis = Array2::from_shape_fn((order + 1, order + 1), |(p, q)| ones[circle.lag(p, q)]);
         let l = factored(basis)?;
 
@@ -170,7 +170,7 @@ impl MatrixFraction {
                     .map(|o| data[[o, k, i]].conj() * data[[o, k, j]])
                     .sum()
             });
-            let t = circle.transform(power, &mut planner);
+            let t = circle.transform(power, &*fft);
             for (p, q) in (0..=order).flat_map(|p| (0..=order).map(move |q| (p, q))) {
                 m[[p * r + i, q * r + j]] = t[circle.lag(p, q)];
             }
@@ -180,10 +180,9 @@ impl MatrixFraction {
                 .into_par_iter()
                 .map(|o| -> Result<Array2<Complex64>, LinalgError> {
                     let mut s = Array2::zeros((order + 1, size).f());
-                    let mut planner = FftPlanner::new();
                     for i in 0..r {
-                        let h = circle
-                            .transform(data.slice(s![o, .., i]).iter().map(|v| -v), &mut planner);
+                        let h =
+                            circle.transform(data.slice(s![o, .., i]).iter().map(|v| -v), &*fft);
                         for (p, q) in (0..=order).flat_map(|p| (0..=order).map(move |q| (p, q))) {
                             s[[p, q * r + i]] = h[circle.lag(p, q)];
                         }

@@ -6,8 +6,8 @@ use crate::operator::Operator;
 use crate::time::envelope::{Edge, Envelope, Ramp};
 use crate::time::tracks::{Track, Tracks};
 use chladni_frf::{ComplexMatrix, Damping, ModalModel, Mode, ResidualTerm};
+use chladni_linalg::fft;
 use ndarray::Array1;
-use rustfft::FftPlanner;
 use std::f64::consts::TAU;
 
 const RATE_HZ: f64 = 48_000.0;
@@ -152,11 +152,7 @@ fn by_fft(
     part: &dyn Fn(f64) -> f64,
 ) -> Array2<Complex64> {
     let (rows, actuators) = exact.operator.mobility.dim();
-    let mut planner = FftPlanner::new();
-    let (forward, back) = (
-        planner.plan_fft_forward(FRAMES),
-        planner.plan_fft_inverse(FRAMES),
-    );
+    let (forward, back) = (fft::forward(FRAMES), fft::inverse(FRAMES));
     let mut forces = vec![vec![Complex64::ZERO; FRAMES]; actuators];
     let mut sum = vec![Complex64::ZERO; actuators];
     for k in 0..FRAMES {

@@ -1,12 +1,12 @@
 //! A random test: records cut out of the motion under white force, windowed, averaged.
 
 use chladni_frf::{FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
+use chladni_linalg::fft;
 use chladni_rfp::Window;
 use ndarray::Array3;
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rustfft::FftPlanner;
 use std::f64::consts::TAU;
 
 /// Samples of a record, and their rate: lines every 0.5 Hz up to 256 Hz.
@@ -79,7 +79,7 @@ pub(super) fn random_test_of(
         [-0.8, 0.3, 1.0, -0.5],
     ];
     let step: Vec<Complex64> = modes.iter().map(|&m| (pole(m) / RATE_HZ).exp()).collect();
-    let fft = FftPlanner::new().plan_fft_forward(RECORD);
+    let fft = fft::forward(RECORD);
     let lines = RECORD / 2 + 1;
     let mut state = vec![Complex64::default(); modes.len()];
     let (mut cross, mut force) = (
