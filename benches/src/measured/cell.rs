@@ -6,6 +6,9 @@ use chladni_rfp::Correlation;
 /// Length of a record, s: lines 0.5 Hz apart.
 pub(super) const RECORD_S: f64 = 2.0;
 
+/// Noise of the responses below their mean square of most cells, dB.
+pub(super) const SNR_DB: f64 = 50.0;
+
 /// The excitation of the structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MeasuredForce {
@@ -36,6 +39,8 @@ pub struct MeasuredCell {
     pub drop_db: f64,
     /// Noise of the force below it, dB.
     pub force_snr_db: f64,
+    /// Noise of the responses below their mean square, dB.
+    pub snr_db: f64,
 }
 
 impl MeasuredCell {
@@ -78,6 +83,9 @@ impl MeasuredCell {
         if self.force_snr_db.is_finite() {
             name += &format!(" force {} dB", self.force_snr_db);
         }
+        if self.snr_db != SNR_DB {
+            name += &format!(" noise {} dB", self.snr_db);
+        }
         name
     }
 }
@@ -92,6 +100,7 @@ const HANN: MeasuredCell = MeasuredCell {
     lines_per_bandwidth: 2.0,
     drop_db: 0.0,
     force_snr_db: f64::INFINITY,
+    snr_db: SNR_DB,
 };
 const RECTANGULAR: MeasuredCell = MeasuredCell {
     window: BlockWindow::Rectangular,
@@ -140,6 +149,14 @@ const fn noisy(force_snr_db: f64, cell: MeasuredCell) -> MeasuredCell {
     }
 }
 
+/// As loud as responses of a poor test.
+const fn loud(cell: MeasuredCell) -> MeasuredCell {
+    MeasuredCell {
+        snr_db: 30.0,
+        ..cell
+    }
+}
+
 /// All of them.
 pub const MEASURED_CELLS: &[MeasuredCell] = &[
     at(1.0, HANN),
@@ -177,4 +194,9 @@ pub const MEASURED_CELLS: &[MeasuredCell] = &[
     dropping(30.0, at(4.0, HANN)),
     noisy(34.0, at(4.0, HANN)),
     noisy(34.0, dropping(20.0, at(4.0, HANN))),
+    loud(at(0.5, HANN)),
+    loud(at(1.0, HANN)),
+    loud(at(2.0, HANN)),
+    loud(at(4.0, HANN)),
+    loud(at(8.0, HANN)),
 ];

@@ -1,5 +1,6 @@
 //! Charts: bias of damping and coverage of its bars over the lines per bandwidth.
 
+use super::cell::SNR_DB;
 use super::{MeasuredSummary, MeasuredWay};
 use chladni_report::{Axis, Chart, Colour, Figure, Height, Mark};
 
@@ -7,7 +8,7 @@ use chladni_report::{Axis, Chart, Colour, Figure, Height, Mark};
 const WIDTH_PX: f64 = 640.0;
 
 /// One figure with a chart for each way to measure, cells of a force that neither drops nor
-/// is noisy.
+/// is noisy, at the usual noise.
 pub fn measured_figures(summaries: &[MeasuredSummary]) -> Vec<Figure> {
     let kind = |row: &MeasuredSummary| {
         let name = row.cell.name();
@@ -16,6 +17,7 @@ pub fn measured_figures(summaries: &[MeasuredSummary]) -> Vec<Figure> {
     let plain: Vec<&MeasuredSummary> = summaries
         .iter()
         .filter(|row| row.cell.drop_db == 0.0 && row.cell.force_snr_db.is_infinite())
+        .filter(|row| row.cell.snr_db == SNR_DB)
         .collect();
     let mut kinds: Vec<String> = plain.iter().map(|row| kind(row)).collect();
     kinds.dedup();

@@ -18,15 +18,17 @@ pub use summary::{measured_csv, measured_summary, MeasuredSummary};
 
 use crate::countdown::Countdown;
 use crate::journal::Journal;
-use chladni_frf::Result;
+use chladni_frf::{Error, ErrorKind, Result};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// Settings of the runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeasuredOptions {
     /// Only every n-th cell.
     pub every: usize,
+    /// Only cells whose name holds this text.
+    pub case: Option<String>,
     /// Tests of each cell.
     pub seeds: usize,
     /// The first seed; the others follow it.
@@ -49,13 +51,13 @@ pub struct MeasuredRow {
 /// Simulates and fits all tests, as many at a time as there are threads.
 ///
 /// # Errors
-/// Those of the journal; a test that cannot be estimated.
+/// Those of the journal; a test that cannot be estimated; no cell of that name.
 pub fn measured(
     options: &MeasuredOptions,
     journal: &mut Journal,
     progress: &dyn Fn(&str),
 ) -> Result<Vec<MeasuredRow>> {
-    let cells: Vec<&MeasuredCell> = MEASURED_CELLS.iter().step_by(options.every).collect();
+    let cells = cells(options)?;
     let mut countdown = Countdown::new(cells.len(), progress);
     let mut rows = Vec::new();
     for cell in cells {
@@ -90,6 +92,23 @@ pub fn measured(
         rows.extend(all.into_iter().flatten());
     }
     Ok(rows)
+}
+
+/// The cells asked for.
+fn cells(options: &MeasuredOptions) -> Result<Vec<&'static MeasuredCell>> {
+    let every = MEASURED_CELLS.iter().step_by(options.every);
+    let Some(case) = &options.case else {
+        return Ok(every.collect());
+    };
+    let named: Vec<_> = every.filter(|cell| cell.name().contains(case)).collect();
+    if named.is_empty() {
+        return Err(Error::new(ErrorKind::Usage, "no such case")
+            .field("--case")
+            .found(format!("`{case}`"))
+            .expected("a part of the name of a case, as in measured.csv")
+            .help("take `hann`, or `b=2`"));
+    }
+    Ok(named)
 }
 
 #[cfg(test)]

@@ -30,8 +30,6 @@ const MODES_HZ: [f64; 4] = [60.0, 112.0, 168.0, 221.0];
 const MOVED: f64 = 0.01;
 /// Responses; the force acts at the first.
 const RESPONSES: usize = 3;
-/// Noise of the responses below their mean square, dB.
-const SNR_DB: f64 = 50.0;
 /// Records before the first that counts, of a continuous force.
 const SETTLING: usize = 6;
 
@@ -67,14 +65,14 @@ pub(super) fn simulated(cell: &MeasuredCell, seed: u64) -> Simulated {
     if cell.force == MeasuredForce::Sines {
         return Simulated {
             runs: Vec::new(),
-            frf: Some(sines(&modes, &mut normal)),
+            frf: Some(sines(cell, &modes, &mut normal)),
             modes,
         };
     }
     let mut channels = responses(cell, &modes, &mut normal);
     let velocities = &channels[1..];
     let power = mean_square(velocities.iter().flatten());
-    let sigma = (power * 10f64.powf(-0.1 * SNR_DB)).sqrt();
+    let sigma = (power * 10f64.powf(-0.1 * cell.snr_db)).sqrt();
     let force_sigma =
         (mean_square(channels[0].iter()) * 10f64.powf(-0.1 * cell.force_snr_db)).sqrt();
     for (n, channel) in channels.iter_mut().enumerate() {
@@ -96,7 +94,7 @@ pub(super) fn simulated(cell: &MeasuredCell, seed: u64) -> Simulated {
 }
 
 /// Mobilities with white noise on the lines of a record.
-fn sines(modes: &[TrueMode], normal: &mut impl FnMut() -> f64) -> FrfSet {
+fn sines(cell: &MeasuredCell, modes: &[TrueMode], normal: &mut impl FnMut() -> f64) -> FrfSet {
     let lines = (BAND_HZ[1] * RECORD_S) as usize;
     let frequency_hz = Array1::from_shape_fn(lines, |k| (k + 1) as f64 / RECORD_S);
     let mut values = Array3::from_shape_fn((RESPONSES, 1, lines), |(i, _, k)| {
@@ -109,7 +107,7 @@ fn sines(modes: &[TrueMode], normal: &mut impl FnMut() -> f64) -> FrfSet {
         modes.iter().map(of_mode).sum::<Complex64>()
     });
     let power = values.iter().map(Complex64::norm_sqr).sum::<f64>() / values.len() as f64;
-    let sigma = (0.5 * power * 10f64.powf(-0.1 * SNR_DB)).sqrt();
+    let sigma = (0.5 * power * 10f64.powf(-0.1 * cell.snr_db)).sqrt();
     values.mapv_inplace(|v| v + sigma * Complex64::new(normal(), normal()));
     let dof = |n: usize| Dof::new(n as u64, Direction::PLUS_Z);
     FrfSet {

@@ -95,7 +95,7 @@ fn summed(cell: MeasuredCell, way: MeasuredWay, outcomes: &[&MeasuredOutcome]) -
 
 /// The table as a file.
 pub fn measured_csv(summaries: &[MeasuredSummary]) -> String {
-    const HEADER: [&str; 24] = [
+    const HEADER: [&str; 25] = [
         "case",
         "way",
         "tests",
@@ -105,6 +105,7 @@ pub fn measured_csv(summaries: &[MeasuredSummary]) -> String {
         "lines_per_bandwidth",
         "drop_db",
         "force_snr_db",
+        "snr_db",
         "found",
         "spurious",
         "spurious_sure",
@@ -135,6 +136,7 @@ pub fn measured_csv(summaries: &[MeasuredSummary]) -> String {
             cell.lines_per_bandwidth,
             cell.drop_db,
             cell.force_snr_db,
+            cell.snr_db,
             row.found,
             row.spurious[0],
             row.spurious[1],

@@ -43,7 +43,8 @@ mod shapes;
 mod tolerances;
 mod validation;
 
-pub use checks::witness::{error_witness, Correlation, Witness};
+pub use checks::correlation::Correlation;
+pub use checks::witness::{error_witness, Witness};
 pub use data::error::FitError;
 pub use data::options::{Effort, FitOptions, Method, RfpOptions, RfpWeight, ShapeModel, Window};
 pub use data::watch::CancelToken;

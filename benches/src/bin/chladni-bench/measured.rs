@@ -35,6 +35,9 @@ pub struct Args {
     /// Tests of each cell [default: 100; quick: 6 of every third cell]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
+    /// Only cases whose name holds this text, such as `hann` or `b=2`
+    #[arg(long, value_name = "TEXT")]
+    case: Option<String>,
     /// First seed; the others follow it
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -49,6 +52,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let (seeds, every) = if args.place.quick { QUICK } else { (SEEDS, 1) };
     let options = MeasuredOptions {
         every,
+        case: args.case.clone(),
         seeds: args.seeds.unwrap_or(seeds) as usize,
         first_seed: args.seed,
     };

@@ -2,8 +2,10 @@
 //! the data.
 
 pub(crate) mod case;
+pub(crate) mod correlation;
 pub(crate) mod delay;
 pub(crate) mod examine;
+pub(crate) mod force_drop;
 pub(crate) mod hidden;
 pub(crate) mod kind;
 mod limits;

@@ -1,10 +1,11 @@
 //! Damping that a window of the test may have raised, where nobody said which it was.
 
 use crate::checks::case::{Case, Checked};
+use crate::checks::correlation::Correlation;
 use crate::checks::limits;
 use crate::checks::limits::DECIDES;
 use crate::checks::line_shape::likely_window;
-use crate::checks::witness::{decades, witness, Correlation, Witness};
+use crate::checks::witness::{decades, witness, Witness};
 use crate::damping::leakage::Leakage;
 use crate::data::layout::DataLayout;
 use crate::data::options::Window;
@@ -99,17 +100,22 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
 pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout) {
     let Some(leakage) = of_hann(data) else { return };
     let stands = |mode: &&mut Mode| mode.in_band && mode.trust != Trust::Rejected;
+    let scaling = model.scaling;
     for mode in model.modes.iter_mut().filter(stands) {
         let doubt = doubt(&leakage, mode);
-        mode.loss_factor_std = mode.loss_factor_std.hypot(doubt * mode.loss_factor);
-        if model.scaling != Scaling::UnitModalMass {
-            continue;
-        }
-        let of_scale = limits::SCALE_OF_DAMPING * doubt;
-        mode.scale_std = mode.scale_std.map(|std| std.hypot(of_scale));
-        let values = mode.shape.0.iter().zip(&mut mode.shape_std);
-        values.for_each(|(value, std)| *std = std.hypot(of_scale * value.norm()));
+        widen(mode, scaling, doubt, limits::SCALE_OF_DAMPING * doubt);
     }
+}
+
+/// Widens the bars of a mode by relative doubts of its loss factor and of its mass scale.
+pub(crate) fn widen(mode: &mut Mode, scaling: Scaling, of_loss: f64, of_scale: f64) {
+    mode.loss_factor_std = mode.loss_factor_std.hypot(of_loss * mode.loss_factor);
+    if scaling != Scaling::UnitModalMass {
+        return;
+    }
+    mode.scale_std = mode.scale_std.map(|std| std.hypot(of_scale));
+    let values = mode.shape.0.iter().zip(&mut mode.shape_std);
+    values.for_each(|(value, std)| *std = std.hypot(of_scale * value.norm()));
 }
 
 /// Effect of a Hann window on records as long as the lines tell; decays are in 1/s.
@@ -142,7 +148,7 @@ pub(crate) fn decided(case: &Case) -> Option<(Window, Finding)> {
     let step = case.data.line_spacing_hz();
     let clear = |mode: &&Mode| {
         let doubt = 2.0 * mode.loss_factor_std / mode.loss_factor;
-        first_order(step, mode) > limits::BIAS.max(doubt)
+        first_order(step, mode) > limits::BIAS_UNDONE.max(doubt)
     };
     case.sure_modes().into_iter().find(clear)?;
     let (window, of_shapes, modes) = likely_window(case)?;

@@ -90,6 +90,18 @@ impl BlockErrors {
         })
     }
 
+    /// Of lines whose errors are independent, one cycle per record apart.
+    pub fn independent(record: f64) -> Self {
+        Self {
+            force: None,
+            response: vec![1.0; limits::RECORD_POINTS],
+            hop: limits::RECORD_POINTS,
+            rest: true,
+            blocks: None,
+            record,
+        }
+    }
+
     /// True where the force leaks, so that errors are largest beside modes.
     pub fn leaks(&self) -> bool {
         self.force.is_some()

@@ -53,6 +53,9 @@ pub(crate) struct DataLayout {
     pub leakage: Option<Arc<Leakage>>,
     /// Errors that neighbouring lines share; `None` where they share none, or nobody knows.
     pub errors: Option<Arc<BlockErrors>>,
+    /// Variance of each line over that of the median line, where the set tells it and
+    /// errors of lines are independent; else empty.
+    pub line_variance: Vec<f64>,
     /// The data left out, in words.
     pub warnings: Vec<Finding>,
     /// Effort spent on finding poles.
@@ -147,6 +150,7 @@ impl DataLayout {
             window: None,
             leakage: None,
             errors: None,
+            line_variance: Vec::new(),
             warnings: Vec::new(),
             effort,
             energy: Vec::new(),
@@ -196,9 +200,37 @@ impl DataLayout {
             line_hz: of(&self.line_hz),
             x: of(&self.x),
             g: of(&self.g),
+            line_variance: match self.line_variance.is_empty() {
+                true => Vec::new(),
+                false => of(&self.line_variance),
+            },
             energy: Vec::new(),
             ..self.clone()
         }
+    }
+
+    /// With the variances that the set tells of its lines.
+    pub fn with_line_variance(self, line_variance: Option<Vec<f64>>) -> Self {
+        let Some(line_variance) = line_variance else {
+            return self;
+        };
+        let record = TAU * self.hz() / self.line_spacing_hz();
+        Self {
+            errors: Some(Arc::new(BlockErrors::independent(record))),
+            line_variance,
+            ..self
+        }
+    }
+
+    /// Variance of the errors of the line at x over that of the median line.
+    pub fn variance_at(&self, x: f64) -> f64 {
+        let Some(last) = self.line_variance.len().checked_sub(1) else {
+            return 1.0;
+        };
+        let after = self.x.partition_point(|other| *other < x).min(last);
+        let before = after.saturating_sub(1);
+        let nearer = (self.x[after] - x).abs() < (self.x[before] - x).abs();
+        self.line_variance[if nearer { after } else { before }]
     }
 
     /// Without the lines at `places` (among those used), which are outliers; and where the

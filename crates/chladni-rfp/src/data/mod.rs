@@ -7,6 +7,7 @@ pub(crate) mod given_noise;
 pub(crate) mod information;
 pub(crate) mod layout;
 mod limits;
+pub(crate) mod line_variance;
 pub(crate) mod memory;
 pub(crate) mod noise_weights;
 pub(crate) mod noisy_frfs;

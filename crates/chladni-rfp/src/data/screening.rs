@@ -4,6 +4,7 @@ use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::limits;
+use crate::data::line_variance::line_variance;
 use crate::data::noisy_frfs::far_noisier;
 use crate::data::options::FitOptions;
 use crate::data::reading::{energy, visit, Usable};
@@ -92,14 +93,17 @@ impl<'a> Screened<'a> {
             warnings.push(noisier(frf, &noisy));
         }
         enough(lines.len(), [low, high], options.modes)?;
+        let of_lines = line_variance(frf, &pairs, &lines);
         let mut head = DataLayout {
             pairs,
             warnings,
-            ..DataLayout::new(frf, kind, lines, [low, high], options.effort).windowed(
-                options.window,
-                record_s(frf, options)?,
-                frf.estimation.as_ref(),
-            )
+            ..DataLayout::new(frf, kind, lines, [low, high], options.effort)
+                .windowed(
+                    options.window,
+                    record_s(frf, options)?,
+                    frf.estimation.as_ref(),
+                )
+                .with_line_variance(of_lines)
         };
         head.energy = if bad.contains(&true) {
             head.pairs

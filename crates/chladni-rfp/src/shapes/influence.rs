@@ -55,7 +55,10 @@ impl Found<'_> {
         let level = |column: ArrayView1<Complex64>| {
             let values = column.iter().enumerate();
             let mut squares: Vec<f64> = values
-                .map(|(k, value)| value.norm_sqr() / self.weight(k).powi(2))
+                .map(|(k, value)| {
+                    let expected = self.data.variance_at(self.work.x[k]);
+                    value.norm_sqr() / (self.weight(k).powi(2) * expected)
+                })
                 .collect();
             let middle = squares.len() / 2;
             *squares.select_nth_unstable_by(middle, f64::total_cmp).1 / LN_2
@@ -181,14 +184,24 @@ impl<'a> Influence<'a> {
         self.of_forces.iter().fold(none, |sum, one| sum + one)
     }
 
-    /// Σ_kq row_a(k)·row_b(q)*·r(k, q) over lines, of all rows, for errors of variance 1
-    /// before the weights of lines.
-    pub fn noise_products(&self, correlation: impl Fn(f64) -> Complex64) -> Array2<Complex64> {
+    /// Variance of the errors of each line over that of the median line.
+    pub fn line_variances(&self) -> Vec<f64> {
+        let Found { data, work, .. } = self.found;
+        work.x.iter().map(|x| data.variance_at(*x)).collect()
+    }
+
+    /// Σ_kq row_a(k)·row_b(q)*·r(k, q) over lines, of all rows, for errors of these
+    /// `variances` before the weights of lines.
+    pub fn noise_products(
+        &self,
+        correlation: impl Fn(f64) -> Complex64,
+        variances: &[f64],
+    ) -> Array2<Complex64> {
         let work = self.found.work;
         let y: Vec<f64> = work.x.iter().map(|x| x.sqrt()).collect();
         let mut weighted = self.rows.clone();
         for (k, mut row) in weighted.rows_mut().into_iter().enumerate() {
-            let weight = self.found.weight(k);
+            let weight = self.found.weight(k) * variances[k].sqrt();
             row.mapv_inplace(|v| v * weight);
         }
         let mut mixed = Array2::zeros(weighted.raw_dim());

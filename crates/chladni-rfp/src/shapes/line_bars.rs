@@ -64,9 +64,11 @@ fn replace(bar: &mut f64, new: f64, white: Option<f64>) {
 /// A kernel that fails.
 pub(crate) fn line_bars(found: &Found, errors: &BlockErrors) -> Result<Vec<TermBars>, LinalgError> {
     let influence = Influence::new(found, errors)?;
-    let correlated = influence.noise_products(|cycles| errors.of_noise(cycles));
+    let variances = influence.line_variances();
+    let correlated = influence.noise_products(|cycles| errors.of_noise(cycles), &variances);
     let independent = |cycles: f64| f64::from(u8::from(cycles == 0.0)).into();
-    let white = influence.noise_products(independent);
+    let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
+    let white = influence.noise_products(independent, &vec![mean; variances.len()]);
     // a force that drops at resonances leaks more than one of even spectrum
     let seen = influence.share_of_leakage();
     let told = errors.blocks().map(|blocks| 1.0 / blocks);
