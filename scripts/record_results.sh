@@ -65,8 +65,12 @@ done
 run report report panel-auto.json weights-default.json -o report.html --charts charts --force
 run accuracy bench accuracy --quick -o bench --no-knobs
 for table in bench/accuracy.csv bench/accuracy-modes.csv; do
-    [ -f $table ] && awk -F, '/^#/ {next} !n {for (i=1; i<=NF; i++) cut[i] = $i ~ /(^|_)(time|cpu)(_|$)|_s$|^on_front$/; n=1}
-        {line=""; for (i=1; i<=NF; i++) if (!cut[i]) line = line "," $i; print line}' $table > "$table.no-times"
+    [ -f $table ] && python3 -c "
+import csv, re, sys
+rows = [row for row in csv.reader(sys.stdin) if row and not row[0].startswith('#')]
+cut = re.compile('(^|_)(time|cpu)(_|$)|_s$|^on_front$')
+kept = [k for k, name in enumerate(rows[0]) if not cut.search(name)]
+print('\\n'.join(','.join(row[k] for k in kept) for row in rows))" < $table > "$table.no-times"
 done
 
 find . -type f ! -name '*.out' ! -path './bench/*' ! -name SHA256 -o -name '*.no-times' \
