@@ -454,7 +454,7 @@ fn covariance(
 }
 
 /// Places of at most `step_m` over a rectangle.
-pub(super) fn grid(over: Rectangle, step_m: f64) -> Vec<Position> {
+fn grid(over: Rectangle, step_m: f64) -> Vec<Position> {
     let axis = |low: f64, high: f64| {
         let wanted = ((high - low) / step_m - 1e-9).ceil().max(1.0);
         let steps = wanted.min(tolerances::LOAD_GRID_MOST as f64) as usize;

@@ -198,28 +198,48 @@ impl Parts {
             right: Array1::zeros(unknowns),
             ln_likelihood: 0.0,
         };
+        let size = rms(&self.whole.iter().copied().collect());
         for seen in fields {
             let (field, slope) = self.field(theta, &seen.drive);
-            let variance = self.variance(seen, unexplained);
-            let rows = seen.stacked(&slope, &field, variance);
-            let left = seen.left(&field, variance);
+            let force = seen.drive.iter().map(Complex64::norm_sqr).sum::<f64>();
+            let spread = (unexplained * size).powi(2) * force;
+            let variance = match seen.magnitudes_only {
+                true => seen.noise.powi(2) + 0.5 * spread,
+                false => 0.5 * (seen.noise.powi(2) + spread),
+            };
+            let scale = 1.0 / variance.sqrt();
+            let parts = if seen.magnitudes_only { 1 } else { 2 };
+            let mut rows = Array2::<f64>::zeros((parts * seen.rows.len(), unknowns));
+            let mut left = Array1::<f64>::zeros(rows.nrows());
+            for (k, (&row, &measured)) in seen.rows.iter().zip(&seen.velocity).enumerate() {
+                let foretold = field[row];
+                // along the foretold phase, where none was measured
+                let turn = match seen.magnitudes_only {
+                    true => foretold.conj() / foretold.norm().max(f64::MIN_POSITIVE),
+                    false => Complex64::ONE,
+                };
+                let difference = match seen.magnitudes_only {
+                    true => Complex64::from(measured.norm() - foretold.norm()),
+                    false => measured - foretold,
+                };
+                for (p, &value) in slope.row(row).iter().enumerate() {
+                    let value = value * turn * scale;
+                    rows[[parts * k, p]] = value.re;
+                    if parts == 2 {
+                        rows[[2 * k + 1, p]] = value.im;
+                    }
+                }
+                left[parts * k] = difference.re * scale;
+                if parts == 2 {
+                    left[2 * k + 1] = difference.im * scale;
+                }
+            }
             normal.matrix += &chladni_linalg::matmul_h(rows.view(), rows.view());
             normal.right += &rows.t().dot(&left);
             normal.ln_likelihood -=
                 0.5 * left.dot(&left) + 0.5 * rows.nrows() as f64 * variance.ln();
         }
         normal
-    }
-
-    /// Variance of each real value of a field.
-    pub(super) fn variance(&self, seen: &Seen, unexplained: f64) -> f64 {
-        let size = rms(&self.whole.iter().copied().collect());
-        let force = seen.drive.iter().map(Complex64::norm_sqr).sum::<f64>();
-        let spread = (unexplained * size).powi(2) * force;
-        match seen.magnitudes_only {
-            true => seen.noise.powi(2) + 0.5 * spread,
-            false => 0.5 * (seen.noise.powi(2) + spread),
-        }
     }
 
     fn prior(&self, scales: &Scales, odd: &[usize]) -> Array1<f64> {
@@ -235,12 +255,8 @@ impl Parts {
             precision[2 * i + 1] = 2.0 / (std * std);
         }
         let last = self.unknowns() - 1;
-        let loads = self.first_load();
-        for value in precision.iter_mut().take(loads).skip(2 * count) {
+        for value in precision.iter_mut().take(last).skip(2 * count) {
             *value = 2.0 / scales.modes.powi(2);
-        }
-        for value in precision.iter_mut().take(last).skip(loads) {
-            *value = 2.0 / tolerances::LOAD_IMPEDANCE.powi(2);
         }
         precision[last] = 1.0 / scales.common.powi(2);
         precision

@@ -3,7 +3,7 @@
 //!
 //! `field` (a measured field laid over the operator) → `agreement` (how near) →
 //! `diagnosis` (why not nearer) → `evaluation` (both beside the indices). `seen` (the field
-//! as updates take it) → `structured` (gains, poles and `loads`: `parts`, weighed by `evidence`) and
+//! as updates take it) → `structured` (gains and poles: `parts`, weighed by `evidence`) and
 //! `kalman` (the operator itself) → `estimators` → `learned` (which of them counts) →
 //! `correct` (the drive; `given`: or the best measured one). `calibration` keeps what was
 //! learned, `calibrated` starts the next scene with it; `prior` is what stands before any
@@ -22,7 +22,6 @@ mod field;
 mod given;
 mod kalman;
 mod learned;
-mod loads;
 mod over_time;
 mod parts;
 mod prior;

@@ -6,10 +6,8 @@
 //! with d_n(δ) = ω_n²(1 + jη_n)(1 + δ)² − ω² under structural damping and
 //! ω_n²(1 + δ)² + jη_nω_nω(1 + δ) − ω² under viscous damping,
 //! with a complex gain error g for each channel, a complex shift δ for each mode in the band
-//! and a real shift c of all. A load at a place x adds −b·y_x·h_xᵀ to the sum, with the
-//! mobilities y_x from there and h_x to there and a complex impedance b.
+//! and a real shift c of all.
 
-use super::loads::LoadPlaces;
 use crate::modal_field::mode_mobility;
 use crate::operator::Operator;
 use crate::problem::Drive;
@@ -17,10 +15,8 @@ use chladni_frf::{Damping, ModalModel, Mode, Trust};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 /// The parts of the mobility that can move.
-#[derive(Clone)]
 pub(crate) struct Parts {
     /// Of each mode in the band, a and b of its denominator a(1 + δ)² + b(1 + δ) − ω².
     pub(super) poles: Vec<[Complex64; 2]>,
@@ -29,10 +25,6 @@ pub(crate) struct Parts {
     pub(super) modes: Vec<Array2<Complex64>>,
     /// The mobility as the model has it.
     pub(super) whole: Array2<Complex64>,
-    /// Places where a load may sit; `None` where the responses carry no area.
-    pub(super) places: Option<Arc<LoadPlaces>>,
-    /// What each load that was found adds to the mobility, per N·s/m.
-    pub(super) loads: Vec<Array2<Complex64>>,
 }
 
 impl Parts {
@@ -52,8 +44,6 @@ impl Parts {
                 .map(|mode| mode_mobility(model, operator, mode))
                 .collect(),
             whole: operator.mobility.clone(),
-            places: LoadPlaces::new(model, operator).map(Arc::new),
-            loads: Vec::new(),
         }
     }
 
@@ -61,14 +51,9 @@ impl Parts {
         self.whole.ncols()
     }
 
-    /// Real unknowns: gains, shifts, loads, common shift.
+    /// Real unknowns: gains, shifts, common shift.
     pub(super) fn unknowns(&self) -> usize {
-        2 * (self.actuators() + self.modes.len() + self.loads.len()) + 1
-    }
-
-    /// Place of the first load among the unknowns.
-    pub(super) fn first_load(&self) -> usize {
-        2 * (self.actuators() + self.modes.len())
+        2 * self.actuators() + 2 * self.modes.len() + 1
     }
 
     /// f_n and its slope at a shift.
@@ -94,9 +79,6 @@ impl Parts {
         let mut mobility = self.whole.clone();
         for (n, part) in self.modes.iter().enumerate() {
             mobility.scaled_add(self.factor(n, self.shift(theta, n)).0 - 1.0, part);
-        }
-        for (part, at) in self.loads.iter().zip((self.first_load()..).step_by(2)) {
-            mobility.scaled_add(Complex64::new(theta[at], theta[at + 1]), part);
         }
         mobility
     }
@@ -138,12 +120,6 @@ impl Parts {
                 .column_mut(at + 1)
                 .assign(&change.mapv(|value| value * Complex64::I));
             common += &change;
-        }
-        for (part, at) in self.loads.iter().zip((self.first_load()..).step_by(2)) {
-            let change = part.dot(&played);
-            slope.column_mut(at).assign(&change);
-            let turned = change.mapv(|value| value * Complex64::I);
-            slope.column_mut(at + 1).assign(&turned);
         }
         let last = self.unknowns() - 1;
         slope.column_mut(last).assign(&common);

@@ -42,63 +42,6 @@ impl Seen {
     }
 }
 
-impl Seen {
-    /// Factor that turns a change at a row along the foretold phase, where none was
-    /// measured.
-    fn turn(&self, foretold: Complex64) -> Complex64 {
-        match self.magnitudes_only {
-            true => foretold.conj() / foretold.norm().max(f64::MIN_POSITIVE),
-            false => Complex64::ONE,
-        }
-    }
-
-    /// Real values per row: one of a magnitude, two of a phasor.
-    fn parts(&self) -> usize {
-        2 - usize::from(self.magnitudes_only)
-    }
-
-    /// Changes of the field `foretold` at all rows, axes (row, change), as real values of
-    /// unit variance at the measured ones.
-    pub(crate) fn stacked(
-        &self,
-        changes: &Array2<Complex64>,
-        foretold: &Array1<Complex64>,
-        variance: f64,
-    ) -> Array2<f64> {
-        let parts = self.parts();
-        let scale = 1.0 / variance.sqrt();
-        let mut stacked = Array2::zeros((parts * self.rows.len(), changes.ncols()));
-        for (k, &row) in self.rows.iter().enumerate() {
-            let turn = self.turn(foretold[row]) * scale;
-            for (p, &value) in changes.row(row).iter().enumerate() {
-                let value = value * turn;
-                stacked[[parts * k, p]] = value.re;
-                if parts == 2 {
-                    stacked[[2 * k + 1, p]] = value.im;
-                }
-            }
-        }
-        stacked
-    }
-
-    /// The measured less the foretold field, as [`Self::stacked`] has changes.
-    pub(crate) fn left(&self, foretold: &Array1<Complex64>, variance: f64) -> Array1<f64> {
-        let scale = 1.0 / variance.sqrt();
-        let mut left = Array1::zeros(self.parts() * self.rows.len());
-        for (k, (&row, &measured)) in self.rows.iter().zip(&self.velocity).enumerate() {
-            match self.magnitudes_only {
-                true => left[k] = (measured.norm() - foretold[row].norm()) * scale,
-                false => {
-                    let difference = (measured - foretold[row]) * scale;
-                    left[2 * k] = difference.re;
-                    left[2 * k + 1] = difference.im;
-                }
-            }
-        }
-        left
-    }
-}
-
 /// The fields laid over the operator, each with its drive.
 pub(super) fn see(
     setup: &Setup,

@@ -3,13 +3,13 @@
 //! The unknowns θ of `parts` (theory.md, eq. 58) are the most probable ones given all
 //! fields: Gauss-Newton, each step at the prior of the largest evidence (`evidence`).
 
-use super::evidence::{Posterior, Scales};
+use super::evidence::Scales;
 use super::parts::{denominator, Parts};
 use super::seen::Seen;
 use crate::kernel_error::unsolvable;
 use crate::tolerances;
 use chladni_frf::{Damping, Mode, Result};
-use ndarray::{s, Array1, Array2};
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -44,39 +44,10 @@ impl Parts {
     /// # Errors
     /// Those of the factorisations.
     pub(crate) fn update(&self, fields: &[Seen], start: Option<&Structured>) -> Result<Structured> {
-        let theta = match start {
+        let mut theta = match start {
             Some(start) => start.theta.clone(),
             None => Array1::zeros(self.unknowns()),
         };
-        let mut parts = self.clone();
-        let mut best = parts.settled(theta, fields)?;
-        // without the loads, the next field finds its own
-        let mut plain = best.theta.clone();
-        while parts.loads.len() < tolerances::MOST_LOADS {
-            let Some(load) = parts.likeliest_load(&best, fields) else {
-                break;
-            };
-            let with = parts.with_load(load.share);
-            let mut theta = Array1::zeros(with.unknowns());
-            let at = parts.unknowns() - 1;
-            theta
-                .slice_mut(s![..at])
-                .assign(&best.theta.slice(s![..at]));
-            theta[at + 2] = best.theta[at];
-            let other = with.settled(theta, fields)?;
-            let gain = other.ln_evidence - best.ln_evidence - load.alternatives.ln();
-            if gain <= tolerances::ODD_EVIDENCE {
-                break;
-            }
-            plain = other.theta.slice(s![..self.unknowns()]).to_owned();
-            plain[self.unknowns() - 1] = other.theta[other.theta.len() - 1];
-            (parts, best) = (with, other);
-        }
-        parts.told(best, plain)
-    }
-
-    /// The most probable unknowns, sought from `theta` on.
-    fn settled(&self, mut theta: Array1<f64>, fields: &[Seen]) -> Result<Posterior> {
         let mut best = self.likeliest(&theta, fields)?;
         for _ in 1..tolerances::STRUCTURED_STEPS {
             let change = &best.theta - &theta;
@@ -87,11 +58,6 @@ impl Parts {
             theta.assign(&best.theta);
             best = self.likeliest(&theta, fields)?;
         }
-        Ok(best)
-    }
-
-    /// Gains and poles of `best`; `plain` holds its unknowns without the loads.
-    fn told(&self, best: Posterior, plain: Array1<f64>) -> Result<Structured> {
         let theta = best.theta;
         let count = self.actuators();
         let of = |at: usize| Complex64::new(theta[at], theta[at + 1]);
@@ -119,7 +85,7 @@ impl Parts {
                 })
                 .collect(),
             odd: best.odd,
-            theta: plain,
+            theta,
         })
     }
 
@@ -149,11 +115,6 @@ impl Parts {
                     sum += value;
                 }
                 put(last, k, i, sum);
-                for (part, at) in self.loads.iter().zip((self.first_load()..).step_by(2)) {
-                    let value = part[[k, i]] * self.gain(theta, i);
-                    put(at, k, i, value);
-                    put(at + 1, k, i, value * Complex64::I);
-                }
             }
         }
         let mut jittered = covariance.clone();

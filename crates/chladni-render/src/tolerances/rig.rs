@@ -56,9 +56,6 @@ pub const ODD_EVIDENCE: f64 = 5.0;
 /// Most odd channels that are looked for.
 pub const MOST_ODD: usize = 4;
 
-/// Most loads that a structured update finds on the panel.
-pub const MOST_LOADS: usize = 3;
-
 /// Most Gauss-Newton steps of a structured update; 3 are usual.
 pub const STRUCTURED_STEPS: usize = 6;
 
