@@ -46,6 +46,16 @@ pub(crate) fn refuse_short(event: &Event, ramp_s: f64, shortest_s: f64) -> Resul
     )
 }
 
+/// The dB by which a drive is to be lowered where cold ground is over its limit by `over_db`
+/// and hot ground has `room_db` above its own; `None` where hot ground cannot give so much.
+///
+/// Hot ground keeps half of its room: it has less between the responses than on them.
+pub(crate) fn spared_db(over_db: f64, room_db: f64) -> Option<f64> {
+    let lower_db = over_db + tolerances::LOWERED_FURTHER_DB;
+    let most_db = f64::min(0.5 * room_db, tolerances::MOST_LOWERED_DB);
+    (over_db > 0.0 && lower_db <= most_db).then_some(lower_db)
+}
+
 /// Finds ramps for events.
 pub(crate) struct RampFinder<'a> {
     pub(crate) voices: &'a [Voice],
@@ -53,6 +63,8 @@ pub(crate) struct RampFinder<'a> {
     pub(crate) judging: &'a Judging<'a>,
     pub(crate) ramps: Ramps,
     pub(crate) shortest_s: f64,
+    /// The level of the drive may be lowered.
+    pub(crate) lowers: bool,
     /// Found before, by the stops that were tried.
     pub(crate) known: HashMap<Vec<usize>, (f64, bool)>,
 }
@@ -82,13 +94,17 @@ impl RampFinder<'_> {
         let first = (self.shortest_s / step_s - 1e-6).ceil().max(1.0) as usize;
         let longest_s = event.longest_ramp_s().min(tolerances::LONGEST_AUTO_RAMP_S);
         let mut best: Option<(f64, f64)> = None;
+        // at a lower level of the drive, and by how much
+        let mut lowered: Option<(f64, f64)> = None;
         let mut passed = false;
         for k in first.. {
             let ramp_s = step_s * k as f64;
-            if ramp_s > longest_s + tolerances::SAME_TIME_S {
+            let is_slow = ramp_s > tolerances::QUICK_RAMP_S + tolerances::SAME_TIME_S;
+            if ramp_s > longest_s + tolerances::SAME_TIME_S || (is_slow && lowered.is_some()) {
                 break;
             }
-            let excess_db = self.excess_db(event, &tried, ramp_s)?;
+            let [cold_db, hot_db] = self.missed_db(event, &tried, ramp_s);
+            let excess_db = cold_db.max(hot_db);
             if best.is_none_or(|(_, least)| excess_db < least) {
                 best = Some((ramp_s, excess_db));
             }
@@ -96,6 +112,13 @@ impl RampFinder<'_> {
                 passed = true;
                 break;
             }
+            let spared = self.lowers.then(|| spared_db(cold_db, -hot_db)).flatten();
+            if let Some(db) = spared.filter(|db| lowered.is_none_or(|(_, least)| *db < least)) {
+                lowered = Some((ramp_s, db));
+            }
+        }
+        if !passed && lowered.is_some() {
+            (best, passed) = (lowered, true);
         }
         let ramp_s = match best {
             Some((ramp_s, _)) => ramp_s,
@@ -108,39 +131,31 @@ impl RampFinder<'_> {
         Ok((ramp_s, passed))
     }
 
-    /// By how much the worst ground misses its limit at any instant beyond what the steady
-    /// drive misses, dB; 0 or less: none does.
-    fn excess_db(&self, event: &Event, stops: &[usize], ramp_s: f64) -> Result<f64> {
-        let mut most = f64::NEG_INFINITY;
+    /// By how much the worst cold and the worst hot ground miss their limits at any instant
+    /// beyond what the steady drive misses, dB; 0 or less: none does.
+    fn missed_db(&self, event: &Event, stops: &[usize], ramp_s: f64) -> [f64; 2] {
+        let mut most = [f64::NEG_INFINITY; 2];
         for &stop in stops {
-            let worst = |ramp_s: f64, hold_s: f64| {
-                let chain = event.trial(stop, ramp_s, hold_s);
-                let sounding: Vec<_> = self
-                    .voices
-                    .iter()
-                    .map(|voice| {
-                        voice.sounding(voice.tracks(&chain, self.ramps, self.judging.maps))
-                    })
-                    .collect();
-                let heard = self.listener.hear(
-                    &sounding,
-                    std::slice::from_ref(&chain),
-                    self.judging,
-                    &[Measure::Peak],
-                );
-                let measure = heard.measures[0];
-                [
-                    measure.worst_cold_db.unwrap_or(f64::NEG_INFINITY),
-                    -measure.worst_hot_db.unwrap_or(f64::NEG_INFINITY),
-                ]
-            };
-            let tried = worst(ramp_s, tolerances::TRIAL_HOLD_S);
+            let chain = event.trial(stop, ramp_s, tolerances::TRIAL_HOLD_S);
+            let sounding: Vec<_> = self
+                .voices
+                .iter()
+                .map(|voice| voice.sounding(voice.tracks(&chain, self.ramps, self.judging.maps)))
+                .collect();
+            let chains = std::slice::from_ref(&chain);
+            let heard = (self.listener).hear(&sounding, chains, self.judging, &[Measure::Peak]);
+            let measure = heard.measures[0];
+            let tried = [
+                measure.worst_cold_db.unwrap_or(f64::NEG_INFINITY),
+                -measure.worst_hot_db.unwrap_or(f64::NEG_INFINITY),
+            ];
             let steady = self.steady_db(stop);
-            for (tried, steady) in tried.into_iter().zip(steady) {
-                most = most.max(tried - f64::max(steady + tolerances::STEADY_MISS_DB, 0.0));
+            for ((most, tried), steady) in most.iter_mut().zip(tried).zip(steady) {
+                let allowed = f64::max(steady + tolerances::STEADY_MISS_DB, 0.0);
+                *most = most.max(tried - allowed);
             }
         }
-        Ok(most)
+        most
     }
 
     /// The same of the steady drive of a stop: cold over, hot under its limit.

@@ -80,6 +80,9 @@ pub(crate) struct Chain {
     /// Of a spot that moves.
     pub(crate) moving: Option<Move>,
     pub(crate) ramp_s: f64,
+    /// Margin below its limit that cold ground is to have at every instant, dB, if need be
+    /// at a lower level; `None`: the level is the steady one.
+    pub(crate) cold_margin_db: Option<f64>,
     line: u64,
 }
 
@@ -318,6 +321,11 @@ impl Event {
                 .chain(passages)
                 .chain([ramp(fall)])
                 .collect(),
+            cold_margin_db: match (&moving, self.stops.len()) {
+                (Some(_), _) => None,
+                (None, 1) => (self.ramp == RampTime::Auto).then_some(0.0),
+                (None, _) => Some(tolerances::PASSAGE_MARGIN_DB),
+            },
             moving,
             ramp_s,
             line: self.line,
@@ -337,6 +345,7 @@ impl Event {
             ramps: vec![ramp(0.0), ramp(ramp_s + hold_s)],
             moving: None,
             ramp_s,
+            cold_margin_db: None,
             line: self.line,
         }
     }

@@ -175,6 +175,7 @@ impl Rehearsal<'_> {
             judging: self.judging,
             ramps: self.ramps,
             shortest_s: self.stage.shortest_s,
+            lowers: self.table.level == Level::Steady,
             known: HashMap::new(),
         };
         let mut ramps_s = Vec::with_capacity(self.plan.events.len());

@@ -4,7 +4,7 @@
 use crate::field::AreaGrid;
 use crate::plane::Rectangle;
 use crate::scene::Scene;
-use crate::time::auto_ramp::shortest_s;
+use crate::time::auto_ramp::{shortest_s, spared_db};
 use crate::time::frames::{self, TimeFrames};
 use crate::time::judge::TimeMeasure;
 use crate::time::listener::{Heard, Judging, Listener, ToneLimits};
@@ -167,7 +167,13 @@ impl<'a> Stage<'a> {
             let mut gain = match self.table.level {
                 Level::Compensated => compensation(&heard),
                 Level::Steady if chain.moving.is_some() => balance(&heard.measures[1]),
-                Level::Steady => 1.0,
+                Level::Steady => match spared(chain, &heard.measures[1]) {
+                    None => 1.0,
+                    Some(lower_db) => {
+                        findings.push(lowered(&chain.name, lower_db));
+                        10f64.powf(-lower_db / 20.0)
+                    }
+                },
             };
             for (voice, &peak) in self.voices.iter().zip(&heard.peaks) {
                 let allowed = voice.drive_limits.each / peak;
@@ -210,6 +216,25 @@ fn balance(peak: &TimeMeasure) -> f64 {
         }
         _ => 1.0,
     }
+}
+
+/// The dB that leave cold ground under a chain the margin that it is to have, where it lacks
+/// some and hot ground can give them.
+fn spared(chain: &Chain, peak: &TimeMeasure) -> Option<f64> {
+    let over_db = peak.worst_cold_db? + chain.cold_margin_db?;
+    spared_db(over_db, peak.worst_hot_db?)
+}
+
+fn lowered(event: &str, lower_db: f64) -> Finding {
+    Finding::note(
+        "time-lowered",
+        format!(
+            "{event} plays {lower_db:.2} dB below its steady drive, so that cold ground stays \
+             quiet: hot responses have that to give, hot ground between them may have less"
+        ),
+    )
+    .value("lower_db", lower_db)
+    .help("see the share of ground between the responses that is held; give a longer ramp_s")
 }
 
 fn too_strong(event: &str, unit: ReferenceUnit, asked: f64, allowed: f64) -> Finding {

@@ -203,6 +203,37 @@ fn a_ramp_is_found_that_keeps_every_limit() {
 }
 
 #[test]
+fn ramps_of_the_ninth_in_the_middle_are_quick_at_a_slightly_lower_level() {
+    for loss_factor in [0.005, 0.01, 0.03] {
+        let mut panel = Panel::default();
+        panel.frf.step_hz = 99.8;
+        panel.plate.loss_factor = chladni_plate::LossFactor::Common(loss_factor);
+        let model = simulate(&panel, None, None).unwrap().truth;
+        for frequency_hz in [300.0, 330.0] {
+            let case = format!("{frequency_hz} Hz, {loss_factor}");
+            let made = played(
+                &model,
+                &scene(&format!(
+                    "frequency_hz = {frequency_hz:?}\n[zones]\ngrid = [3, 3]\nhot = [5]\ncells_m = \
+                     [0.0, 0.0, 0.268, 0.170]\n[time]\n[[time.burst]]\nduration_s = 0.1\n"
+                )),
+                Ramps::Modal,
+            );
+            let (peak, event) = (made.indices.peak, &made.indices.events[0]);
+            assert!(event.ramp_s <= 0.0101, "{case}: {event:?}");
+            assert!(
+                peak.ever_over_ratio == 0.0 && peak.hot_held_ratio == 1.0,
+                "{case}: {peak:?}"
+            );
+            let lower_db = -20.0 * event.gain.log10();
+            assert!((0.0..=0.6).contains(&lower_db), "{case}: {lower_db} dB");
+            let told = made.findings.iter().any(|f| f.code == "time-lowered");
+            assert_eq!(told, lower_db > 0.0, "{case}: {:?}", made.findings);
+        }
+    }
+}
+
+#[test]
 fn an_envelope_program_keeps_every_limit_at_5_ms_within_2_mn() {
     let scene = cell_scene(
         [2, 2],
@@ -252,8 +283,7 @@ fn fades_keep_common_cold_ground_quiet() {
             ),
         );
         let peak = played(truth(), &scene, Ramps::Modal).indices.peak;
-        // asked: -1; the shortest fade reaches -0.991
-        assert!(peak.worst_cold_db.unwrap() <= -0.99, "{fade_s}: {peak:?}");
+        assert!(peak.worst_cold_db.unwrap() <= -1.0, "{fade_s}: {peak:?}");
         assert_eq!(peak.hot_held_ratio, 1.0, "{fade_s}: {peak:?}");
     }
 }
