@@ -7,8 +7,8 @@
 //! lies what the force may have done to damping and height of a mode.
 
 use crate::checks::case::Case;
-use crate::checks::limits;
-use crate::checks::line_shape::{Fitted, Isolated, LineShape, DECIDES};
+use crate::checks::limits::{self, DECIDES};
+use crate::checks::line_shape::{Fitted, Isolated, LineShape};
 use crate::checks::window_bias::widen;
 use crate::checks::witness::decades;
 use crate::data::options::Window;

@@ -298,7 +298,7 @@ mod tests {
     fn leaked_slopes(seed: u64) -> Vec<Stretch> {
         const SAMPLES: usize = 1024;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let fft = FftPlanner::new().plan_fft_forward(SAMPLES);
+        let fft = fft::forward(SAMPLES);
         let mut sum = vec![Complex64::default(); 200];
         for _ in 0..20 {
             let mut normal = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
