@@ -65,7 +65,7 @@ fn on_window(rendering: &Rendering) -> [f64; 3] {
 #[test]
 fn every_quarter_is_served_between_the_responses_and_under_drift_by_two_millinewtons() {
     for cell in 1..=4 {
-        let scene = cell_scene([2, 2], cell, "[drift]\ndrive_relative = 0.0\n");
+        let scene = cell_scene([2, 2], cell, "");
         let rendering = rendered(
             &disturbed(truth(), FIT_40_DB, cell as u64),
             &scene,
@@ -107,53 +107,11 @@ fn every_quarter_is_served_between_the_responses_and_under_drift_by_two_millinew
 }
 
 #[test]
-fn a_scene_that_states_no_errors_of_the_drives_bears_two_percent_and_says_the_price() {
-    let relative =
-        |rendering: &Rendering| rendering.weights.options["drift"]["drive_relative"].as_f64();
-    let plain = "[drift]\ndrive_relative = 0.0\n";
-    let survival = |rendering: &Rendering| rendering.weights.endurance.unwrap().amplifiers_alone;
-    for (frequency_hz, costs) in [(330.0, false), (300.0, true)] {
-        let made = |rest: &str| {
-            let mut scene = cell_scene([2, 2], 1, rest);
-            scene.frequency_hz = frequency_hz;
-            rendered(&disturbed(truth(), FIT_40_DB, 1), &scene, Method::Robust)
-        };
-        let (own, without) = (made(""), made(plain));
-        eprintln!(
-            "{frequency_hz} Hz: {:?} {:?} {:?} {:?}",
-            relative(&own),
-            survival(&own),
-            survival(&without),
-            own.weights
-                .findings
-                .iter()
-                .map(|f| &f.text)
-                .collect::<Vec<_>>()
-        );
-        assert_eq!(relative(&own), Some(0.02));
-        assert_eq!(relative(&without), Some(0.0));
-        assert!(own.weights.feasible && survival(&own) > survival(&without));
-        let told = own
-            .weights
-            .findings
-            .iter()
-            .any(|f| f.code == "drive-errors");
-        assert_eq!(told, costs, "{frequency_hz} Hz");
-        let quick = rendered(
-            &disturbed(truth(), FIT_40_DB, 1),
-            &cell_scene([2, 2], 1, ""),
-            Method::Mls,
-        );
-        assert_eq!(relative(&quick), Some(0.0));
-    }
-}
-
-#[test]
 fn the_four_kinds_of_cells_of_a_3_by_3_grid_are_served_between_the_responses() {
     for cell in [1, 2, 4, 5] {
         let rendering = rendered(
             &disturbed(truth(), FIT_40_DB, 3),
-            &cell_scene([3, 3], cell, "[drift]\ndrive_relative = 0.0\n"),
+            &cell_scene([3, 3], cell, ""),
             Method::Robust,
         );
         let [hot, _, total] = on_window(&rendering);
