@@ -71,32 +71,21 @@ impl Covariance {
                 *square += participation.norm_sqr() * deviation.each.powi(2);
             }
         }
+        if drift.drive_relative > 0.0 {
+            for (square, column) in squares.iter_mut().zip(operator.mobility.columns()) {
+                let path =
+                    judged.iter().map(|&k| column[k].norm_sqr()).sum::<f64>() / judged.len() as f64;
+                *square += drift.drive_relative.powi(2) * path;
+            }
+        }
         let mut gram = chladni_linalg::matmul_h(rows.view(), rows.view());
         gram.diag_mut()
             .zip_mut_with(&squares, |value, &square| *value += square);
-        let of_model = Self {
+        Self {
             rows,
             own: squares.mapv(f64::sqrt),
             gram,
-        };
-        of_model.with_drive_errors(operator, judged, drift.drive_relative.unwrap_or(0.0))
-    }
-
-    /// The same with an error of each actuator's force, `relative` to that force.
-    pub(crate) fn with_drive_errors(
-        mut self,
-        operator: &Operator,
-        judged: &[usize],
-        relative: f64,
-    ) -> Self {
-        for (i, column) in operator.mobility.columns().into_iter().enumerate() {
-            let path =
-                judged.iter().map(|&k| column[k].norm_sqr()).sum::<f64>() / judged.len() as f64;
-            let square = relative * relative * path;
-            self.own[i] = (self.own[i].powi(2) + square).sqrt();
-            self.gram[[i, i]] += square;
         }
-        self
     }
 
     /// From LᴴL itself.

@@ -18,20 +18,18 @@ pub struct Drift {
     /// rms of the matrix.
     pub isotropic_relative: f64,
     /// Of each actuator's force for its weight: gains and phases of amplifiers and coils.
-    /// `None`: of steady drives by method `robust` 0.02, or as much of it as the scene is
-    /// met with; of quick methods and of drives in time 0.
-    pub drive_relative: Option<f64>,
+    pub drive_relative: f64,
 }
 
 impl Drift {
-    /// The keys of `[drift]` in a scene, and the values here; 0 where none is stated.
+    /// The keys of `[drift]` in a scene, and the values here.
     pub(crate) fn named(&self) -> [(&'static str, f64); 5] {
         [
             ("frequency_relative", self.frequency_relative),
             ("loss_factor_relative", self.loss_factor_relative),
             ("shape_relative", self.shape_relative),
             ("isotropic_relative", self.isotropic_relative),
-            ("drive_relative", self.drive_relative.unwrap_or(0.0)),
+            ("drive_relative", self.drive_relative),
         ]
     }
 
@@ -42,7 +40,7 @@ impl Drift {
             "loss_factor_relative" => Some(&mut self.loss_factor_relative),
             "shape_relative" => Some(&mut self.shape_relative),
             "isotropic_relative" => Some(&mut self.isotropic_relative),
-            "drive_relative" => Some(self.drive_relative.get_or_insert(0.0)),
+            "drive_relative" => Some(&mut self.drive_relative),
             _ => None,
         }
     }
@@ -55,15 +53,14 @@ impl Default for Drift {
     /// that could be had. The shapes carry the error bars of the fit. The isotropic part,
     /// 0.3 %, lies above the error of a mobility fitted to 40 dB data (0.03 % at 300 Hz,
     /// 0.2 % at 335 Hz); 1 % halves the forces of `mls` and takes the corner scene from κ
-    /// = 2.6 to 0.5, 2 % loses some of its responses. Errors of the drives are left to the
-    /// method.
+    /// = 2.6 to 0.5, 2 % loses some of its responses.
     fn default() -> Self {
         Self {
             frequency_relative: 1e-3,
             loss_factor_relative: 0.1,
             shape_relative: 0.0,
             isotropic_relative: 3e-3,
-            drive_relative: None,
+            drive_relative: 0.0,
         }
     }
 }

@@ -39,7 +39,6 @@ mod conic;
 mod count;
 mod covariance;
 mod drift;
-mod drive_errors;
 mod drive_program;
 mod dual;
 mod effort;

@@ -2,8 +2,6 @@
 
 use crate::ceiling::Ceiling;
 use crate::count::Count;
-use crate::drift::Drift;
-use crate::drive_errors::{self, Bearing};
 use crate::endurance::Endurance;
 use crate::fewest_actuators;
 use crate::fewest_modes::{self, Judge, Reduced};
@@ -139,21 +137,13 @@ fn render_tone(
         false => Cow::Borrowed(&setup),
     };
     let decision = options.method.decide(&used.problem, options.effort);
-    let drift = scene.drift.unwrap_or(options.drift);
-    let Bearing {
-        method,
-        solution,
-        drive_relative,
-        finding: of_drives,
-    } = drive_errors::solve(&used, model, &drift, &decision, options.cut)?;
+    let (method, solution) = decision.run(&used, model, options.cut)?;
     let Solution {
         drive,
         findings: said,
         modal,
         touched_db,
     } = solution;
-    let unstated = drift.drive_relative.map_or(drive_relative, |_| 0.0);
-    let setup = setup.with_drive_errors(unstated);
     let sparse = drive;
     let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
     let Setup {
@@ -168,7 +158,6 @@ fn render_tone(
         setup.findings.clone(),
         Vec::from_iter(of_modes),
         Vec::from_iter(chosen.finding),
-        Vec::from_iter(of_drives),
         said,
     ]
     .concat();
@@ -230,10 +219,7 @@ fn render_tone(
         version: WEIGHTS_VERSION,
         created_by: CREATED_BY.into(),
         source: Vec::new(),
-        options: options.to_json(&Drift {
-            drive_relative: Some(drive_relative),
-            ..drift
-        }),
+        options: options.to_json(scene.drift.as_ref().unwrap_or(&options.drift)),
         frequency_hz: scene.frequency_hz,
         method: method.to_string(),
         scene: scene.name(),

@@ -16,7 +16,8 @@ use crate::zones::{Ground, ZoneMap};
 use chladni_frf::{Error, Finding, ModalModel, ReferenceUnit, Result, Trust};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
-use std::sync::{Arc, OnceLock};
+use std::cell::OnceCell;
+use std::sync::Arc;
 
 /// A scene over a model.
 #[derive(Clone)]
@@ -33,9 +34,9 @@ pub(crate) struct Setup {
     pub(crate) problem: Problem,
     /// The responses as nodes of interpolation, where they carry an area; found when a
     /// method asks for them.
-    nodes: OnceLock<Option<Nodes>>,
+    nodes: OnceCell<Option<Nodes>>,
     /// Rows between them, coarse and fine; the same.
-    between: [OnceLock<Option<Rows>>; 2],
+    between: [OnceCell<Option<Rows>>; 2],
     /// Modes of the model that are summed explicitly, rising.
     pub(crate) modes: Vec<usize>,
     /// Fingers that the scene expects.
@@ -134,15 +135,6 @@ impl Setup {
         setup.between = Default::default();
         modes.sort_unstable();
         setup.modes = modes;
-        setup
-    }
-
-    /// The same with drives that err by `relative`, rms of each complex gain.
-    pub(crate) fn with_drive_errors(&self, relative: f64) -> Self {
-        let mut setup = self.clone();
-        let covariance = setup.problem.covariance;
-        setup.problem.covariance =
-            covariance.with_drive_errors(&self.operator, &self.judged, relative);
         setup
     }
 

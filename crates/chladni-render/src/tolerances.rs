@@ -155,14 +155,6 @@ pub const DEVIATION_PRICE: f64 = 1e-4;
 /// chance of a miss κ is 2.1, with a tenth of it 3.0.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// Errors of the drives that a scene which states none is made to bear, rms of each complex
-/// gain, the largest first: amplifiers of one batch. At 0.03 a scene beside a mode keeps less
-/// drift, at 0.01 2 % and 2° leave a tenth more of its responses.
-pub const DRIVE_ERRORS: [f64; 2] = [0.02, 0.01];
-
-/// Share of ground between the responses that bearing them may cost.
-pub const GROUND_FOR_DRIVE_ERRORS: f64 = 0.02;
-
 /// Share of the force limit that counts as little: margin is bought up to it and no
 /// further. 2 mN of the 0.1 N that hold where a scene says nothing. Ten times more brings
 /// back the last tenths of a decibel at several times the force, ten times less leaves

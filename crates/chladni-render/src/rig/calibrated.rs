@@ -73,10 +73,8 @@ impl<'a> Calibrated<'a> {
             _ => {}
         }
         if scene.drift.is_none() {
-            let of_known = known.map(|_| 0.0);
-            let left = calibration.gain_error().or(of_known);
-            scene.drift = left.map(|drive_relative| Drift {
-                drive_relative: Some(drive_relative),
+            scene.drift = calibration.gain_error().map(|drive_relative| Drift {
+                drive_relative,
                 ..*drift
             });
         }

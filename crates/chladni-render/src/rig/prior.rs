@@ -10,13 +10,7 @@ use chladni_frf::{ModalModel, Result};
 /// The drift with at least the error of amplifiers that every rig has.
 fn rig_drift(drift: Drift) -> Drift {
     Drift {
-        drive_relative: Some(
-            drift
-                .drive_relative
-                .map_or(tolerances::RIG_DRIVE_ERROR, |stated| {
-                    stated.max(tolerances::RIG_DRIVE_ERROR)
-                }),
-        ),
+        drive_relative: drift.drive_relative.max(tolerances::RIG_DRIVE_ERROR),
         ..drift
     }
 }

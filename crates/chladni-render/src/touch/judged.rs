@@ -1,9 +1,8 @@
 //! Performance of a drive under fingers, and the findings about it.
 
 use super::plan::{Judged, TouchPlan};
-use super::program::{contrast_db, judged};
+use super::program::contrast_db;
 use crate::problem::{amplitude, Drive, Problem};
-use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::Finding;
 use serde::{Deserialize, Serialize};
@@ -70,19 +69,6 @@ impl TouchIndices {
             is_known: plan.is_known,
         }
     }
-}
-
-/// Number of fingertips of the scene that `drive` bears; 0 where it expects none.
-pub(crate) fn firmness(setup: &Setup, drive: &Drive) -> usize {
-    let Some(plan) = setup.touch.as_deref() else {
-        return 0;
-    };
-    let told = TouchIndices::of(&setup.problem, judged(setup), [plan, plan], drive);
-    let impedances = plan.touch.impedances.iter();
-    let firmest = impedances
-        .clone()
-        .position(|tip| Some(&tip.name) == told.firmest.as_ref());
-    firmest.map_or(0, |place| place + 1)
 }
 
 fn points(problem: &Problem, judged: Judged, plan: &TouchPlan, drive: &Drive) -> TouchPoints {
