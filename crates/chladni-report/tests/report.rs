@@ -478,10 +478,10 @@ fn every_axis_of_every_figure_has_a_label_and_a_unit() {
         .into_iter()
         .map(|scene| scene.with_curves(Some(&curves)))
         .collect();
-    assert_eq!(
-        data(&input).unwrap()["scenes"][0]["curves"]["modes"][1]["both"],
-        0.9
-    );
+    let shown = data(&input).unwrap();
+    let layers = shown["scenes"][0]["curves"]["charts"][0]["layers"].as_array();
+    let both = layers.unwrap().iter().find(|layer| layer["name"] == "both");
+    assert_eq!(f32s(&both.unwrap()["lines"][0][1])[1], 90.0);
     let figures = figures(&input).unwrap();
     let diagram = figures
         .iter()

@@ -429,10 +429,9 @@ fn the_report_of_the_demonstration_panel_opens_quickly() {
         "Loss factor with 95 % bounds",
         "Field at 320.0 Hz",
         "Weights around the panel",
-        "The scene at other drive frequencies",
+        "at other drive frequencies, each with weights of its own",
         "These weights at other frequencies",
-        "The scene with fewer modes",
-        "The scene with fewer actuators",
+        "with fewer modes and fewer actuators",
         "When the panel is not the model",
         "Speed against accuracy",
     ] {

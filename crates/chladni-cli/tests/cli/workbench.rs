@@ -331,9 +331,15 @@ fn a_pole_added_by_hand_changes_the_model() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
-/// Moves of a hand, and the page's work for each, s: a picture in 50 ms.
+/// Moves of a hand.
 const MOVES: usize = 50;
-const WORK_OF_A_MOVE_S: f64 = 0.05;
+/// Time of 2·10⁷ square roots in the page, s: the measure of this machine.
+const ROOTS_S: &str = "(() => { const from = performance.now(); let sum = 0; \
+    for (let k = 0; k < 2e7; k++) sum += Math.sqrt(k); \
+    return (performance.now() - from + 0 * sum) / 1000; })()";
+/// The page's work for a move, over that: a picture in 50 ms on a machine that takes a
+/// root in 2.3 ns.
+const MOVE_OVER_ROOTS: f64 = 1.1;
 
 /// From a move of the hand to the field that it makes, measured in the page.
 const LATENCY: &str = "(() => { window.waits = []; let since = 0; \
@@ -382,7 +388,15 @@ fn a_drag_shows_the_field_at_once_on_the_demonstration_panel() {
         1e3 * work_s
     );
     assert!(waits.len() >= MOVES);
-    assert!(work_s < WORK_OF_A_MOVE_S, "{work_s} s");
+    let roots_s = page.eval(ROOTS_S).as_f64().unwrap();
+    println!(
+        "a move works {:.2} times as long as 2·10⁷ roots",
+        work_s / roots_s
+    );
+    assert!(
+        work_s < MOVE_OVER_ROOTS * roots_s,
+        "{work_s} s, {roots_s} s"
+    );
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
@@ -484,104 +498,5 @@ fn a_burst_is_shown_over_time_with_forces_responses_and_a_slider() {
     set(&mut page, "#burst-duration", "");
     assert!(!page.text("#scene-toml").contains("[time]"));
     assert!(page.text("#in-time").contains("steady tone"));
-    assert_eq!(page.complaints(), Vec::<String>::new());
-}
-
-/// Opens text as the measured field, as somebody who chose a file.
-fn open_field(page: &mut Page, name: &str, csv: &str) {
-    page.eval(&format!(
-        "(() => {{ const files = new DataTransfer(); files.items.add(new File([{csv:?}], {name:?})); \
-         const input = document.querySelector('#measured-file'); input.files = files.files; \
-         input.dispatchEvent(new Event('change')); }})()"
-    ));
-}
-
-#[test]
-fn a_measured_field_is_shown_explained_and_corrected() {
-    let Some((folder, _studio, mut page)) = workbench("truth.json") else {
-        return;
-    };
-    folder.write("shown.toml", page.text("#scene-toml"));
-    folder
-        .run("render truth.json shown.toml --method best -o w0.json -q")
-        .exits(0);
-    // the strongest channel is dead
-    let mut weights: Value = serde_json::from_str(&folder.text("w0.json")).unwrap();
-    let list = weights["weights"].as_array_mut().unwrap();
-    let strongest = list
-        .iter_mut()
-        .max_by(|a, b| {
-            let size = |one: &Value| one["amplitude"].as_f64().unwrap();
-            size(a).total_cmp(&size(b))
-        })
-        .unwrap();
-    for key in ["re", "im", "amplitude"] {
-        strongest[key] = 0.0.into();
-    }
-    let dead = strongest["reference"].as_str().unwrap().to_owned();
-    folder.write("dead.json", weights.to_string());
-    folder
-        .run("simulate panel.toml --play dead.json -o played.csv --snr-db 40 --seed 3 -q")
-        .exits(0);
-    let played = folder.text("played.csv");
-    // a field that names other weights is refused
-    open_field(&mut page, "other.csv", &played);
-    page.wait("document.querySelector('#scene-status').textContent.includes('other.csv')");
-    let unnamed: Vec<&str> = played
-        .lines()
-        .filter(|line| !line.contains("weights_sha256"))
-        .collect();
-    open_field(&mut page, "field-1.csv", &unnamed.join("\n"));
-    page.wait("document.documentElement.dataset.measuredFields === '1'");
-    assert_eq!(
-        page.eval("document.querySelector('#tab-measured').getAttribute('aria-selected')"),
-        "true"
-    );
-    let responses = unnamed.iter().filter(|line| line.contains(":+Z")).count();
-    assert_eq!(
-        page.eval("document.querySelectorAll('#measured-field .measured-point').length"),
-        responses as u64
-    );
-    let said = page.text(".sentence");
-    assert!(
-        said.contains("The measured field") && said.contains(&dead),
-        "{said}"
-    );
-    assert!(page
-        .text("#causes tbody tr")
-        .contains(&format!("channel {dead} gives no force")));
-    assert!(page
-        .text("#measured-command")
-        .contains("--field field-1.csv"));
-    let before = shown_weights(&mut page);
-    assert_eq!(page.text("#use"), "Correct");
-    page.eval("document.querySelector('#use').click()");
-    page.wait("document.documentElement.dataset.corrections === '1'");
-    assert!(page.text(".sentence").starts_with("Corrected from 1 field"));
-    let after = shown_weights(&mut page);
-    assert_ne!(before, after);
-    // the command of the page gives the same drive
-    folder.write("field-1.csv", unnamed.join("\n"));
-    folder.run("correct truth.json shown.toml --weights w0.json --field field-1.csv -o w1.json -q");
-    let w1: Value = serde_json::from_str(&folder.text("w1.json")).unwrap();
-    for (reference, millinewton) in &after {
-        let list = w1["weights"].as_array().unwrap();
-        let same = list
-            .iter()
-            .find(|one| one["reference"] == reference.as_str());
-        let amplitude = 1e3 * same.unwrap()["amplitude"].as_f64().unwrap();
-        assert!(
-            (amplitude - millinewton).abs() <= 0.01 * amplitude + 1e-3,
-            "{reference}: {amplitude} {millinewton}"
-        );
-    }
-    assert!(page
-        .text("#correct-command")
-        .contains("--weights weights.json --field field-1.csv -o weights-1.json"));
-    // another drive is not the one that was measured
-    page.key("]");
-    page.wait(AT_REST);
-    assert!(!page.text(".sentence").contains("Corrected"));
-    assert_eq!(page.text("#measured-command"), "");
     assert_eq!(page.complaints(), Vec::<String>::new());
 }

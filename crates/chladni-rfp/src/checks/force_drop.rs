@@ -116,6 +116,9 @@ impl ForceDrop {
             .modes_hz(self.changes.iter().map(|(hz, _)| *hz))
             .value("drop_db", drop_db)
             .value("line_shape_nats", self.gain)
-            .help("estimate the FRFs by the local rational method (`estimate --estimator lrm`), which a drop does not bias")
+            .help(
+                "estimate the FRFs from the records by the local rational method, which a drop \
+                 does not bias",
+            )
     }
 }
