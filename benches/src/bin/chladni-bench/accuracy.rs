@@ -82,7 +82,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// What is fitted and what is rendered, by the `chosen` methods.
+    /// The fits and the renderings of the `chosen` methods.
     fn asked(&self, chosen: &[Solver], knobs: bool) -> (AccuracyOptions, SceneOptions) {
         let quick = self.place.quick;
         let names = || self.cases.iter();
