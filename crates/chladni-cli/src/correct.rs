@@ -176,11 +176,11 @@ fn refuse_known_fields(fields: &[PathBuf], scene: &Scene) -> Result<()> {
         return Ok(());
     };
     for file in fields {
-        let Source { sha256, .. } = source(file)?;
+        let Source { checksum, .. } = source(file)?;
         if calibration
             .source
             .iter()
-            .any(|known| known.sha256 == sha256)
+            .any(|known| known.checksum == checksum)
         {
             return Err(
                 Error::bad_data("the calibration of the scene holds this field already")

@@ -155,10 +155,7 @@ impl Args {
             records.runs.extend(runs_of(&document, said)?);
             let of_file = document.warnings.iter();
             warnings.extend(of_file.map(|warning| warning.about(document.file.display())));
-            records.sources.push(Source {
-                file: chladni_text::file_name(&document.file),
-                sha256: document.sha256.clone(),
-            });
+            records.sources.extend(document.source());
             if records.geometry.nodes.is_empty() {
                 records.geometry = std::mem::take(&mut document.geometry);
             }

@@ -7,7 +7,7 @@ use chladni_console::settings::{error_with_options, finding_with_options};
 use chladni_console::table::{counted, shortened, significant, table};
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{warnings, Dof, Error, Finding, FrfKind, FrfSet, Result};
+use chladni_frf::{warnings, Checksum, Dof, Error, Finding, FrfKind, FrfSet, Result};
 use chladni_io::{
     assemble, list_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions,
 };
@@ -80,7 +80,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 struct Listing {
     file: PathBuf,
     format: Option<FileFormat>,
-    sha256: String,
+    checksum: Option<Checksum>,
     frf_kind: Option<FrfKind>,
     nodes: usize,
     responses: Vec<Dof>,
@@ -96,7 +96,7 @@ impl Listing {
         Self {
             file: file.to_path_buf(),
             format: None,
-            sha256: String::new(),
+            checksum: None,
             frf_kind: None,
             nodes: 0,
             responses: Vec::new(),
@@ -130,7 +130,7 @@ impl Listing {
         let mut listing = Self {
             file: document.file.clone(),
             format: Some(document.format),
-            sha256: document.sha256.clone(),
+            checksum: document.checksum.clone(),
             frf_kind: None,
             nodes: document.geometry.nodes.len(),
             responses: Vec::new(),
@@ -149,7 +149,7 @@ impl Listing {
             _ if holds_model => listing.add_model(),
             FileFormat::Weights => listing.add_weights(),
             // of a file whose headers alone were read
-            _ if document.sha256.is_empty() => listing.add_headers(),
+            _ if document.checksum.is_none() => listing.add_headers(),
             _ => listing.add_set(document, options),
         }
         listing
@@ -279,10 +279,16 @@ impl Listing {
 
     fn json(&self) -> Value {
         let with_options: Vec<Finding> = self.findings.iter().map(finding_with_options).collect();
+        let (sha256, blake3) = match &self.checksum {
+            Some(Checksum::Sha256(digits)) => (Some(digits), None),
+            Some(Checksum::Blake3(digits)) => (None, Some(digits)),
+            None => (None, None),
+        };
         json!({
             "file": self.file.display().to_string(),
             "format": self.format,
-            "sha256": (!self.sha256.is_empty()).then_some(&self.sha256),
+            "sha256": sha256,
+            "blake3": blake3,
             "frf_kind": self.frf_kind,
             "nodes": self.nodes,
             "responses": self.responses,

@@ -306,7 +306,7 @@ fn beside(result: &Path, sources: &[Source]) -> Vec<PathBuf> {
         let place = |folder: &PathBuf| folder.join(&source.file);
         folders.iter().map(place).find(|path| {
             path.is_file()
-                && chladni_io::sha256_of(path).is_ok_and(|sha256| sha256 == source.sha256)
+                && chladni_io::checksum_of(path).is_ok_and(|found| found == source.checksum)
         })
     };
     sources.iter().filter_map(of).collect()

@@ -325,7 +325,7 @@ fn told_once(files: &[PathBuf], findings: Vec<Finding>) -> Vec<Finding> {
 pub fn source(path: &Path) -> Result<Source> {
     Ok(Source {
         file: chladni_text::file_name(path),
-        sha256: chladni_io::sha256_of(path)?,
+        checksum: chladni_io::checksum_of(path)?,
     })
 }
 

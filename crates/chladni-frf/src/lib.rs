@@ -56,6 +56,7 @@ mod nearest_word;
 mod printable;
 mod selection;
 mod shape_set;
+mod source;
 mod time_record;
 
 pub use dof::{Direction, Dof};
@@ -70,12 +71,13 @@ pub use kind::{FrfKind, ReferenceUnit, TimeSign};
 pub use measured_field::{FieldPoint, MeasuredField};
 pub use model::{
     ComplexMatrix, ComplexVector, Damping, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
-    Scaling, Source, Trust, MODEL_FORMAT,
+    Scaling, Trust, MODEL_FORMAT,
 };
 pub use nearest_word::nearest_word;
 pub use printable::printable;
 pub use selection::{ModeName, ModePick, Selected, Selection};
 pub use shape_set::{ShapeMode, ShapeSet};
+pub use source::{Checksum, Source};
 pub use time_record::{Channel, Run, SignalUnit};
 
 /// The name and version that every result carries in `created_by`.

@@ -5,7 +5,7 @@
 
 use crate::finding::{numbered, warnings};
 use crate::limits::ROUNDING;
-use crate::{Dof, Finding, FrfKind, Geometry, Node, Reasons, ReferenceUnit};
+use crate::{Dof, Finding, FrfKind, Geometry, Node, Reasons, ReferenceUnit, Source};
 use ndarray::{Array1, Array2, Array3, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -296,15 +296,6 @@ impl From<Quality> for QualityFields {
             path: quality.path,
         }
     }
-}
-
-/// An input file, by name (without its folder) and content.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Source {
-    /// File name.
-    pub file: String,
-    /// SHA-256 of its bytes, hexadecimal.
-    pub sha256: String,
 }
 
 /// A modal model: modes, residual terms, DOFs, geometry and quality. Field by field the

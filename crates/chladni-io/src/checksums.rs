@@ -1,8 +1,8 @@
-//! SHA-256 of files: of one that is read for it, and of many whose bytes pass by while
-//! they are read part by part.
+//! Checksums of files: of one that is read for it, and of many whose bytes pass by while
+//! they are read part by part. SHA-256 up to 1 GiB, BLAKE3 beyond.
 
-use crate::limits::BLOCK;
-use chladni_frf::{Error, Result, Source};
+use crate::limits::{BLOCK, SHA256_UP_TO_BYTES};
+use chladni_frf::{Checksum, Error, Result, Source};
 use chladni_text::door::{self, place_of, size_of};
 use chladni_text::file_name;
 
@@ -11,18 +11,71 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, MutexGuard};
 
-/// SHA-256 of a file, in hexadecimal digits.
+/// A sum that bytes are added to.
+enum Hash {
+    Sha256(Sha256),
+    Blake3(Box<blake3::Hasher>),
+}
+
+impl Hash {
+    fn of_bytes(count: u64) -> Self {
+        if count <= SHA256_UP_TO_BYTES {
+            Self::Sha256(Sha256::new())
+        } else {
+            Self::Blake3(Box::default())
+        }
+    }
+
+    fn of_file(path: &Path) -> Result<Self> {
+        Ok(Self::of_bytes(size_of(path)?))
+    }
+
+    fn update(&mut self, bytes: &[u8]) {
+        match self {
+            Self::Sha256(hash) => hash.update(bytes),
+            Self::Blake3(hash) => {
+                hash.update(bytes);
+            }
+        }
+    }
+
+    fn finish(self) -> Checksum {
+        match self {
+            Self::Sha256(hash) => Checksum::Sha256(hexadecimal(hash)),
+            Self::Blake3(hash) => Checksum::Blake3(hash.finalize().to_hex().to_string()),
+        }
+    }
+}
+
+/// Checksum that names a file as a source.
+///
+/// # Errors
+/// Those of reading.
+pub fn checksum_of(path: &Path) -> Result<Checksum> {
+    let mut hash = Hash::of_file(path)?;
+    feed(&mut hash, path, 0, u64::MAX)?;
+    Ok(hash.finish())
+}
+
+/// Checksum that names the file with these bytes.
+pub fn checksum_of_bytes(bytes: &[u8]) -> Checksum {
+    let mut hash = Hash::of_bytes(bytes.len() as u64);
+    hash.update(bytes);
+    hash.finish()
+}
+
+/// SHA-256 of a file of any size, in hexadecimal digits.
 ///
 /// # Errors
 /// Those of reading.
 pub fn sha256_of(path: &Path) -> Result<String> {
-    let mut hash = Sha256::new();
+    let mut hash = Hash::Sha256(Sha256::new());
     feed(&mut hash, path, 0, u64::MAX)?;
-    Ok(hexadecimal(hash))
+    Ok(hash.finish().digits().to_owned())
 }
 
 /// Adds the bytes `from..to` of a file, or up to its end.
-fn feed(hash: &mut Sha256, path: &Path, from: u64, to: u64) -> Result<()> {
+fn feed(hash: &mut Hash, path: &Path, from: u64, to: u64) -> Result<()> {
     let on_read = |error: std::io::Error| Error::from_read(&error, path);
     let mut file = door::open(path)?;
     file.seek(SeekFrom::Start(from)).map_err(on_read)?;
@@ -61,9 +114,9 @@ struct State {
     /// Of the stretch that is expected.
     turn: usize,
     /// Sums of the files before this one.
-    done: Vec<String>,
-    /// Of the file that is passing, up to here.
-    hash: Sha256,
+    done: Vec<Checksum>,
+    /// Of the file that is passing, up to here; `None` before its first byte.
+    hash: Option<Hash>,
     position: u64,
     /// True once a stretch failed to come: all files are to be read.
     given_up: bool,
@@ -86,7 +139,7 @@ impl Checksums {
             begun: false,
             turn: 0,
             done: Vec::new(),
-            hash: Sha256::new(),
+            hash: None,
             position: 0,
             given_up: false,
         };
@@ -136,14 +189,14 @@ impl Checksums {
             state.close(&self.files)?;
         }
         let of = |(place, path): (usize, &PathBuf)| {
-            let sha256 = if has_passed {
+            let checksum = if has_passed {
                 state.done[place].clone()
             } else {
-                sha256_of(path)?
+                checksum_of(path)?
             };
             Ok(Source {
                 file: file_name(path),
-                sha256,
+                checksum,
             })
         };
         self.files.iter().enumerate().map(of).collect()
@@ -151,16 +204,28 @@ impl Checksums {
 }
 
 impl State {
+    /// The sum of the file that is passing, taken out.
+    fn hash(&mut self, file: &Path) -> Result<Hash> {
+        self.hash.take().map_or_else(|| Hash::of_file(file), Ok)
+    }
+
     /// The rest of the file that is passing.
     fn close(&mut self, files: &[PathBuf]) -> Result<()> {
-        feed(
-            &mut self.hash,
-            &files[self.done.len()],
-            self.position,
-            u64::MAX,
-        )?;
-        self.done.push(hexadecimal(std::mem::take(&mut self.hash)));
+        let file = &files[self.done.len()];
+        let mut hash = self.hash(file)?;
+        feed(&mut hash, file, self.position, u64::MAX)?;
+        self.done.push(hash.finish());
         self.position = 0;
+        Ok(())
+    }
+
+    /// Adds bytes that lie at `start` of the file that is passing, after what lies before.
+    fn add(&mut self, file: &Path, start: u64, bytes: &[u8]) -> Result<()> {
+        let mut hash = self.hash(file)?;
+        feed(&mut hash, file, self.position, start)?;
+        hash.update(bytes);
+        self.hash = Some(hash);
+        self.position = start + bytes.len() as u64;
         Ok(())
     }
 
@@ -184,10 +249,7 @@ impl Turn<'_> {
             return;
         }
         let ready = state.go_to(files, self.file).is_ok() && state.position <= start;
-        let position = state.position;
-        if ready && feed(&mut state.hash, &files[self.file], position, start).is_ok() {
-            state.hash.update(bytes);
-            state.position = start + bytes.len() as u64;
+        if ready && state.add(&files[self.file], start, bytes).is_ok() {
             state.turn += 1;
             self.used = true;
             changed.notify_all();
@@ -239,26 +301,56 @@ mod tests {
             .to_vec()
     }
 
-    fn expected(files: &[PathBuf]) -> Vec<String> {
-        files.iter().map(|path| sha256_of(path).unwrap()).collect()
+    fn expected(files: &[PathBuf]) -> Vec<Checksum> {
+        let of = |path: &PathBuf| checksum_of(path).unwrap();
+        files.iter().map(of).collect()
     }
 
-    fn sums(checksums: &Checksums) -> Vec<String> {
-        checksums
-            .sources()
-            .unwrap()
-            .into_iter()
-            .map(|source| source.sha256)
-            .collect()
+    fn sums(checksums: &Checksums) -> Vec<Checksum> {
+        let sources = checksums.sources().unwrap();
+        sources.into_iter().map(|source| source.checksum).collect()
+    }
+
+    #[test]
+    fn a_file_beyond_one_gibibyte_is_named_by_blake3_whichever_way_it_is_read() {
+        let nothing = Hash::Blake3(Box::default()).finish();
+        let published = "af1349b9f5f9a1a6a0404dea36dcc9499bcb25c9adc112b7cc9a93cae41f3262";
+        assert_eq!(
+            nothing,
+            Checksum::Blake3(published.into()),
+            "published, of nothing"
+        );
+
+        let directory = tempfile::tempdir().unwrap();
+        let sized = |name: &str, bytes| {
+            let path = directory.path().join(name);
+            // a file with a hole: it takes no place on the disk
+            std::fs::File::create(&path)
+                .unwrap()
+                .set_len(bytes)
+                .unwrap();
+            path
+        };
+        let files = [
+            sized("largest with SHA-256", SHA256_UP_TO_BYTES),
+            sized("larger", SHA256_UP_TO_BYTES + 1),
+        ];
+        let checksums = Checksums::new(&files);
+        checksums.turn(0, 1).pass(10, &[0; 1000]);
+        let sums = sums(&checksums);
+        assert_eq!(sums, expected(&files));
+        let fields: Vec<&str> = sums.iter().map(Checksum::field).collect();
+        assert_eq!(fields, ["sha256", "blake3"]);
     }
 
     #[test]
     fn stretches_in_any_order_of_arrival_give_the_sums_of_the_files() {
         let directory = tempfile::tempdir().unwrap();
         let files = files(directory.path());
+        let nothing = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
         assert_eq!(
-            expected(&files)[1],
-            "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855",
+            expected(&files)[1].digits(),
+            nothing,
             "published, of nothing"
         );
         let checksums = Checksums::new(&files);

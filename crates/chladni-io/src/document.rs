@@ -1,7 +1,10 @@
 //! The result of a reader: everything found in one file, FRF or not.
 
 use super::Shape;
-use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit};
+use chladni_frf::{
+    Checksum, Direction, Dof, Error, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Source,
+};
+use chladni_text::file_name;
 use num_complex::{Complex32, Complex64};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -36,8 +39,8 @@ pub struct Document {
     pub file: PathBuf,
     /// Format found.
     pub format: FileFormat,
-    /// SHA-256 of the file's bytes, hexadecimal.
-    pub sha256: String,
+    /// Of the file's bytes; `None` where its headers alone were read.
+    pub checksum: Option<Checksum>,
     /// Nodes, lines, faces, in metres.
     pub geometry: Geometry,
     /// One entry per dataset, sound, unknown or damaged, in the order of the file.
@@ -60,7 +63,7 @@ impl Document {
         Self {
             file: file.to_path_buf(),
             format,
-            sha256: String::new(),
+            checksum: None,
             geometry: Geometry::default(),
             datasets: Vec::new(),
             frf: None,
@@ -69,6 +72,15 @@ impl Document {
             errors: Vec::new(),
             warnings: Vec::new(),
         }
+    }
+
+    /// The file as the source of a result; `None` where its headers alone were read.
+    pub fn source(&self) -> Option<Source> {
+        let checksum = self.checksum.clone()?;
+        Some(Source {
+            file: file_name(&self.file),
+            checksum,
+        })
     }
 }
 

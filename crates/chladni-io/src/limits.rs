@@ -46,6 +46,9 @@ pub(crate) const ROUNDING: f64 = 1e-5;
 
 /// Bytes read at a time: they stay in the cache next to a core.
 pub(crate) const BLOCK: usize = 1 << 17;
+/// Size of the largest file that is named by SHA-256; beyond it the sum would take a third
+/// of a fit's processor time, and BLAKE3 names the file (`chladni bench profile`).
+pub(crate) const SHA256_UP_TO_BYTES: u64 = 1 << 30;
 
 // csv/header.rs
 

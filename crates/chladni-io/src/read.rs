@@ -1,6 +1,6 @@
 //! From paths to documents, and from documents to one set.
 
-use super::checksums::{sha256_of, sha256_of_bytes};
+use super::checksums::{checksum_of, checksum_of_bytes};
 use super::paths::shortened;
 use super::{
     assemble, csv, detect_format, expand_paths, function_name, hdf5, mat, numpy, read_model, uff,
@@ -23,7 +23,7 @@ pub fn read_document(path: &Path, options: &ReadOptions) -> Result<Document> {
 }
 
 /// As [`read_document`], for the list of what is inside: a large universal file is not
-/// held in memory. Its document has neither functions nor shapes nor `sha256`, and says
+/// held in memory. Its document has neither functions nor shapes nor checksum, and says
 /// so in a warning.
 ///
 /// # Errors
@@ -173,8 +173,8 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
         _ => Some(read_bytes(path)?),
     };
     let hash = || match &bytes {
-        Some(bytes) => Ok(sha256_of_bytes(bytes)),
-        None => sha256_of(path),
+        Some(bytes) => Ok(checksum_of_bytes(bytes)),
+        None => checksum_of(path),
     };
     std::thread::scope(|scope| {
         let hash = scope.spawn(hash);
@@ -192,7 +192,7 @@ fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Res
             FileFormat::Model => model_document(path)?,
             FileFormat::Weights => weights_document(path)?,
         };
-        document.sha256 = hash.join().unwrap_or_else(|_| sha256_of(path))?;
+        document.checksum = Some(hash.join().unwrap_or_else(|_| checksum_of(path))?);
         Ok(document)
     })
 }

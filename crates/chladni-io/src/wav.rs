@@ -48,7 +48,7 @@ fn samples_of(reader: &mut WavReader<Cursor<&[u8]>>, channels: usize) -> Result<
     Ok(samples)
 }
 
-/// Reads all channels; `sha256` is left empty.
+/// Reads all channels; the checksum is left out.
 ///
 /// # Errors
 /// A header that is none, a file cut short, samples that are not finite.

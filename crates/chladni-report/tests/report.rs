@@ -2,7 +2,7 @@
 
 use base64::engine::general_purpose::STANDARD;
 use base64::Engine;
-use chladni_frf::{Finding, FrfSet, ModalModel, Reason, Source, Trust};
+use chladni_frf::{Checksum, Finding, FrfSet, ModalModel, Reason, Source, Trust};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{evaluate, render, stress, sweep, On, Rendering, Scene, StressOptions};
 use chladni_report::{
@@ -181,7 +181,7 @@ fn of_many_sources_the_first_are_named() {
     model.source = (1..=34)
         .map(|k| Source {
             file: format!("scan_{k}.uff"),
-            sha256: "ab".repeat(32),
+            checksum: Checksum::Sha256("ab".repeat(32)),
         })
         .collect();
     let facts = data(&ReportInput {
@@ -202,7 +202,7 @@ fn foreign_text_cannot_become_markup() {
     let mut model = small().truth.clone();
     model.source = vec![Source {
         file: EVIL.into(),
-        sha256: EVIL.into(),
+        checksum: Checksum::Sha256(EVIL.into()),
     }];
     (model.method, model.quality.path) = (EVIL.into(), Some(EVIL.into()));
     model.quality.findings = vec![Finding::from(EVIL.to_owned())];

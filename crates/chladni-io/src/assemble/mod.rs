@@ -15,9 +15,7 @@ pub(crate) use record::clean_coherence;
 use super::{
     Contents, DeclaredDofs, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,
 };
-use chladni_frf::{
-    Dof, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, Source, TimeSign,
-};
+use chladni_frf::{Dof, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, TimeSign};
 use chladni_text::file_name;
 use grid::DofList;
 use num_complex::Complex64;
@@ -66,7 +64,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
         override_node(&mut document, Side::Response, node)?;
         let node = node_for(Side::Reference, references, number, count)?;
         override_node(&mut document, Side::Reference, node)?;
-        contents.sources.push(source_of(&document));
+        contents.sources.extend(document.source());
         contents.not_carried.extend(super::not_carried(&document));
         geometry::merge(
             &mut geometry,
@@ -171,13 +169,6 @@ fn report(document: &mut Document, lenient: bool, warnings: &mut Vec<Finding>) -
         warnings.push(warning);
     }
     Ok(())
-}
-
-fn source_of(document: &Document) -> Source {
-    Source {
-        file: file_name(&document.file),
-        sha256: document.sha256.clone(),
-    }
 }
 
 fn is_measured(function: &Function) -> bool {

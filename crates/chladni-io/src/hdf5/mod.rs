@@ -37,7 +37,7 @@ impl ArrayFile for File {
     }
 }
 
-/// Everything in an HDF5 file; `sha256` is left empty.
+/// Everything in an HDF5 file; the checksum is left out.
 pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     let file = File::open(path)?;
     let entries = file.entries()?;
@@ -203,16 +203,9 @@ pub(super) fn write(
         frf.map_or(&others.other_geometry, |set| &set.geometry),
     );
     if !others.sources.is_empty() {
-        let join = |field: fn(&chladni_frf::Source) -> &str| {
-            others
-                .sources
-                .iter()
-                .map(field)
-                .collect::<Vec<_>>()
-                .join("\n")
-        };
-        root.set("source_file", join(|source| &source.file));
-        root.set("source_sha256", join(|source| &source.sha256));
+        for (name, column) in model::source_columns(&others.sources) {
+            root.set(&format!("source_{name}"), column.join("\n"));
+        }
     }
     if !others.functions.is_empty() {
         root.groups

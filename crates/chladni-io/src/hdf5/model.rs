@@ -8,8 +8,8 @@ use super::own::{add_label_lists, Own};
 use crate::arrays::tree::{Attribute, Entry, Group, Values};
 use crate::arrays::values::{dofs, integers, reals, texts, wrong_type, ComplexArray};
 use chladni_frf::{
-    ComplexMatrix, ComplexVector, Error, Finding, ModalModel, Mode, Quality, Reasons, ResidualTerm,
-    ResidualTerms, Result, Source, MODEL_FORMAT,
+    Checksum, ComplexMatrix, ComplexVector, Error, Finding, ModalModel, Mode, Quality, Reasons,
+    ResidualTerm, ResidualTerms, Result, Source, MODEL_FORMAT,
 };
 use ndarray::{Array2, Array3, Ix2, Ix3};
 use num_complex::Complex64;
@@ -84,16 +84,30 @@ pub(super) fn model_group(model: &ModalModel) -> Group<'_> {
     group
 }
 
+/// Columns of a table of sources, by name: `blake3` only where a large file needs it, and
+/// each sum empty where a source has the other.
+pub(super) fn source_columns(sources: &[Source]) -> Vec<(&'static str, Vec<String>)> {
+    let names = sources.iter().map(|source| source.file.clone());
+    let sums = |field: &str| -> Vec<String> {
+        let of = |source: &Source| match source.checksum.field() == field {
+            true => source.checksum.digits().to_owned(),
+            false => String::new(),
+        };
+        sources.iter().map(of).collect()
+    };
+    let mut columns = vec![("file", names.collect()), ("sha256", sums("sha256"))];
+    let is_large = |source: &Source| matches!(source.checksum, Checksum::Blake3(_));
+    if sources.iter().any(is_large) {
+        columns.push(("blake3", sums("blake3")));
+    }
+    columns
+}
+
 fn source_group(sources: &[Source]) -> Group<'static> {
     let mut group = Group::new("source");
-    group.add_texts(
-        "file",
-        sources.iter().map(|source| source.file.clone()).collect(),
-    );
-    group.add_texts(
-        "sha256",
-        sources.iter().map(|source| source.sha256.clone()).collect(),
-    );
+    for (name, column) in source_columns(sources) {
+        group.add_texts(name, column);
+    }
     group
 }
 
@@ -328,13 +342,22 @@ pub(super) fn read_model(own: &Own<'_>) -> Result<ModalModel> {
 
 fn read_sources(own: &Own<'_>) -> Result<Vec<Source>> {
     let part = Part::open(own, "/model/source")?;
-    let (files, hashes) = (part.texts("file")?, part.texts("sha256")?);
-    part.expect_count("sha256", hashes.len(), files.len())?;
-    Ok(files
-        .into_iter()
-        .zip(hashes)
-        .map(|(file, sha256)| Source { file, sha256 })
-        .collect())
+    let (files, sha256) = (part.texts("file")?, part.texts("sha256")?);
+    part.expect_count("sha256", sha256.len(), files.len())?;
+    let blake3 = match part.has("blake3") {
+        true => part.texts("blake3")?,
+        false => vec![String::new(); files.len()],
+    };
+    part.expect_count("blake3", blake3.len(), files.len())?;
+    let columns = files.into_iter().zip(sha256).zip(blake3);
+    let source = |((file, sha256), blake3): ((String, String), String)| Source {
+        file,
+        checksum: match blake3.is_empty() {
+            true => Checksum::Sha256(sha256),
+            false => Checksum::Blake3(blake3),
+        },
+    };
+    Ok(columns.map(source).collect())
 }
 
 fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {

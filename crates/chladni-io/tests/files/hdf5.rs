@@ -4,7 +4,7 @@ use chladni_frf::{
     Node, ReferenceUnit, TimeSign,
 };
 use chladni_io::{
-    read_contents, read_document, read_frf, sha256_of, write_contents, write_frf, Abscissa, Axis,
+    checksum_of, read_contents, read_document, read_frf, write_contents, write_frf, Abscissa, Axis,
     Contents, FrfParts, Function, Ordinate, ReadOptions,
 };
 use ndarray::{Array1, Array3};
@@ -72,7 +72,7 @@ fn folder_with(name: &str) -> (tempfile::TempDir, PathBuf) {
 
 fn read_one(path: &Path, options: &ReadOptions) -> chladni_frf::Result<(FrfSet, Vec<String>)> {
     let (set, sources, warnings) = read_frf(&[path.to_path_buf()], options)?;
-    assert_eq!(sources[0].sha256.len(), 64);
+    assert_eq!(sources[0].checksum.digits().len(), 64);
     Ok((set, crate::words(&warnings)))
 }
 
@@ -209,8 +209,8 @@ fn parts_hold_the_values_of_their_rows_whatever_memory_they_are_read_into() {
             assert_eq!(first, 41);
             if let Some(checksums) = &checksums {
                 assert_eq!(
-                    checksums.sources().unwrap()[0].sha256,
-                    sha256_of(&path).unwrap()
+                    checksums.sources().unwrap()[0].checksum,
+                    checksum_of(&path).unwrap()
                 );
             }
             assert_eq!(

@@ -191,7 +191,7 @@ fn info_lists_the_modes() {
         document.datasets[1].warnings[0].text,
         "only in one FRF (20 dB)"
     );
-    assert_eq!(document.sha256.len(), 64);
+    assert_eq!(document.checksum.unwrap().digits().len(), 64);
 }
 
 /// The error of a model file in which `from` stands as `to`, and the line of that change

@@ -125,7 +125,7 @@ fn sources(sources: &[Source]) -> String {
         [] => "not recorded".into(),
         few if few.len() <= SOURCES_LISTED => few
             .iter()
-            .map(|source| format!("{} (SHA-256 {})", source.file, source.sha256))
+            .map(|source| format!("{} ({})", source.file, source.checksum))
             .collect::<Vec<_>>()
             .join(", "),
         many => {

@@ -189,7 +189,7 @@ impl Reducer {
                 .filter(|node| labels.contains(&node.label))
                 .copied()
                 .collect(),
-            sources,
+            sources: named(&sources),
             ..block
         };
         Ok(Partial {

@@ -3,7 +3,7 @@
 use crate::data::pair_weights::Giver;
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{Matrix, Pass, Poles};
-use chladni_frf::{Dof, Error, Node, Source};
+use chladni_frf::{Checksum, Dof, Error, Node, Source};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashSet};
@@ -40,8 +40,14 @@ pub(crate) struct Block {
     pub r0: Option<Matrix<f64>>,
     /// Noise energy of each FRF, up to a factor, where the data tell it (first pass).
     pub given: Option<(Giver, Vec<f64>)>,
-    /// Files that it came from.
-    pub sources: Vec<Source>,
+    /// Files that it came from, by name and content.
+    pub sources: Vec<(String, Checksum)>,
+}
+
+/// Sources as a block has them.
+pub(crate) fn named(sources: &[Source]) -> Vec<(String, Checksum)> {
+    let named = |source: &Source| (source.file.clone(), source.checksum.clone());
+    sources.iter().map(named).collect()
 }
 
 /// Sums over the blocks `first..first + length`, where `length` is a power of two that
@@ -208,7 +214,7 @@ impl Partial {
     pub fn with_sources(mut self, sources: &[Source]) -> Self {
         self.blocks
             .iter_mut()
-            .for_each(|block| block.sources = sources.to_vec());
+            .for_each(|block| block.sources = named(sources));
         self
     }
 
@@ -247,8 +253,12 @@ impl Partial {
     pub fn sources(&self) -> Vec<Source> {
         let mut seen = HashSet::new();
         let all = self.blocks.iter().flat_map(|block| &block.sources);
-        all.filter(|source| seen.insert((&source.file, &source.sha256)))
-            .cloned()
+        let source = |(file, checksum): &(String, Checksum)| Source {
+            file: file.clone(),
+            checksum: checksum.clone(),
+        };
+        all.filter(|source| seen.insert(*source))
+            .map(source)
             .collect()
     }
 

@@ -1,0 +1,120 @@
+//! Input files, by name and content.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What tells the bytes of a file from any other's, in hexadecimal digits.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Checksum {
+    /// SHA-256: of files up to 1 GiB.
+    Sha256(String),
+    /// BLAKE3: of larger ones, several times as fast.
+    Blake3(String),
+}
+
+impl Checksum {
+    /// The digits.
+    pub fn digits(&self) -> &str {
+        match self {
+            Self::Sha256(digits) | Self::Blake3(digits) => digits,
+        }
+    }
+
+    /// The name of its field in a file: `sha256` or `blake3`.
+    pub fn field(&self) -> &'static str {
+        match self {
+            Self::Sha256(_) => "sha256",
+            Self::Blake3(_) => "blake3",
+        }
+    }
+}
+
+/// `SHA-256 ...` or `BLAKE3 ...`.
+impl fmt::Display for Checksum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sha256(digits) => write!(f, "SHA-256 {digits}"),
+            Self::Blake3(digits) => write!(f, "BLAKE3 {digits}"),
+        }
+    }
+}
+
+/// An input file, by name (without its folder) and content. In files an object with
+/// `file` and `sha256`, or `file` and `blake3`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "Entry", into = "Entry")]
+pub struct Source {
+    /// File name.
+    pub file: String,
+    /// Of its bytes.
+    pub checksum: Checksum,
+}
+
+/// A source as files have it.
+#[derive(Serialize, Deserialize)]
+struct Entry {
+    file: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sha256: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    blake3: Option<String>,
+}
+
+impl From<Source> for Entry {
+    fn from(source: Source) -> Self {
+        let (sha256, blake3) = match source.checksum {
+            Checksum::Sha256(digits) => (Some(digits), None),
+            Checksum::Blake3(digits) => (None, Some(digits)),
+        };
+        Self {
+            file: source.file,
+            sha256,
+            blake3,
+        }
+    }
+}
+
+impl TryFrom<Entry> for Source {
+    type Error = &'static str;
+
+    fn try_from(entry: Entry) -> Result<Self, Self::Error> {
+        let checksum = match (entry.sha256, entry.blake3) {
+            (Some(digits), _) => Checksum::Sha256(digits),
+            (None, Some(digits)) => Checksum::Blake3(digits),
+            (None, None) => return Err("missing field `sha256` or `blake3`"),
+        };
+        Ok(Self {
+            file: entry.file,
+            checksum,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_sum_is_read_as_it_is_written_and_neither_is_refused() {
+        let source = |checksum| Source {
+            file: "scan.h5".into(),
+            checksum,
+        };
+        let text = |source: &Source| serde_json::to_string(source).unwrap();
+        let small = source(Checksum::Sha256("ab".into()));
+        let large = source(Checksum::Blake3("cd".into()));
+        assert_eq!(text(&small), r#"{"file":"scan.h5","sha256":"ab"}"#);
+        assert_eq!(text(&large), r#"{"file":"scan.h5","blake3":"cd"}"#);
+        for source in [small, large] {
+            assert_eq!(
+                serde_json::from_str::<Source>(&text(&source)).unwrap(),
+                source
+            );
+        }
+        let error = serde_json::from_str::<Source>(r#"{"file":"scan.h5"}"#).unwrap_err();
+        assert!(
+            error.to_string().contains("`sha256` or `blake3`"),
+            "{error}"
+        );
+    }
+}
