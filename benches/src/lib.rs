@@ -5,6 +5,7 @@
 //! * [`CASES`], [`Problem`]: the truth, the noise of a seed, the Cramér-Rao bounds
 //! * [`accuracy`]: errors over the bound, coverage of the error bars, missed and spurious
 //!   modes, time; [`accuracy_figures`] draws error against time with the Pareto front
+//! * [`own_data`]: what cheaper settings lose on data whose truth nobody knows
 //! * [`profile`]: stage times, and the floor that no method can go below
 //!
 //! * [`stability`]: where methods fail, whether they know it, and whether error bars hold
@@ -30,6 +31,7 @@ mod knobs;
 mod large;
 mod measured;
 mod mode_errors;
+mod own_data;
 mod pareto;
 mod peers;
 mod problem;
@@ -56,6 +58,7 @@ pub use measured::{
     MeasuredOptions, MeasuredOutcome, MeasuredRow, MeasuredSummary, MeasuredWay, MEASURED_CELLS,
 };
 pub use mode_errors::{ModeErrors, Spread};
+pub use own_data::{own_csv, own_data, own_figures, OwnRow};
 pub use pareto::{accuracy_figures, front};
 pub use peers::PeerRow;
 pub use problem::{Bounds, Problem};

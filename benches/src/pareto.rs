@@ -3,7 +3,7 @@
 
 use crate::accuracy::AccuracyRow;
 use crate::cases::Case;
-use crate::knobs::{Knob, FAMILY, KNOBS};
+use crate::knobs::{Knob, Setting, FAMILY, KNOBS};
 use crate::peers::PeerRow;
 use crate::solver::Solver;
 use crate::statistics::root_mean_square;
@@ -13,7 +13,7 @@ use chladni_report::{
 use chladni_rfp::Method;
 
 /// Width of the picture, px.
-const WIDTH_PX: f64 = 720.0;
+pub(crate) const WIDTH_PX: f64 = 720.0;
 /// Height of the plotted box, px.
 const HEIGHT_PX: f64 = 360.0;
 /// Signs of series for methods; those of the curves follow them.
@@ -51,6 +51,14 @@ pub(crate) struct Entry {
     pub(crate) label: String,
     /// True for what runs unless told otherwise.
     pub(crate) default: bool,
+}
+
+/// A method as it is, or with one knob turned, on a chart.
+pub(crate) struct Point {
+    pub(crate) method: Method,
+    pub(crate) setting: Option<Setting>,
+    /// Seconds, error.
+    pub(crate) at: Place,
 }
 
 /// Points joined by a line: one knob turned.
@@ -227,10 +235,16 @@ fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figur
                 }),
         )
         .collect();
+    let point = |row: &&AccuracyRow| Point {
+        method: row.method,
+        setting: row.setting,
+        at: place(row),
+    };
+    let points: Vec<Point> = rows.iter().map(point).collect();
     let curves = if knobs {
-        curves(rows, &place)
+        curves(&points)
     } else {
-        vec![curve(rows, &place, &FAMILY).into_iter().collect()]
+        vec![curve(&points, &FAMILY).into_iter().collect()]
     };
     let structured = root_mean_square(
         rows[0]
@@ -284,17 +298,17 @@ fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figur
 
 /// The curves of each method whose knobs were turned: one for each knob, through the
 /// method as it is where that is one of the settings.
-fn curves(rows: &[&AccuracyRow], place: &dyn Fn(&AccuracyRow) -> Place) -> Vec<Vec<Curve>> {
+pub(crate) fn curves(points: &[Point]) -> Vec<Vec<Curve>> {
     let mut methods: Vec<Method> = Vec::new();
-    rows.iter().for_each(|row| {
-        if !methods.contains(&row.method) {
-            methods.push(row.method)
+    points.iter().for_each(|point| {
+        if !methods.contains(&point.method) {
+            methods.push(point.method)
         }
     });
     let of_method = |method: Method| {
         let knobs = KNOBS.iter().filter(|knob| knob.method == method);
         knobs
-            .filter_map(|knob| curve(rows, place, knob))
+            .filter_map(|knob| curve(points, knob))
             .collect::<Vec<Curve>>()
     };
     methods
@@ -305,24 +319,20 @@ fn curves(rows: &[&AccuracyRow], place: &dyn Fn(&AccuracyRow) -> Place) -> Vec<V
 }
 
 /// One knob turned; `None` where it was not.
-fn curve(
-    rows: &[&AccuracyRow],
-    place: &dyn Fn(&AccuracyRow) -> Place,
-    knob: &Knob,
-) -> Option<Curve> {
-    let own = || rows.iter().filter(|row| row.method == knob.method);
-    let mut points: Vec<(f64, Place)> = own()
-        .filter_map(|row| Some((knob.position(row.setting?)?, place(row))))
+fn curve(points: &[Point], knob: &Knob) -> Option<Curve> {
+    let own = || points.iter().filter(|point| point.method == knob.method);
+    let mut places: Vec<(f64, Place)> = own()
+        .filter_map(|point| Some((knob.position(point.setting?)?, point.at)))
         .collect();
-    if points.is_empty() {
+    if places.is_empty() {
         return None;
     }
-    let as_it_is = own().find(|row| row.setting.is_none());
-    points.extend(as_it_is.map(|row| (knob.as_it_is, place(row))));
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    (points.len() > 1).then(|| Curve {
+    let as_it_is = own().find(|point| point.setting.is_none());
+    places.extend(as_it_is.map(|point| (knob.as_it_is, point.at)));
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (places.len() > 1).then(|| Curve {
         name: format!("{}: {}", knob.method, knob.about),
-        points: points.into_iter().map(|(_, point)| point).collect(),
+        points: places.into_iter().map(|(_, place)| place).collect(),
     })
 }
 
@@ -336,7 +346,7 @@ fn limit(name: &str, at: f64, dash: Dash) -> Layer {
 }
 
 /// Method, and how its count of modes is wrong.
-fn label(method: &str, missed: f64, spurious: f64) -> String {
+pub(crate) fn label(method: &str, missed: f64, spurious: f64) -> String {
     let words: Vec<String> = [(missed, "missed"), (spurious, "spurious")]
         .into_iter()
         .filter(|(count, _)| *count > 0.0)

@@ -124,8 +124,8 @@ impl Score {
     }
 }
 
-/// Pairs (true mode, found mode).
-fn pair(known: &[&Mode], found: &[&Mode]) -> Vec<(usize, usize)> {
+/// Pairs (true mode, found mode), nearest first, within half a half-power bandwidth.
+pub(crate) fn pair(known: &[&Mode], found: &[&Mode]) -> Vec<(usize, usize)> {
     let mut near = Vec::new();
     for (k, known) in known.iter().enumerate() {
         for (f, found) in found.iter().enumerate() {

@@ -36,6 +36,50 @@ fn accuracy_writes_a_table_and_a_chart_for_each_case() {
 }
 
 #[test]
+fn data_of_ones_own_tell_what_cheaper_settings_lose() {
+    let folder = Folder::new();
+    folder
+        .run("accuracy -o out --case easy --method lean --seeds 1 --export -q")
+        .exits(0);
+    let line =
+        "accuracy -o own --input out/frf-easy-0.h5 --method auto --method lean --method peak";
+    let json = folder.run(&format!("{line} --json")).exits(0).json();
+    assert_eq!(json["modes"], 8);
+    let csv = folder.text("own/accuracy-input.csv");
+    let row = |name: &str| -> Vec<String> {
+        let line = csv.lines().find(|line| line.starts_with(name));
+        let cells = line
+            .unwrap_or_else(|| panic!("no {name}: {csv}"))
+            .split(',');
+        cells.map(str::to_owned).collect()
+    };
+    let number = |name: &str, cell: usize| row(name)[cell].parse::<f64>().unwrap();
+    assert_eq!(
+        row("auto,")[3..7],
+        ["0", "0", "0", "0"],
+        "the default beside itself"
+    );
+    assert_eq!(number("auto,", 9), 1.0);
+    let [lean, peak] = ["lean,", "peak,"].map(|name| number(name, 9));
+    assert!(
+        lean < 2.0 && peak > 5.0,
+        "lean at the bound {lean}, peaks far from it {peak}"
+    );
+    assert!(row("\"auto, pool steps 2\"").len() > 9, "knobs were turned");
+    for name in [
+        "accuracy-input.svg",
+        "accuracy-input-knobs.png",
+        "accuracy-input.html",
+    ] {
+        assert!(folder.path().join("own").join(name).is_file(), "{name}");
+    }
+    let run = folder
+        .run("accuracy -o other --input out/frf-easy-0.h5 --method mls")
+        .exits(2);
+    assert!(run.stderr.contains("scene"), "{}", run.stderr);
+}
+
+#[test]
 fn an_unknown_case_is_answered_with_the_known_ones() {
     let run = Folder::new().run("accuracy -o out --case hard").exits(2);
     assert!(

@@ -1,11 +1,12 @@
 //! `chladni bench accuracy`.
 
-use super::{shown, Place};
+use super::{own_data, shown, Place};
 use chladni_bench::{
     accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scene_knobs,
     scenes, AccuracyOptions, AccuracyRow, Case, Means, PeerRow, SceneCase, SceneOptions, SceneRow,
     Solver, CASES, SCENE_CASES,
 };
+use chladni_console::input::Reading;
 use chladni_console::output::{Output, FRF, MODEL};
 use chladni_console::table::table;
 use chladni_console::Console;
@@ -38,17 +39,19 @@ nothing else beats in both. Times are medians of this run; on a shared machine o
   chladni bench accuracy -o bench --quick
   chladni bench accuracy -o bench --case panel --method auto --seeds 100
   chladni bench accuracy -o bench --case quarter-1
+  chladni bench accuracy -o bench --input scan.uff --frf-kind mobility
 
 Writes accuracy.csv (a row for each case and method, scenes of rendering among them), accuracy-modes.csv (a row for each mode),
 accuracy-CASE.svg/png (error against time with the Pareto front), accuracy-CASE-knobs (one option turned), scene-CASE (ground lost against time),
-scene-CASE-knobs (how far κ is searched for) and accuracy.html. An interrupted run goes on where it stopped.")]
+scene-CASE-knobs (how far κ is searched for) and accuracy.html. With --input: accuracy-input.csv (a row for each setting, beside the
+default fit of the same data), accuracy-input.svg/png and accuracy-input-knobs. An interrupted run goes on where it stopped.")]
 pub struct Args {
     #[command(flatten)]
-    place: Place,
+    pub(super) place: Place,
     /// Methods to run, of identification and of rendering; may be repeated [default: all]
     #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Solver::names())
         .try_map(|name| Solver::named(&name).ok_or("no such method")))]
-    methods: Vec<Solver>,
+    pub(super) methods: Vec<Solver>,
     /// Noise seeds of each case for the methods that maximise the likelihood; others take
     /// a tenth of them [default: 100; quick: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -74,7 +77,13 @@ pub struct Args {
     peers: Option<PathBuf>,
     /// Leave every option as it is: no knobs
     #[arg(long)]
-    no_knobs: bool,
+    pub(super) no_knobs: bool,
+    /// FRFs of your own; may be repeated: one set. What cheaper methods and settings lose
+    /// beside the default, in its error bars
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["cases", "seeds", "seed", "shapes", "export", "export_wrong", "peers"])]
+    pub(super) input: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) reading: Reading,
     /// Cases and scenes to run; may be repeated [default: all cases, and five scenes]
     #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(
         CASES.iter().map(|case| case.name).chain(SCENE_CASES.iter().map(|case| case.name))))]
@@ -131,6 +140,9 @@ impl Args {
 /// # Errors
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+    if !args.input.is_empty() {
+        return own_data::run(args, console);
+    }
     args.place.prepare(&TABLES, console)?;
     let quick = args.place.quick;
     let peers = match &args.peers {

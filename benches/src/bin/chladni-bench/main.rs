@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod measured;
+mod own_data;
 mod paper;
 mod profile;
 mod rig;

@@ -12,7 +12,7 @@ use crate::data::sketch::{self, Mixing};
 use crate::data::source::Way;
 use crate::data::window::told;
 use crate::pieces::error::PieceError;
-use crate::pieces::partial::{Block, Partial, ProductSums, Run, SketchSums, Sums};
+use crate::pieces::partial::{named, Block, Partial, ProductSums, Run, SketchSums, Sums};
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{Matrix, Pass, Poles};
 use crate::poles::passes::on_all_lines;
