@@ -21,6 +21,8 @@ use std::time::Instant;
 
 /// Fits of one setting; their median is its time.
 const REPEATS: usize = 3;
+/// A setting whose fits have taken so long is not repeated further, s.
+const ENOUGH_S: f64 = 1.0;
 
 /// Runs of one setting on the data.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -143,6 +145,9 @@ fn run(frf: &FrfSet, (method, setting): (Method, Option<Setting>), default: &Mod
                 trial.failed = Some(error.to_string());
                 break;
             }
+        }
+        if trial.times_s.iter().sum::<f64>() > ENOUGH_S {
+            break;
         }
     }
     trial

@@ -1,8 +1,8 @@
 //! Model files: both formats return every field; what is wrong is named.
 use chladni_frf::{
-    ComplexMatrix, ComplexVector, Damping, ErrorKind, Finding, FrfKind, ModalModel, Mode, Node,
-    Quality, Reason, Reasons, ReferenceUnit, ResidualTerm, ResidualTerms, Scaling, Source, Trust,
-    MODEL_FORMAT,
+    Checksum, ComplexMatrix, ComplexVector, Damping, ErrorKind, Finding, FrfKind, ModalModel, Mode,
+    Node, Quality, Reason, Reasons, ReferenceUnit, ResidualTerm, ResidualTerms, Scaling, Source,
+    Trust, MODEL_FORMAT,
 };
 use chladni_io::{read_document, read_model, write_model, FileFormat, ReadOptions};
 use ndarray::Array2;
@@ -53,10 +53,15 @@ fn model() -> ModalModel {
         format: MODEL_FORMAT.into(),
         version: 1,
         created_by: chladni_frf::CREATED_BY.into(),
-        source: vec![Source {
-            file: "Platte µ.h5".into(),
-            sha256: "ab".repeat(32),
-        }],
+        source: [
+            ("Platte µ.h5", Checksum::Sha256("ab".repeat(32))),
+            ("beyond 1 GiB.h5", Checksum::Blake3("cd".repeat(32))),
+        ]
+        .map(|(file, checksum)| Source {
+            file: file.into(),
+            checksum,
+        })
+        .to_vec(),
         options: serde_json::json!({"band": [10.0, 700.0], "modes": "auto"})
             .as_object()
             .unwrap()

@@ -1,6 +1,6 @@
 //! Documents as readers make them.
 
-use chladni_frf::{Error, FrfKind, FrfSet, Geometry, ReferenceUnit};
+use chladni_frf::{Checksum, Error, FrfKind, FrfSet, Geometry, ReferenceUnit};
 use chladni_io::{assemble, Abscissa, Axis, Document, FileFormat, Function, Ordinate, ReadOptions};
 use num_complex::Complex64;
 use std::path::PathBuf;
@@ -47,7 +47,7 @@ pub(super) fn document(name: &str, functions: Vec<Function>) -> Document {
     Document {
         file: PathBuf::from(name),
         format: FileFormat::Uff,
-        sha256: "00".into(),
+        checksum: Some(Checksum::Sha256("00".into())),
         geometry: Geometry::default(),
         datasets: Vec::new(),
         frf: None,
