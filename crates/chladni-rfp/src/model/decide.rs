@@ -17,9 +17,10 @@ use ndarray::Axis;
 use num_complex::Complex64;
 
 /// Poles of the law that the data prefer, or that is asked for, structured where that
-/// holds; with what is to be said of it. Where phases alone do not decide and one shape per
-/// mode is refused, the other law holds if it bears such shapes. `again`: the poles in
-/// another law.
+/// holds; with what is to be said of it. Shapes have a say, which phases of heavily
+/// overlapping modes may get wrong: where these do not decide and one shape per mode is
+/// refused, the other law holds if it bears such shapes, and where shapes are complex, it
+/// holds if they are real there. `again`: the poles in another law.
 pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     data: &DataLayout,
     found: PoleEstimate,
@@ -37,18 +38,18 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     };
     watch.stage("shapes")?;
     let mut searched = shape_search(data, &found, options)?;
-    let phases_decide = matches!(told, Verdict::Decided(_));
-    if matches!(searched, Search::Refused(_)) && !phases_decide && options.damping.is_none() {
+    let refused = matches!(searched, Search::Refused(_)) && !matches!(told, Verdict::Decided(_));
+    let complex = borne(&searched) && !real(&searched) && options.shapes == ShapeModel::Auto;
+    if (refused || complex) && options.damping.is_none() {
         let there = again(found.clone(), law.other())?;
         let other = shape_search(data, &there, options)?;
-        if borne(&other) {
+        if borne(&other) && (refused || real(&other)) {
             (found, searched) = (there, other);
             told = Verdict::Decided(law.other());
         }
     }
     let law = found.work.law;
-    let real =
-        matches!(&searched, Search::Found(structured) if structured.borne && structured.real);
+    let real = real(&searched);
     let (refined, unlike) = match searched {
         Search::Found(structured) => (Some(structured), None),
         Search::Refused(sigmas) => (None, Some(sigmas)),
@@ -96,6 +97,11 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
 /// True where one shape for each mode leaves no more than chance.
 fn borne(search: &Search) -> bool {
     matches!(search, Search::Found(structured) if structured.borne)
+}
+
+/// True where one real shape for each mode does.
+fn real(search: &Search) -> bool {
+    matches!(search, Search::Found(structured) if structured.borne && structured.real)
 }
 
 /// The verdict of the data on the law: nothing where there are no modes, or where line

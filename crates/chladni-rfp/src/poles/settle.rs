@@ -6,7 +6,7 @@ use crate::poles::limits;
 use crate::poles::prune::{crutch, is_spike, threshold};
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::scan::{scan, Scan};
-use crate::poles::whiteness::correlates_everywhere;
+use crate::poles::whiteness::{correlates_everywhere, judge_columns};
 use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
@@ -26,7 +26,7 @@ pub(crate) fn settle(
     history: &mut Vec<(usize, f64)>,
 ) -> Result<Scan, LinalgError> {
     let limit = threshold(frfs, work.lines());
-    let mut vain = InVain::new(refined);
+    let mut vain = InVain::new(work, refined);
     let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
     for _ in 0..limits::SCAN_ROUNDS * 3 {
         if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
@@ -68,7 +68,7 @@ pub(crate) fn settle(
             needed.retain(|pole| (pole - new).norm() > limits::LEANS_WITHIN * (pole.im + new.im));
             *variance = variance.min(refined.variance(work));
             history.push((refined.lambda.len(), refined.variance(work)));
-            if vain.after(refined) {
+            if vain.after(work, refined) {
                 break;
             }
         }
@@ -76,39 +76,55 @@ pub(crate) fn settle(
     Ok(scan(work, refined))
 }
 
-/// Poles that stand for errors which neighbouring lines share: each takes a little out of
-/// the sum of squares, and there is no end of them.
+/// Poles that stand for errors of the line shape or for errors which neighbouring lines
+/// share: each takes a little away, and there is no end of them.
 struct InVain {
     added: usize,
-    /// Sum of squares at the last look, if lines correlated everywhere then.
-    before: Option<f64>,
+    before: Look,
+}
+
+/// What poles are to take away.
+struct Look {
+    /// Sum of squares, if lines correlate everywhere.
+    sse: Option<f64>,
+    /// The strongest evidence against white noise, over what white noise allows, if it is
+    /// far beyond.
+    excess: Option<f64>,
+}
+
+impl Look {
+    fn at(work: &Columns, refined: &Refined) -> Self {
+        let Projection { residual, sse, .. } = &refined.projection;
+        let excess = judge_columns(work, &refined.lambda, residual, 1.0).excess;
+        Self {
+            sse: correlates_everywhere(residual).then_some(*sse),
+            excess: (excess > limits::FAR_FROM_WHITE).then_some(excess),
+        }
+    }
 }
 
 impl InVain {
-    fn new(start: &Refined) -> Self {
+    fn new(work: &Columns, start: &Refined) -> Self {
         Self {
             added: 0,
-            before: Self::look(start),
+            before: Look::at(work, start),
         }
     }
 
-    fn look(refined: &Refined) -> Option<f64> {
-        let Projection { residual, sse, .. } = &refined.projection;
-        correlates_everywhere(residual).then_some(*sse)
-    }
-
     /// True where the poles added of late have helped little, with one pole more.
-    fn after(&mut self, refined: &Refined) -> bool {
+    fn after(&mut self, work: &Columns, refined: &Refined) -> bool {
         let (count, share) = limits::ADDED_IN_VAIN;
         self.added += 1;
         if !self.added.is_multiple_of(count) {
             return false;
         }
-        let (before, now) = (self.before, Self::look(refined));
-        self.before = now;
-        before
-            .zip(now)
-            .is_some_and(|(before, now)| now > (1.0 - share) * before)
+        let now = Look::at(work, refined);
+        let before = std::mem::replace(&mut self.before, now);
+        let stays = |before: Option<f64>, now: Option<f64>| {
+            let both = before.zip(now);
+            both.is_some_and(|(before, now)| now > (1.0 - share) * before)
+        };
+        stays(before.sse, self.before.sse) || stays(before.excess, self.before.excess)
     }
 }
 
