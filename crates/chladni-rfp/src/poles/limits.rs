@@ -118,10 +118,10 @@ pub(super) const OVERLAP: usize = 2;
 
 // settle.rs
 
-/// Poles added until it is asked whether they help where neighbouring lines correlate
+/// Poles tried until it is asked whether they help where neighbouring lines correlate
 /// everywhere, or where the residual is far from white, and the part of the sum of squares,
 /// or of the evidence against white noise, that they must take out by then.
-pub(super) const ADDED_IN_VAIN: (usize, f64) = (5, 0.2);
+pub(super) const TRIED_IN_VAIN: (usize, f64) = (5, 0.2);
 
 /// Evidence against white noise, over what white noise allows, that a missing weak mode does
 /// not give: these stay below 2.

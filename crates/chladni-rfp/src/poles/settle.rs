@@ -12,21 +12,29 @@ use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
+/// The end of the loop.
+pub(crate) struct Settled {
+    /// The last look at the residual.
+    pub scanned: Scan,
+    /// True where the search was given up, since what was tried helped little.
+    pub in_vain: bool,
+}
+
 /// Drops what cannot be a mode, adds what the residual shows, until neither changes
 /// anything.
 ///
 /// `frfs`: FRFs whose noise a pole of the model takes along. On a sketch these are its
 /// columns; compressed columns hold all that the basis they were made with takes out of
-/// *all* FRFs, noise included. Returns the last look at the residual.
+/// *all* FRFs, noise included.
 pub(crate) fn settle(
     work: &Columns,
     refined: &mut Refined,
     variance: &mut f64,
     frfs: usize,
     history: &mut Vec<(usize, f64)>,
-) -> Result<Scan, LinalgError> {
+) -> Result<Settled, LinalgError> {
     let limit = threshold(frfs, work.lines());
-    let mut vain = InVain::new(work, refined);
+    let (mut vain, mut in_vain) = (InVain::new(work, refined), false);
     let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
     for _ in 0..limits::SCAN_ROUNDS * 3 {
         if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
@@ -38,7 +46,10 @@ pub(crate) fn settle(
         let scanned = scan(work, refined);
         let shown = scanned.beyond(limit * *variance, &tried).first().copied();
         let Some(pole) = shown.or_else(|| beyond_the_band(work, &tried)) else {
-            return Ok(scanned);
+            return Ok(Settled {
+                scanned,
+                in_vain: false,
+            });
         };
         tried.push(pole);
         let mut more = refined.lambda.clone();
@@ -68,18 +79,22 @@ pub(crate) fn settle(
             needed.retain(|pole| (pole - new).norm() > limits::LEANS_WITHIN * (pole.im + new.im));
             *variance = variance.min(refined.variance(work));
             history.push((refined.lambda.len(), refined.variance(work)));
-            if vain.after(work, refined) {
-                break;
-            }
+        }
+        if vain.after(work, refined) {
+            in_vain = true;
+            break;
         }
     }
-    Ok(scan(work, refined))
+    Ok(Settled {
+        scanned: scan(work, refined),
+        in_vain,
+    })
 }
 
 /// Poles that stand for errors of the line shape or for errors which neighbouring lines
 /// share: each takes a little away, and there is no end of them.
 struct InVain {
-    added: usize,
+    tried: usize,
     before: Look,
 }
 
@@ -106,16 +121,16 @@ impl Look {
 impl InVain {
     fn new(work: &Columns, start: &Refined) -> Self {
         Self {
-            added: 0,
+            tried: 0,
             before: Look::at(work, start),
         }
     }
 
-    /// True where the poles added of late have helped little, with one pole more.
+    /// True where the poles tried of late have helped little, with one pole more.
     fn after(&mut self, work: &Columns, refined: &Refined) -> bool {
-        let (count, share) = limits::ADDED_IN_VAIN;
-        self.added += 1;
-        if !self.added.is_multiple_of(count) {
+        let (count, share) = limits::TRIED_IN_VAIN;
+        self.tried += 1;
+        if !self.tried.is_multiple_of(count) {
             return false;
         }
         let now = Look::at(work, refined);
