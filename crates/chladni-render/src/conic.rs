@@ -48,6 +48,15 @@ impl Affine {
         self
     }
 
+    /// Its value.
+    pub(crate) fn at(&self, x: &[f64]) -> f64 {
+        let terms = self.terms.iter();
+        self.constant
+            + terms
+                .map(|&(variable, factor)| factor * x[variable])
+                .sum::<f64>()
+    }
+
     /// The same plus a number.
     pub(crate) fn plus_constant(mut self, constant: f64) -> Self {
         self.constant += constant;

@@ -161,6 +161,15 @@ pub const CONIC_PROOF: f64 = 1e-8;
 /// roundings, taken out again by a second solution.
 pub const CONIC_RIDGE: f64 = 1e-14;
 
+/// Rows up to which all of them are in a program from the beginning: the responses of the
+/// demonstration panel and the ground that joins them.
+pub const FEW_ROWS: usize = 150;
+
+/// Distance from its limit, relative, within which a row of many is in the next program from
+/// the beginning. Twice as much costs the time of twice the rows, half as much another
+/// program now and then.
+pub const NEAR_LIMIT: f64 = 0.05;
+
 /// Rows of a cone above which it enters the equations of a step as one row and a fixed sum
 /// in place of row by row. Error bars have 69 rows, the others three.
 pub const WIDE_CONE: usize = 8;
