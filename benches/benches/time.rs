@@ -1,11 +1,40 @@
-//! Scenes in time: `cargo bench -p chladni-bench --bench time`.
+//! Scenes in time, in processor time of all threads: `cargo bench --bench time`.
 
 use chladni_frf::ModalModel;
 use chladni_plate::{simulate, Panel};
 use chladni_render::{modal_ramp, play, render, PlayOptions, Ramps, RenderOptions, Scene, Weights};
+use cpu_time::ProcessTime;
+use criterion::measurement::{Measurement, ValueFormatter, WallTime};
 use criterion::{criterion_group, criterion_main, Criterion};
 use std::hint::black_box;
 use std::path::Path;
+use std::time::Duration;
+
+/// Processor time of all threads: a machine that others use as well hardly changes it.
+struct ProcessorTime;
+
+impl Measurement for ProcessorTime {
+    type Intermediate = ProcessTime;
+    type Value = Duration;
+    fn start(&self) -> ProcessTime {
+        ProcessTime::now()
+    }
+    fn end(&self, started: ProcessTime) -> Duration {
+        started.elapsed()
+    }
+    fn add(&self, a: &Duration, b: &Duration) -> Duration {
+        *a + *b
+    }
+    fn zero(&self) -> Duration {
+        Duration::ZERO
+    }
+    fn to_f64(&self, value: &Duration) -> f64 {
+        value.as_nanos() as f64
+    }
+    fn formatter(&self) -> &dyn ValueFormatter {
+        WallTime.formatter()
+    }
+}
 
 fn truth() -> ModalModel {
     let mut panel = Panel::default();
@@ -36,7 +65,7 @@ fn steady(model: &ModalModel) -> Weights {
         .weights
 }
 
-fn in_time(c: &mut Criterion) {
+fn in_time(c: &mut Criterion<ProcessorTime>) {
     let model = truth();
     let weights = steady(&model);
     let mut group = c.benchmark_group("time");
@@ -69,5 +98,9 @@ fn in_time(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, in_time);
+criterion_group! {
+    name = benches;
+    config = Criterion::default().with_measurement(ProcessorTime);
+    targets = in_time
+}
 criterion_main!(benches);

@@ -1,15 +1,21 @@
-//! Second-order cone programs in the words of this crate, solved by the interior-point
-//! method of `clarabel`.
+//! Second-order cone programs in the words of this crate.
 //!
 //! minimise qᵀx with every expression that was added non-negative, and the first of every
-//! cone at least the norm of the rest. The solver is deterministic and runs on one
-//! thread.
+//! cone at least the norm of the rest. The rows of a drive are dense, and programs of
+//! dense rows have a solver of their own (module [`interior_point`]); where its steps lead
+//! nowhere, that of `clarabel` decides (module [`sparse`]). Both are deterministic and
+//! run on one thread.
 
-use crate::tolerances;
-use chladni_frf::{Error, ErrorKind, Result};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
-use ndarray::ArrayView1;
+mod cones;
+mod interior_point;
+mod normal_equations;
+mod sparse;
+
+use chladni_frf::Result;
+use cones::{Cone, Cones};
+use interior_point::Outcome;
+use ndarray::{Array2, ArrayView1};
+use normal_equations::StandardForm;
 use num_complex::Complex64;
 
 /// Σ coefficient·variable + constant.
@@ -40,6 +46,15 @@ impl Affine {
     pub(crate) fn plus(mut self, variable: usize, coefficient: f64) -> Self {
         self.terms.push((variable, coefficient));
         self
+    }
+
+    /// Its value.
+    pub(crate) fn at(&self, x: &[f64]) -> f64 {
+        let terms = self.terms.iter();
+        self.constant
+            + terms
+                .map(|&(variable, factor)| factor * x[variable])
+                .sum::<f64>()
     }
 
     /// The same plus a number.
@@ -85,7 +100,7 @@ impl Affine {
 pub(crate) struct ConicProgram {
     objective: Vec<f64>,
     rows: Vec<Affine>,
-    cones: Vec<SupportedConeT<f64>>,
+    cones: Vec<Cone>,
 }
 
 /// The result of the solver.
@@ -112,10 +127,11 @@ impl ConicProgram {
 
     /// Demands that the expression is not negative.
     pub(crate) fn not_negative(&mut self, expression: Affine) {
+        let row = self.rows.len();
         self.rows.push(expression);
         match self.cones.last_mut() {
-            Some(SupportedConeT::NonnegativeConeT(size)) => *size += 1,
-            _ => self.cones.push(SupportedConeT::NonnegativeConeT(1)),
+            Some(Cone::NotNegative(rows)) => rows.end += 1,
+            _ => self.cones.push(Cone::NotNegative(row..row + 1)),
         }
     }
 
@@ -124,68 +140,35 @@ impl ConicProgram {
         let before = self.rows.len();
         self.rows.push(bound);
         self.rows.extend(parts);
-        self.cones
-            .push(SupportedConeT::SecondOrderConeT(self.rows.len() - before));
+        self.cones.push(Cone::Norm(before..self.rows.len()));
     }
 
-    /// Solves the program; `None` where it has no solution, or none that the solver's own
+    /// Solves the program; `None` where it has no solution, or none that the solvers' own
     /// checks pass.
     ///
     /// # Errors
-    /// [`ErrorKind::Internal`] where the program is malformed: a bug.
+    /// [`chladni_frf::ErrorKind::Internal`] where the program is malformed: a bug.
     pub(crate) fn solve(&self) -> Result<Option<ConicSolution>> {
-        let columns = self.objective.len();
-        // b − A·x must lie in the cones, so that A holds the negative coefficients
-        let mut by_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); columns];
-        for (row, expression) in self.rows.iter().enumerate() {
-            for &(column, coefficient) in &expression.terms {
-                by_column[column].push((row, -coefficient));
+        match interior_point::solve(&self.standard_form()) {
+            Outcome::Solved(x) => Ok(Some(ConicSolution { x })),
+            Outcome::Impossible => Ok(None),
+            Outcome::Unsure => sparse::solve(self),
+        }
+    }
+
+    fn standard_form(&self) -> StandardForm {
+        let mut rows = Array2::zeros((self.rows.len(), self.objective.len()));
+        for (mut row, expression) in rows.rows_mut().into_iter().zip(&self.rows) {
+            for &(variable, coefficient) in &expression.terms {
+                row[variable] += coefficient;
             }
         }
-        let mut starts = vec![0];
-        let (mut places, mut values) = (Vec::new(), Vec::new());
-        for column in &by_column {
-            places.extend(column.iter().map(|entry| entry.0));
-            values.extend(column.iter().map(|entry| entry.1));
-            starts.push(places.len());
+        StandardForm {
+            cost: self.objective.clone(),
+            rows,
+            constant: self.rows.iter().map(|row| row.constant).collect(),
+            cones: Cones(self.cones.clone()),
         }
-        let matrix = CscMatrix::new(self.rows.len(), columns, starts, places, values);
-        let right: Vec<f64> = self.rows.iter().map(|row| row.constant).collect();
-        let settings = DefaultSettings {
-            verbose: false,
-            max_threads: 1,
-            max_iter: tolerances::CONIC_STEPS,
-            tol_gap_abs: tolerances::CONIC_GAP,
-            tol_gap_rel: tolerances::CONIC_GAP,
-            tol_feas: tolerances::CONIC_GAP,
-            iterative_refinement_reltol: tolerances::CONIC_REFINEMENT,
-            iterative_refinement_abstol: tolerances::CONIC_REFINEMENT,
-            ..DefaultSettings::default()
-        };
-        let quadratic = CscMatrix::zeros((columns, columns));
-        let mut solver = DefaultSolver::new(
-            &quadratic,
-            &self.objective,
-            &matrix,
-            &right,
-            &self.cones,
-            settings,
-        )
-        .map_err(|error| {
-            Error::new(
-                ErrorKind::Internal,
-                format!("malformed conic program: {error}"),
-            )
-        })?;
-        solver.solve();
-        let usable = matches!(
-            solver.solution.status,
-            SolverStatus::Solved | SolverStatus::AlmostSolved
-        );
-        let finite = solver.solution.x.iter().all(|value| value.is_finite());
-        Ok((usable && finite).then(|| ConicSolution {
-            x: std::mem::take(&mut solver.solution.x),
-        }))
     }
 }
 

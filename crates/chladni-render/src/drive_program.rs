@@ -12,7 +12,7 @@ use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 /// A problem scaled for conic programs.
 pub(crate) struct DriveProgram<'a> {
@@ -30,6 +30,9 @@ pub(crate) struct DriveProgram<'a> {
     /// True once a drive went beyond the force limits: most scenes stay far below, and do
     /// without their cones.
     limited: Cell<bool>,
+    /// Rows near their limits in the last solution: of many rows only these are in the next
+    /// program at first.
+    near: RefCell<Vec<usize>>,
 }
 
 /// The right-hand sides of the constraints, each an expression of the program's own
@@ -97,6 +100,7 @@ impl<'a> DriveProgram<'a> {
             root,
             limits: problem.drive_limits,
             limited: Cell::new(false),
+            near: RefCell::default(),
         })
     }
 
@@ -333,9 +337,66 @@ impl<'a> DriveProgram<'a> {
         })
     }
 
-    /// Solves `program` with rows, error bar and force limits besides, these only where
-    /// they are met.
+    /// Solves `program` with rows, error bar and force limits besides.
+    ///
+    /// Few rows bind. Of many `active` ones those take part that were near their limits
+    /// before, then those that the solution misses, until it misses none: the solution
+    /// over all of them.
     fn solve(
+        &self,
+        program: ConicProgram,
+        phases: &Array1<Complex64>,
+        active: &[usize],
+        sides: &Sides,
+    ) -> Result<Option<ConicSolution>> {
+        let mut part = self.near.take();
+        part.retain(|k| active.contains(k));
+        if active.len() <= tolerances::FEW_ROWS || part.is_empty() {
+            part = active.to_vec();
+        }
+        loop {
+            let solution = self.solve_over(program.clone(), phases, &part, sides)?;
+            let Some(found) = solution.as_ref() else {
+                // rows that are left out may be what bounds it
+                if part.len() == active.len() {
+                    return Ok(solution);
+                }
+                part = active.to_vec();
+                continue;
+            };
+            let slack = self.slack(&found.x, phases, sides);
+            let before = part.len();
+            let missed = |k: &usize| slack[*k] < -tolerances::CONIC_GAP && !part.contains(k);
+            let missed: Vec<usize> = active.iter().copied().filter(missed).collect();
+            part.extend(missed);
+            if part.len() == before {
+                let near = |k: &usize| slack[*k] < tolerances::NEAR_LIMIT;
+                *self.near.borrow_mut() = active.iter().copied().filter(near).collect();
+                return Ok(solution);
+            }
+            part.sort_unstable();
+        }
+    }
+
+    /// By how much each row keeps what a solution asks of it, over the larger of both;
+    /// negative where it misses.
+    fn slack(&self, x: &[f64], phases: &Array1<Complex64>, sides: &Sides) -> Vec<f64> {
+        let field = self.rows.dot(&self.drive(x, 1.0 / self.unit_drive));
+        let [hot, cold, slack] = [&sides.hot, &sides.cold, &sides.slack].map(|side| side.at(x));
+        let relative = |least: f64, most: f64| (most - least) / least.abs().max(most.abs());
+        let of = |(k, value): (usize, &Complex64)| {
+            let error = slack * self.error_scale[k];
+            match k < self.problem.rows.hot {
+                true => relative(hot + error, (value * phases[k]).re),
+                false => relative(value.norm(), cold - error),
+            }
+        };
+        field.iter().enumerate().map(of).collect()
+    }
+
+    /// The same over the rows `active` alone, with the force limits only where they are
+    /// met.
+    fn solve_over(
         &self,
         mut program: ConicProgram,
         phases: &Array1<Complex64>,

@@ -142,6 +142,38 @@ pub const CONIC_REFINEMENT: f64 = 1e-10;
 /// Most steps of the interior-point method; 12 to 25 are usual.
 pub const CONIC_STEPS: u32 = 100;
 
+/// The least eigenvalue of both sides of a conic program at the beginning, where least
+/// squares leave less. With 1 or 100 a fifth more steps are taken, with 0.01 half as many
+/// again.
+pub const CONIC_START: f64 = 10.0;
+
+/// Share of the way to the border of the cones that a step goes. 0.95 to 0.99 take the same
+/// number of steps.
+pub const CONIC_STEP: f64 = 0.98;
+
+/// A step shorter than this leads nowhere: usual ones are longer than a tenth.
+pub const CONIC_LEAST_STEP: f64 = 1e-5;
+
+/// Residual, over what it proves, of a proof that a program has no solution.
+pub const CONIC_PROOF: f64 = 1e-8;
+
+/// Relative ridge of the equations of a step, times their mean diagonal: a hundred
+/// roundings, taken out again by a second solution.
+pub const CONIC_RIDGE: f64 = 1e-14;
+
+/// Rows up to which all of them are in a program from the beginning: the responses of the
+/// demonstration panel and the ground that joins them.
+pub const FEW_ROWS: usize = 150;
+
+/// Distance from its limit, relative, within which a row of many is in the next program from
+/// the beginning. Twice as much costs the time of twice the rows, half as much another
+/// program now and then.
+pub const NEAR_LIMIT: f64 = 0.05;
+
+/// Rows of a cone above which it enters the equations of a step as one row and a fixed sum
+/// in place of row by row. Error bars have 69 rows, the others three.
+pub const WIDE_CONE: usize = 8;
+
 /// κ below this is none: the rounding of a program whose largest κ is 0.
 pub const NO_KAPPA: f64 = 1e-4;
 

@@ -1,6 +1,7 @@
 //! From a model and a scene with `[time]` to a drive, and how it does: the whole in one
 //! function.
 
+use crate::operator::Operator;
 use crate::options::RenderOptions;
 use crate::scene::Scene;
 use crate::time::auto_ramp::RampFinder;
@@ -9,7 +10,7 @@ use crate::time::indices::{is_met, said, AreaMeasures, TimeEvent, TimeIndices};
 use crate::time::judge::TimeTraces;
 use crate::time::listener::{Heard, Judging, Listener};
 use crate::time::plan::{Chain, Event, Plan};
-use crate::time::stage::Stage;
+use crate::time::stage::{check_paths, Stage};
 use crate::time::table::{Level, Measure, RampTime, Ramps, TimeTable};
 use crate::time::tracks::Tracks;
 use crate::time::voice::Voice;
@@ -95,6 +96,12 @@ pub fn play(
 ) -> Result<Played> {
     let table = scene.time.clone().unwrap_or_default();
     let plan = Plan::new(&table, &scene.zones)?;
+    let only = scene.actuators.only.as_deref();
+    check_paths(
+        &Operator::of_model(model, scene.frequency_hz, only)?,
+        scene,
+        &table,
+    )?;
     let voices = voices(model, scene, &plan, given, options)?;
     let stage = Stage::new(model, scene, &table, &plan, voices)?;
     let (points, judging) = (stage.points(), stage.judging());

@@ -2,6 +2,7 @@
 //! every place, the zones of each, the limits, and who listens.
 
 use crate::field::AreaGrid;
+use crate::operator::Operator;
 use crate::plane::Rectangle;
 use crate::scene::Scene;
 use crate::time::auto_ramp::{shortest_s, spared_db};
@@ -38,19 +39,6 @@ impl<'a> Stage<'a> {
     ) -> Result<Self> {
         let positions_m = &voices[0].operator.positions_m;
         let (scanned, maps) = maps_over(positions_m, plan, &scene.zones)?;
-        let area = scene.zones.area_m.map_or(scanned, Rectangle::from_array);
-        for (number, moving) in table.moves.iter().enumerate() {
-            if let Some(outside) = moving.path_m.iter().find(|point| !area.contains(**point)) {
-                return Err(Error::bad_data("the path leaves the ground that is judged")
-                    .at_line(moving.line)
-                    .field(format!("[[time.move]] {} path_m", number + 1))
-                    .found(format!("[{}, {}]", outside[0], outside[1]))
-                    .expected(format!(
-                        "points inside x {:.4} to {:.4} m, y {:.4} to {:.4} m",
-                        area.x_min, area.x_max, area.y_min, area.y_max
-                    )));
-            }
-        }
         let shortest = voices
             .iter()
             .map(|voice| shortest_s(model, voice.frequency_hz))
@@ -191,6 +179,30 @@ impl<'a> Stage<'a> {
         }
         Ok((tones, gains))
     }
+}
+
+/// Refuses paths that leave the ground that is judged.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`].
+pub(crate) fn check_paths(operator: &Operator, scene: &Scene, table: &TimeTable) -> Result<()> {
+    let Some(scanned) = Rectangle::around(&operator.positions_m) else {
+        return Ok(());
+    };
+    let area = scene.zones.area_m.map_or(scanned, Rectangle::from_array);
+    for (number, moving) in table.moves.iter().enumerate() {
+        if let Some(outside) = moving.path_m.iter().find(|point| !area.contains(**point)) {
+            return Err(Error::bad_data("the path leaves the ground that is judged")
+                .at_line(moving.line)
+                .field(format!("[[time.move]] {} path_m", number + 1))
+                .found(format!("[{}, {}]", outside[0], outside[1]))
+                .expected(format!(
+                    "points inside x {:.4} to {:.4} m, y {:.4} to {:.4} m",
+                    area.x_min, area.x_max, area.y_min, area.y_max
+                )));
+        }
+    }
+    Ok(())
 }
 
 /// The factor by which every hot place of a chain reaches its limit.

@@ -6,7 +6,7 @@
 //! at κ 0.2 fails untouched under the first error of an amplifier).
 
 use super::plan::{Judged, TouchPlan};
-use crate::climb::Climb;
+use crate::climb::{peak, Climb};
 use crate::drive_program::Asked;
 use crate::effort::Effort;
 use crate::problem::{amplitude, Drive, Problem};
@@ -109,8 +109,10 @@ fn most_robust(
         factor: 1.0,
     };
     let softer = climb.lower_peak(drive.clone(), asked)?;
-    let holds = bears(on, &softer, asked.kappa);
-    Ok(if holds { softer } else { drive })
+    // a force that is hardly less is not worth a tenth of κ
+    let is_softer = peak(&softer) < peak(&drive) * (1.0 - tolerances::COST_GAIN);
+    let takes = is_softer && bears(on, &softer, asked.kappa);
+    Ok(if takes { softer } else { drive })
 }
 
 fn bears(on: &Problem, drive: &Drive, least: f64) -> bool {

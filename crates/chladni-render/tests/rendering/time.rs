@@ -513,6 +513,23 @@ fn tables_that_cannot_be_are_refused_by_name() {
 }
 
 #[test]
+fn a_path_beyond_the_responses_is_refused_by_name() {
+    let scene = cell_scene(
+        [2, 2],
+        1,
+        "[time]\n[[time.move]]\npath_m = [[0.070, 0.085], [0.398, 0.085]]\nspeed_m_per_s = \
+         0.2\nhot_radius_m = 0.025\nquiet_from_m = 0.060\n",
+    );
+    let error = play(truth(), &scene, None, &PlayOptions::default()).unwrap_err();
+    assert_eq!(error.kind, ErrorKind::BadData);
+    assert_eq!(
+        error.field.as_deref(),
+        Some("[[time.move]] 1 path_m"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_ramp_that_the_band_cannot_describe_and_a_rate_below_it_are_refused() {
     let scene = cell_scene(
         [2, 2],
