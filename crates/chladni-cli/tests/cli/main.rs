@@ -21,6 +21,7 @@ mod journey;
 mod layouts;
 mod malformed;
 mod measured_fields;
+mod measured_studio;
 mod pages;
 mod pieces;
 mod pipes;

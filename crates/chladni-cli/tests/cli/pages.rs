@@ -431,7 +431,8 @@ fn the_report_of_the_demonstration_panel_opens_quickly() {
         "Weights around the panel",
         "at other drive frequencies, each with weights of its own",
         "These weights at other frequencies",
-        "with fewer modes and fewer actuators",
+        "Scene 1 with fewer modes",
+        "Scene 1 with fewer actuators",
         "When the panel is not the model",
         "Speed against accuracy",
     ] {
