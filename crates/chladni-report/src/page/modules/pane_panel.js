@@ -102,8 +102,11 @@ export function panelPane(oncancel) {
     else if (!inTime.dataset.burst) showTime({ error: "Computing the drive over time …" });
     profile.select.value = work.profile;
     actuators?.show();
-    view?.editor.set(work.zones);
-    if (view) showZone(chosen);
+    if (!view) return;
+    view.editor.set(work.zones);
+    // actuators that are on or off now
+    view.again();
+    showZone(chosen);
   }
 
   /** The scene over time; null where it is a steady tone. */

@@ -44,8 +44,9 @@ export function resultBar() {
   const badge = h("summary", {});
   const list = h("div", { class: "menu-body" });
   const menu = h("details", { class: "menu badge", id: "findings", hidden: true }, badge, list);
-  const element = h("div", { class: "result-bar", role: "region", "aria-label": "Result" }, h("div", { role: "status", "aria-live": "polite" }, words), button, menu);
+  const element = h("div", { class: "result-bar", "data-worst": "none", role: "region", "aria-label": "Result" }, h("div", { role: "status", "aria-live": "polite" }, words), button, menu);
   let action = null;
+  let listed = "";
   button.addEventListener("click", () => action?.());
   return {
     element,
@@ -53,6 +54,12 @@ export function resultBar() {
     /** `parts`: words or elements; `findings` with `about`; `offer`: {words, action} or null. */
     show: (parts, findings, offer) => {
       words.replaceChildren(...parts.filter(Boolean));
+      [button.textContent, action] = [offer?.words ?? "", offer?.action ?? null];
+      button.hidden = !offer;
+      // while a hand moves a zone the findings mostly stay
+      const now = JSON.stringify(findings);
+      if (now === listed) return;
+      listed = now;
       const worst = WORST.find((severity) => findings.some((one) => one.severity === severity));
       element.dataset.worst = worst ?? "none";
       menu.hidden = !worst;
@@ -60,8 +67,6 @@ export function resultBar() {
       badge.textContent = WORST.filter(count).map((severity) => counted(count(severity), severity)).join(", ");
       list.replaceChildren(findingList([...findings].sort((a, b) => WORST.indexOf(a.severity) - WORST.indexOf(b.severity))));
       list.querySelector("details")?.setAttribute("open", "");
-      button.hidden = !offer;
-      [button.textContent, action] = [offer?.words ?? "", offer?.action ?? null];
     },
   };
 }
