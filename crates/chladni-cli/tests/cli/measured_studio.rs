@@ -167,16 +167,18 @@ fn a_bad_field_is_refused_by_name_and_changes_nothing() {
     ] {
         open_field(&mut page, name, &csv);
         page.wait(&format!(
-            "document.querySelector('#scene-status').textContent.includes({name:?}) && \
-             !document.querySelector('#scene-status').textContent.includes('comparing')"
+            "document.querySelector('#field-error').textContent.includes({name:?})"
         ));
-        let said = page.text("#scene-status");
+        let said = page.text("#field-error");
         assert!(said.contains(words), "{name}: {said}");
         assert_eq!(page.text(".sentence"), sentence, "{name}");
         assert_eq!(
-            page.eval("document.querySelector('#tab-measured').getAttribute('aria-selected')"),
-            "false"
+            page.eval("document.querySelectorAll('.measured-point').length"),
+            0,
+            "{name}"
         );
+        let [_, _, wide, high] = page.place("#field-error");
+        assert!(wide > 200.0 && high > 10.0, "{name}: {wide} × {high}");
     }
     assert_eq!(page.text("#measured-command"), "");
 }

@@ -427,7 +427,7 @@ fn the_report_of_the_demonstration_panel_opens_quickly() {
         "root mean square over all FRFs",
         "Stabilization diagram over the CMIF",
         "Loss factor with 95 % bounds",
-        "Field at 320.0 Hz",
+        "Field at 330.0 Hz",
         "Weights around the panel",
         "at other drive frequencies, each with weights of its own",
         "These weights at other frequencies",

@@ -51,17 +51,17 @@ export function resultBar() {
   return {
     element,
     menu,
-    /** `parts`: words or elements; `findings` with `about`; `offer`: {words, action} or null. */
-    show: (parts, findings, offer) => {
+    /** `parts`: words or elements; `findings` with `about`; `offer`: {words, action} or null; the edge has the colour of the worst finding, or of `least` where none is worse. */
+    show: (parts, findings, offer, least) => {
       words.replaceChildren(...parts.filter(Boolean));
       [button.textContent, action] = [offer?.words ?? "", offer?.action ?? null];
       button.hidden = !offer;
       // while a hand moves a zone the findings mostly stay
-      const now = JSON.stringify(findings);
+      const now = JSON.stringify([findings, least]);
       if (now === listed) return;
       listed = now;
       const worst = WORST.find((severity) => findings.some((one) => one.severity === severity));
-      element.dataset.worst = worst ?? "none";
+      element.dataset.worst = WORST.find((severity) => severity === worst || severity === least) ?? "none";
       menu.hidden = !worst;
       const count = (severity) => findings.filter((one) => one.severity === severity).length;
       badge.textContent = WORST.filter(count).map((severity) => counted(count(severity), severity)).join(", ");
