@@ -107,10 +107,10 @@ fn a_measured_field_is_explained_corrected_and_taken_along() {
         "true"
     );
     let responses = field.lines().filter(|line| line.contains(":+Z")).count();
-    assert_eq!(
-        page.eval("document.querySelectorAll('#measured-field .measured-point').length"),
-        responses as u64
-    );
+    // a map is drawn once its place has a size
+    page.wait(&format!(
+        "document.querySelectorAll('#measured-field .measured-point').length === {responses}"
+    ));
     let said = page.text(".sentence");
     assert!(
         said.contains("The measured field") && said.contains(&dead),

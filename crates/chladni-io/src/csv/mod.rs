@@ -243,7 +243,7 @@ impl Units {
 /// assumption.
 ///
 /// An unknown reference gets no direction (`1:S`), so that it is never taken for a
-/// driving point; `--reference N` is N:+Z.
+/// driving point; a reference that the caller names is N:+Z.
 fn name_dofs(
     said: &Said,
     traces: &[Trace],
