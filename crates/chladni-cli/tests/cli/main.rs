@@ -2,6 +2,7 @@
 
 mod agreement;
 mod bench;
+mod burst_studio;
 mod by_hand;
 mod common;
 mod compare;
