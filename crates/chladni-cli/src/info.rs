@@ -345,7 +345,17 @@ impl Listing {
             "frequency, Hz",
             "warnings",
         ];
-        heading + &table(&HEADER, &rows(&self.datasets, verbose))
+        // what no dataset has is no column
+        let rows = rows(&self.datasets, verbose);
+        let is_filled = |column: &usize| rows.iter().any(|row| !row[*column].is_empty());
+        let columns: Vec<usize> = (0..HEADER.len()).filter(is_filled).collect();
+        let kept = |row: &Vec<String>| columns.iter().map(|&column| row[column].clone()).collect();
+        let header: Vec<&str> = columns.iter().map(|&column| HEADER[column]).collect();
+        heading
+            + &table(
+                &header,
+                &rows.iter().map(kept).collect::<Vec<Vec<String>>>(),
+            )
     }
 }
 

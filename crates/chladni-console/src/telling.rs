@@ -11,6 +11,9 @@ use std::cmp::Reverse;
 /// answer.
 const QUESTIONS: [&str; 1] = ["more-references"];
 
+/// Findings that the sentence of a result says already.
+const SAID: [&str; 1] = ["mostly-unexplained"];
+
 /// A paragraph for the terminal.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Told {
@@ -24,7 +27,8 @@ pub(crate) struct Told {
 /// `verbose`, or they ask something.
 pub(crate) fn told(findings: &[Finding], verbose: bool) -> Vec<Told> {
     let mut groups: Vec<Vec<&Finding>> = Vec::new();
-    for finding in findings {
+    let is_said = |finding: &&Finding| !verbose && SAID.contains(&&*finding.code);
+    for finding in findings.iter().filter(|finding| !is_said(finding)) {
         match groups.iter_mut().find(|group| alike(group[0], finding)) {
             Some(group) if !verbose => group.push(finding),
             _ => groups.push(vec![finding]),

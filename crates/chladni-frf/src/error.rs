@@ -45,7 +45,7 @@ impl ErrorKind {
         }
     }
 
-    /// The word used in `--json` errors.
+    /// The word for this kind in errors that are JSON.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Usage => "usage",

@@ -1,4 +1,4 @@
-//! A field as it was measured under a drive: what `evaluate --field` and `correct` read.
+//! A field as it was measured under a drive: what `evaluate` and `correct` read.
 
 use crate::Dof;
 use num_complex::Complex64;

@@ -93,8 +93,8 @@ pub fn is_same_place(one: &Path, other: &Path) -> bool {
     would_be || is_same(one, other)
 }
 
-/// Refuses an output that is one of the inputs, whatever way the path is written;
-/// `--force` does not change that.
+/// Refuses an output that is one of the inputs, whatever way the path is written, and
+/// whether files may be overwritten or not.
 ///
 /// # Errors
 /// [`ErrorKind::CannotCreate`] naming the input.

@@ -273,30 +273,29 @@ impl Function {
 /// Settings of reading FRFs: the options common to all commands.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
-    /// `--frf-kind`: needed where the file does not say.
+    /// Kind of the FRFs: needed where the file does not say.
     pub frf_kind: Option<FrfKind>,
-    /// `--time-sign`: minus means conjugate on reading.
+    /// Sign of the exponent e^{±jωt}: minus means conjugate on reading.
     pub time_sign: chladni_frf::TimeSign,
-    /// `--reference N`: one reference node for all FRFs of files that each hold one
+    /// One reference node for all FRFs of files that each hold one
     /// reference (one entry, or one per file).
     pub references: Vec<u64>,
-    /// `--response N`: one response node for all FRFs of files that each hold one response
-    /// (one entry, or one per file).
+    /// One response node for all FRFs of files that each hold one response (one entry, or
+    /// one per file).
     pub responses: Vec<u64>,
-    /// `--dofs`: DOFs of every FRF, in their order; empty: as in the files.
+    /// DOFs of every FRF, in their order; empty: as in the files.
     pub dofs: super::DeclaredDofs,
-    /// `--map`: `frf=/data/H,freq=/data/f`.
+    /// Datasets by what they hold: `frf` is `/data/H`, `freq` is `/data/f`.
     pub map: Vec<(String, String)>,
-    /// `--duplicates`.
+    /// What becomes of a pair that occurs twice.
     pub duplicates: Duplicates,
-    /// `--phase-unit`: of phases in tables and arrays.
+    /// Unit of phases in tables and arrays.
     pub phase_unit: Option<super::PhaseUnit>,
-    /// `estimate --sample-rate`: tables without a time column are time records at this
-    /// rate, Hz.
+    /// Tables without a time column are time records at this rate, Hz.
     pub sample_rate_hz: Option<f64>,
-    /// `--snap-df`: take the exact step that the six printed digits stand for.
+    /// Take the exact step that the six printed digits stand for.
     pub snap_df: bool,
-    /// `--lenient`: mask what cannot be read instead of refusing.
+    /// Mask what cannot be read instead of refusing.
     pub lenient: bool,
 }
 

@@ -158,6 +158,17 @@ pub(crate) const LONGEST_LABEL: usize = 80;
 /// Parentheses nested more deeply stand in no unit.
 pub(crate) const PARSER_MAX_DEPTH: usize = 8;
 
+// read.rs
+
+/// Nodes of files that name none are numbered from here.
+pub(crate) const FIRST_NODE: u64 = 1;
+
+// csv/mod.rs
+
+/// Share of lines with an impossible coherence up to which a file is said to have slips of
+/// its writer, not a wrong column.
+pub(crate) const COHERENCE_SLIPS: f64 = 0.01;
+
 // paths.rs
 
 /// Files that a warning lists before it only counts.

@@ -6,8 +6,7 @@ use super::{
     assemble, csv, detect_format, expand_paths, function_name, hdf5, mat, numpy, read_model, uff,
     wav, Contents, DatasetInfo, Document, FileFormat, ReadOptions,
 };
-use crate::limits::LISTED_BY_HEADERS;
-use crate::limits::PATHS_LISTED;
+use crate::limits::{FIRST_NODE, LISTED_BY_HEADERS, PATHS_LISTED};
 use chladni_frf::{Error, Finding, FrfSet, Mode, Reason, Result, Source, Trust};
 use chladni_text::door::{read_bytes, size_of, KeptInputs};
 use chladni_text::{json_error, read_text};
@@ -50,7 +49,7 @@ pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
 /// # Errors
 /// The first of [`read_document`].
 pub fn read_documents(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Document>> {
-    let mut next_node = 1;
+    let mut next_node = FIRST_NODE;
     let of_file = |nodes: &[u64], number: usize| match nodes {
         nodes if nodes.len() > 1 && nodes.len() == paths.len() => vec![nodes[number]],
         nodes => nodes.to_vec(),

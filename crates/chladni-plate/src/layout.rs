@@ -40,10 +40,12 @@ impl Layout {
         let reference_labels: Vec<u64> = label(first_reference, references_m.len()).collect();
 
         let (mut responses_m, mut response_labels) = (grid_m.clone(), grid_labels.clone());
-        if panel.responses.at_references {
-            responses_m.extend(&references_m);
-            response_labels.extend(&reference_labels);
-        }
+        let driving_points = match (panel.responses.at_references, panel.responses.driving_point) {
+            (true, _) => references_m.len(),
+            (false, is_one) => usize::from(is_one).min(references_m.len()),
+        };
+        responses_m.extend(&references_m[..driving_points]);
+        response_labels.extend(&reference_labels[..driving_points]);
         let nodes = grid_labels
             .iter()
             .zip(&grid_m)
@@ -187,6 +189,11 @@ mod tests {
         assert_eq!(layout.response_dofs[77..], layout.reference_dofs[..]);
         assert_eq!(layout.responses_m[77..], layout.references_m[..]);
         assert_eq!(layout.geometry.nodes.len(), 111, "each node stands once");
+        panel.responses.at_references = false;
+        panel.responses.driving_point = true;
+        let layout = panel.layout();
+        assert_eq!(layout.response_dofs.len(), 78);
+        assert_eq!(layout.response_dofs[77], layout.reference_dofs[0]);
     }
 
     #[test]

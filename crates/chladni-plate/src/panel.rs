@@ -43,6 +43,9 @@ pub struct ResponseGrid {
     pub spacing_m: f64,
     /// Also measure at the references: driving points, after the nodes of the grid.
     pub at_references: bool,
+    /// Also measure at the first reference: one driving point, which the scale of the
+    /// shapes needs.
+    pub driving_point: bool,
 }
 
 impl Default for ResponseGrid {
@@ -51,6 +54,7 @@ impl Default for ResponseGrid {
             grid: [11, 7],
             spacing_m: 0.020,
             at_references: false,
+            driving_point: false,
         }
     }
 }
@@ -256,7 +260,7 @@ impl Panel {
             + if self.responses.at_references {
                 frame
             } else {
-                0.0
+                f64::from(u8::from(self.responses.driving_point))
             };
         let lines = self.frf.line_count().max(0.0);
         let top = BAND_FACTOR * self.frf.stop_hz;

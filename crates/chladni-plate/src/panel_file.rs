@@ -25,7 +25,10 @@ const SECTIONS: [(&str, &[&str]); 4] = [
             "stiffness_n_per_m2",
         ],
     ),
-    ("responses", &["grid", "spacing_m", "at_references"]),
+    (
+        "responses",
+        &["grid", "spacing_m", "at_references", "driving_point"],
+    ),
     (
         "references",
         &[

@@ -84,6 +84,16 @@ impl Ceiling {
     pub fn forbids(&self) -> bool {
         self.possible_db < self.asked_db
     }
+
+    /// The possible and the asked contrast, dB, in as many digits as tell them apart.
+    pub fn in_words(&self) -> [String; 2] {
+        let words =
+            |digits: usize| [self.possible_db, self.asked_db].map(|db| format!("{db:.digits$}"));
+        let apart = (1..4)
+            .map(words)
+            .find(|[possible, asked]| possible != asked);
+        apart.unwrap_or_else(|| words(1))
+    }
 }
 
 /// The bound that the multipliers prove.

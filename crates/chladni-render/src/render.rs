@@ -409,11 +409,11 @@ fn shortfall(
     };
     let finding = match ceiling {
         Some(ceiling) if ceiling.forbids() => {
+            let [possible, asked] = ceiling.in_words();
             let words = format!(
-                "the scene is impossible: possible {:.1} dB, asked {:.1} dB (certified: no drive \
-                 within the limits of the actuators gives more in this model); {served}, with \
-                 {contrast}",
-                ceiling.possible_db, ceiling.asked_db
+                "the scene is impossible: possible {possible} dB, asked {asked} dB (certified: no \
+                 drive within the limits of the actuators gives more in this model); {served}, \
+                 with {contrast}"
             );
             of_ceiling(Finding::fault("scene-impossible", words), ceiling)
         }

@@ -27,7 +27,7 @@ pub fn better_band(model: &ModalModel) -> Option<BetterBand> {
         between(before, modes[first].0).max(MOST_BELOW * modes[first].0),
         between(modes[last].0, after).min(MOST_ABOVE * modes[last].0),
     ];
-    let low = round(low, before, modes[first].0);
+    let low = round_down(low, before).unwrap_or_else(|| round(low, before, modes[first].0));
     let high = round(high, modes[last].0, after);
     let sure = modes[first..=last].iter().filter(|mode| mode.1).count();
     let leaves_out = (high - low) < MOST_OF_BAND * (high_hz - low_hz);
@@ -55,6 +55,14 @@ fn best_run(modes: &[(f64, bool)]) -> Option<(usize, usize)> {
 
 fn between(low: f64, high: f64) -> f64 {
     0.5 * (low + high)
+}
+
+/// The value in one digit, rounded down, where that stays above `low`: there is no mode
+/// between.
+fn round_down(value: f64, low: f64) -> Option<f64> {
+    let unit = 10f64.powf(value.log10().floor());
+    let round = (value / unit).floor() * unit;
+    (low < round).then_some(round)
 }
 
 /// The value in two digits where these stay between `low` and `high`.
@@ -90,6 +98,8 @@ mod tests {
 
     #[test]
     fn ends_are_round_numbers_between_modes() {
+        assert_eq!(round_down(26.3, 0.1), Some(20.0));
+        assert_eq!(round_down(921.0, 905.0), None);
         assert_eq!(round(1859.5, 1655.0, 2064.0), 1900.0);
         assert_eq!(round(21.04, 0.1, 52.6), 21.0);
         assert_eq!(round(100.15, 100.1, 100.2), 100.15);

@@ -27,11 +27,12 @@ pub fn sentence(model: &ModalModel) -> String {
         true => {
             let advice = advised_band(model).map_or_else(String::new, |band| {
                 let [low, high] = band.hz.map(plain);
-                format!(
-                    " Fit {low} to {high} Hz: {} of {} lie there.",
-                    band.sure,
-                    counted(sure, "sure mode")
-                )
+                let there = match (band.sure, sure) {
+                    (1, 1) => "the sure mode lies there".to_owned(),
+                    (some, all) if some == all => format!("all {all} sure modes lie there"),
+                    (some, all) => format!("{some} of {all} sure modes lie there"),
+                };
+                format!(" Fit {low} to {high} Hz: {there}.")
             });
             format!(
                 "{percent} % of the data, {low} to {high} Hz: most of it is noise, or motion that \

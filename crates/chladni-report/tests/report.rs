@@ -479,7 +479,7 @@ fn every_axis_of_every_figure_has_a_label_and_a_unit() {
         .map(|scene| scene.with_curves(Some(&curves)))
         .collect();
     let shown = data(&input).unwrap();
-    let layers = shown["scenes"][0]["curves"]["charts"][0]["layers"].as_array();
+    let layers = shown["scenes"][0]["curves"][0]["charts"][0]["layers"].as_array();
     let both = layers.unwrap().iter().find(|layer| layer["name"] == "both");
     assert_eq!(f32s(&both.unwrap()["lines"][0][1])[1], 90.0);
     let figures = figures(&input).unwrap();
@@ -505,7 +505,8 @@ fn every_axis_of_every_figure_has_a_label_and_a_unit() {
         "complexity",
         "zones-1",
         "field-1",
-        "curves-1",
+        "fewer-modes-1",
+        "fewer-actuators-1",
         "weights-1-panel",
         "weights-1-list",
         "sweep-1",

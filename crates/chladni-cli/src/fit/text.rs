@@ -4,10 +4,11 @@ use crate::limits::{COLUMN_WIDTH, FEW_MODES, MOST_MODES, TERMINAL_WIDTH};
 use chladni_console::table::{bounded, counted, significant, table, SIGMAS_95};
 use chladni_frf::{Damping, ModalModel, Mode, Scaling, Trust};
 use chladni_report::sentence;
+use std::io::{stdout, IsTerminal};
 
 /// The sentence, the table of modes, and a line about the whole.
 pub fn text(model: &ModalModel, verbose: bool) -> String {
-    let mut text = format!("{}\n", sentence(model));
+    let mut text = format!("{}\n", for_terminal(&sentence(model)));
     text += &match verbose {
         true => every_mode(model),
         false => modes(model),
@@ -17,6 +18,28 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
         Some(path) if verbose => text + &format!("path: {path}\n"),
         _ => text,
     }
+}
+
+/// The sentence in lines that a terminal does not break within a word; a file or another
+/// program gets it in one.
+fn for_terminal(sentence: &str) -> String {
+    if !stdout().is_terminal() {
+        return sentence.to_owned();
+    }
+    let mut lines = vec![String::new()];
+    for word in sentence.split(' ') {
+        let line = lines.last().map_or(0, |line| line.chars().count());
+        if line > 0 && line + 1 + word.chars().count() > TERMINAL_WIDTH {
+            lines.push(String::new());
+        }
+        if let Some(line) = lines.last_mut() {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+    }
+    lines.join("\n")
 }
 
 /// A mode with its number in the table.

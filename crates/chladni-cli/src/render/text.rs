@@ -150,12 +150,9 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
         rows.push(one("contrast", format!("{db:.1} dB"), needed));
     }
     if let Some(ceiling) = weights.ceiling {
-        let asked = format!("{:.1} asked (certified)", ceiling.asked_db);
-        rows.push(one(
-            "possible",
-            format!("{:.1} dB", ceiling.possible_db),
-            asked,
-        ));
+        let [possible, asked] = ceiling.in_words();
+        let asked = format!("{asked} asked (certified)");
+        rows.push(one("possible", format!("{possible} dB"), asked));
     }
     if let Some(db) = points.margin_db {
         rows.push(one("least margin", format!("{db:.1} dB"), String::new()));

@@ -1,7 +1,8 @@
 //! `chladni studio`: the report, live, on a page that only this machine can open.
 //!
 //! `session.rs` fits, on the lines that `draft.rs` chooses while a hand moves, and
-//! `progress.rs` knows how far it is; `scenes.rs` renders, `measured.rs` takes measured fields; `server.rs` answers the page, which lives in `chladni-report` and shares the
+//! `progress.rs` knows how far it is; `scenes.rs` renders, `measured.rs` takes measured
+//! fields; `server.rs` answers the page, which lives in `chladni-report` and shares the
 //! report's views. `token.rs` tells the owner from other users of the machine, and
 //! `question.rs` says what may be asked.
 
@@ -37,8 +38,9 @@ use token::Token;
 Prints the address of a page, and serves it until Ctrl-C. Only this machine can open it, and only who knows the address: the
 token in it is new in every run (docs/security.md). On one screen: the FRFs with the band, the poles (drop them, add one at an empty peak), the
 panel with its field, on which zones are drawn, moved and resized. The fit, the weights and the field follow at once: while anything
-is being dragged by the methods `lean` and `fast`, afterwards by `auto` and `best`. The page shows the commands and the TOML that do
-the same again, and offers model, weights, drive signals and report as downloads. ? lists the keys.")]
+is being dragged by the methods `lean` and `fast`, afterwards by `auto` and `best`. A measured field (CSV) is compared with its prediction;
+its likely causes are ranked, and a click corrects the drive. The page shows the commands and the TOML that do the same again, and offers
+model, weights, drive signals, calibration and report as downloads. ? lists the keys.")]
 pub struct Args {
     /// FRFs of any format that `chladni fit` reads, or a model
     #[arg(required = true, value_name = "FILE")]

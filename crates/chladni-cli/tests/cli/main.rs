@@ -2,6 +2,7 @@
 
 mod agreement;
 mod bench;
+mod burst_studio;
 mod by_hand;
 mod common;
 mod compare;
@@ -21,6 +22,7 @@ mod journey;
 mod layouts;
 mod malformed;
 mod measured_fields;
+mod measured_studio;
 mod pages;
 mod pieces;
 mod pipes;

@@ -7,13 +7,13 @@ use crate::common::Folder;
 use serde_json::Value;
 
 /// The best drive is shown, and nothing is being computed.
-const AT_REST: &str = "document.querySelector('#result')?.dataset.method === 'robust' && \
+pub const AT_REST: &str = "document.querySelector('#result')?.dataset.method === 'robust' && \
                        document.querySelector('#scene-status').textContent === ''";
 const CTRL: u32 = 2;
 
 /// A studio of the small panel in a window of 1280 × 800 px, at rest; `None` where there
 /// is no browser.
-fn workbench(input: &str) -> Option<(Folder, Studio, Page)> {
+pub fn workbench(input: &str) -> Option<(Folder, Studio, Page)> {
     let mut page = Page::new(1280, 800, false)?;
     let folder = Folder::with_panel();
     let studio = Studio::start(&folder, &[input]);
@@ -23,7 +23,7 @@ fn workbench(input: &str) -> Option<(Folder, Studio, Page)> {
 }
 
 /// The weights that the studio shows, as its table has them.
-fn shown_weights(page: &mut Page) -> Vec<(String, f64)> {
+pub fn shown_weights(page: &mut Page) -> Vec<(String, f64)> {
     let rows = page.eval(
         "[...document.querySelectorAll('#result details tbody tr')].map((row) => \
          [...row.cells].map((cell) => cell.textContent))",
@@ -333,13 +333,14 @@ fn a_pole_added_by_hand_changes_the_model() {
 
 /// Moves of a hand.
 const MOVES: usize = 50;
-/// Time of 2·10⁷ square roots in the page, s: the measure of this machine.
-const ROOTS_S: &str = "(() => { const from = performance.now(); let sum = 0; \
-    for (let k = 0; k < 2e7; k++) sum += Math.sqrt(k); \
-    return (performance.now() - from + 0 * sum) / 1000; })()";
+/// 2·10⁷ square roots in the page, whose work is the measure of this machine, and how
+/// often they are taken: the first time warms up.
+const ROOTS: &str =
+    "(() => { let sum = 0; for (let k = 0; k < 2e7; k++) sum += Math.sqrt(k); return sum; })()";
+const ROOTS_TAKEN: usize = 3;
 /// The page's work for a move, over that: a picture in 50 ms on a machine that takes a
-/// root in 2.3 ns.
-const MOVE_OVER_ROOTS: f64 = 1.1;
+/// root in 3.1 ns, and sooner on one that is not as busy.
+const MOVE_OVER_ROOTS: f64 = 0.8;
 
 /// From a move of the hand to the field that it makes, measured in the page.
 const LATENCY: &str = "(() => { window.waits = []; let since = 0; \
@@ -388,7 +389,13 @@ fn a_drag_shows_the_field_at_once_on_the_demonstration_panel() {
         1e3 * work_s
     );
     assert!(waits.len() >= MOVES);
-    let roots_s = page.eval(ROOTS_S).as_f64().unwrap();
+    let roots_s = (0..ROOTS_TAKEN)
+        .map(|_| {
+            let before_s = page.worked_s();
+            page.eval(ROOTS);
+            page.worked_s() - before_s
+        })
+        .fold(f64::INFINITY, f64::min);
     println!(
         "a move works {:.2} times as long as 2·10⁷ roots",
         work_s / roots_s
@@ -447,56 +454,4 @@ fn the_workbench_fits_its_window_in_either_theme() {
         assert_eq!(page.complaints(), Vec::<String>::new());
     }
     assert!(shots.iter().all(|shot| shot.len() > 20_000));
-}
-
-#[test]
-fn a_burst_is_shown_over_time_with_forces_responses_and_a_slider() {
-    let Some((_folder, _studio, mut page)) = workbench("truth.json") else {
-        return;
-    };
-    page.eval("document.querySelector('#tab-time').click()");
-    assert!(page.text("#in-time").contains("steady tone"));
-    let set = |page: &mut Page, id: &str, ms: &str| {
-        page.eval(&format!(
-            "(() => {{ const i = document.querySelector('{id}'); i.value = '{ms}'; i.dispatchEvent(new Event('change')); }})()"
-        ));
-    };
-    set(&mut page, "#burst-duration", "150");
-    page.wait("document.querySelector('#in-time').dataset.burst === '0.15'");
-    page.wait(AT_REST);
-    let toml = page.text("#scene-toml");
-    assert!(
-        toml.contains("[[time.burst]]\nduration_s = 0.15\nramp_s = \"auto\""),
-        "{toml}"
-    );
-    assert!(page
-        .text("#play-command")
-        .starts_with("chladni play truth.json scene.toml"));
-    assert!(page.text("#in-time").contains("cold "), "the sentence");
-    let counts = page.eval(
-        "[document.querySelectorAll('#in-time .of-series-1:not(.thin)').length, document.querySelectorAll('#in-time .of-series-1.thin').length, \
-         document.querySelectorAll('#in-time .of-series-2').length, document.querySelectorAll('#in-time .time-places path[stroke]').length]",
-    );
-    let counts: Vec<u64> = serde_json::from_value(counts).unwrap();
-    let references = page.eval("document.querySelectorAll('#result details tbody tr').length");
-    assert!(
-        counts[0] >= 2 && counts[1] >= 2,
-        "modal and plain: {counts:?}"
-    );
-    assert_eq!(references, counts[2], "one line per actuator");
-    assert_eq!(counts[3], 24, "shades");
-    let canvas = "document.querySelector('#in-time .map-holder canvas').toDataURL()";
-    page.place("#time-field");
-    let silent = page.eval(canvas);
-    page.eval("(() => { const s = document.querySelector('#in-time input[type=range]'); s.value = Math.round(s.max * 0.2); s.dispatchEvent(new Event('input')); })()");
-    assert_ne!(page.eval(canvas), silent, "the ground moves in the hold");
-    // longer ramps, and a steady tone again
-    set(&mut page, "#burst-ramp", "40");
-    page.wait("document.querySelector('#play-command').value !== ''");
-    page.wait(AT_REST);
-    assert!(page.text("#scene-toml").contains("ramp_s = 0.04"));
-    set(&mut page, "#burst-duration", "");
-    assert!(!page.text("#scene-toml").contains("[time]"));
-    assert!(page.text("#in-time").contains("steady tone"));
-    assert_eq!(page.complaints(), Vec::<String>::new());
 }

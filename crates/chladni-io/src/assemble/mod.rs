@@ -35,7 +35,7 @@ const COHERENCE: i32 = 6;
 /// # Errors
 /// The first damaged dataset (unless `lenient`); axes that differ by half a line or more;
 /// mixed kinds or reference units; duplicated pairs (unless told what to do); nodes at
-/// two places; a `--reference` that does not fit.
+/// two places; a reference of the caller that does not fit.
 pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Contents> {
     let mut contents = Contents::default();
     let mut geometry = Geometry::default();

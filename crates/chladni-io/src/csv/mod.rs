@@ -29,6 +29,7 @@ mod wide;
 mod write;
 
 use super::assemble::{build_set, clean_coherence, TracedFrf};
+use super::limits::{COHERENCE_SLIPS, FIRST_NODE};
 use super::unit_label::{frf_unit, FrfUnit};
 use super::{DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, FrfSet, ReferenceUnit, Result};
@@ -242,7 +243,7 @@ impl Units {
 /// assumption.
 ///
 /// An unknown reference gets no direction (`1:S`), so that it is never taken for a
-/// driving point; `--reference N` is N:+Z.
+/// driving point; a reference that the caller names is N:+Z.
 fn name_dofs(
     said: &Said,
     traces: &[Trace],
@@ -291,6 +292,11 @@ fn name_dofs(
     }
     match numbered.as_slice() {
         [] => {}
+        // the only FRF so far: nothing that it could be taken for
+        [one] if one.node == FIRST_NODE => warnings.push(Finding::note(
+            "dofs-assumed",
+            format!("the file names no response DOF: taken as {one}"),
+        )),
         [one] => warnings.push(Finding::caution(
             "dofs-assumed",
             format!("the file names no response DOF: taken as {one}, by its place among the files"),
@@ -331,10 +337,13 @@ fn checked_coherence(values: Vec<f64>, at_zero: bool, warnings: &mut Vec<Finding
         ));
     }
     if others > 0 {
-        warnings.push(Finding::caution(
-            "coherence-invalid",
-            format!("coherence is outside 0 to 1 on {others} lines: taken as not given there"),
-        ));
+        let text =
+            format!("coherence is outside 0 to 1 on {others} lines: taken as not given there");
+        let finding = match others as f64 <= COHERENCE_SLIPS * cleaned.len() as f64 {
+            true => Finding::note("coherence-invalid", text),
+            false => Finding::caution("coherence-invalid", text),
+        };
+        warnings.push(finding);
     }
     cleaned
 }

@@ -17,7 +17,7 @@ pub(super) struct Said {
     pub(super) phase_unit: Option<PhaseUnit>,
     /// Label and factor to Hz.
     pub(super) frequency_unit: Option<(String, f64)>,
-    /// `--phase-unit`.
+    /// The caller's unit of phases.
     pub(super) told_phase_unit: Option<PhaseUnit>,
     /// Text above the table.
     pub(super) header_text: String,

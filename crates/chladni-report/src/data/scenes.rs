@@ -43,7 +43,7 @@ pub(crate) fn value(
         "stress": weights.stress,
         "sweep": sweep(weights, number).map(|figure| chart::value(&figure, 1)),
         "by_actuator": chart::value(&weights_by_actuator(weights, number), 2),
-        "curves": curves(scene, number).map(|figure| chart::value(&figure, 2)),
+        "curves": curves(scene, number).iter().map(|figure| chart::value(figure, 1)).collect::<Vec<_>>(),
         "time": scene.time.map(super::time::value),
         "field": scene.shown.as_ref().map(|shown| field(shown, geometry)),
         "modal": input.model.zip(drive).map(|(model, drive)| modal(model, &drive, geometry)),

@@ -6,9 +6,12 @@ use crate::drawing::{Colour, Dash, Stroke};
 use crate::input::{CurvePoint, RenderedScene};
 use crate::sizes::WIDE_PX;
 
-/// `None` where no curves were made.
-pub(crate) fn curves(scene: &RenderedScene, number: usize) -> Option<Figure> {
-    let curves = scene.curves?;
+/// A figure over the number of modes, and one over the number of actuators; none where no
+/// curves were made.
+pub(crate) fn curves(scene: &RenderedScene, number: usize) -> Vec<Figure> {
+    let Some(curves) = scene.curves else {
+        return Vec::new();
+    };
     let (weights, own) = (
         scene.weights,
         scene
@@ -16,31 +19,34 @@ pub(crate) fn curves(scene: &RenderedScene, number: usize) -> Option<Figure> {
             .map_or(&scene.weights.indices, |shown| shown.indices),
     );
     let served = 100.0 * own.points.success_ratio;
-    let charts: Vec<Chart> = [
-        ("Modes summed", &curves.modes, weights.modes_used),
-        (
-            "Actuators driven",
-            &curves.actuators,
-            weights.actuators_used,
-        ),
-    ]
-    .into_iter()
-    .filter(|(_, points, _)| !points.is_empty())
-    .map(|(label, points, used)| chart(label, points, &weights.method, [used as f64, served]))
-    .collect();
-    (!charts.is_empty()).then(|| Figure {
-        name: format!("curves-{number}"),
-        title: format!("Scene {number} with fewer modes and fewer actuators"),
-        caption: format!(
-            "For each number weights of their own (method {}), judged in the whole model: with the \
-             modes that count most at the drive frequency, the others folded into residual terms, \
-             and with the actuators that are strongest in these weights (rendering for a given \
-             number of actuators chooses them better).",
-            curves.method
-        ),
-        width: WIDE_PX,
-        charts,
-    })
+    let figure = |what: &str, label: &str, points: &[CurvePoint], used: usize, how: &str| {
+        (!points.is_empty()).then(|| Figure {
+            name: format!("fewer-{what}-{number}"),
+            title: format!("Scene {number} with fewer {what}"),
+            caption: format!(
+                "For each number weights of their own (method {}), {how}; judged in the whole model.",
+                curves.method
+            ),
+            width: WIDE_PX,
+            charts: vec![chart(label, points, &weights.method, [used as f64, served])],
+        })
+    };
+    let modes = figure(
+        "modes",
+        "Modes summed",
+        &curves.modes,
+        weights.modes_used,
+        "with the modes that count most at the drive frequency, the others folded into residual terms",
+    );
+    let actuators = figure(
+        "actuators",
+        "Actuators driven",
+        &curves.actuators,
+        weights.actuators_used,
+        "with the actuators that are strongest in these weights (rendering for a given number of \
+         actuators chooses them better)",
+    );
+    modes.into_iter().chain(actuators).collect()
 }
 
 fn chart(label: &str, points: &[CurvePoint], method: &str, own: Place) -> Chart {

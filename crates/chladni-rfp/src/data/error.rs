@@ -95,7 +95,7 @@ pub enum FitError {
 impl FitError {
     /// Tells what was found, what was expected and what to do, for users of files and of
     /// arrays alike; the caller adds the file. `option` tells how its users write an
-    /// option, say `--band` for "band".
+    /// option, which may stand there in dashes or as a keyword.
     pub fn told(&self, options: &FitOptions, option: impl Fn(&str) -> String) -> FileError {
         let [band, modes, method, window] = ["band", "modes", "method", "window"].map(&option);
         match self {

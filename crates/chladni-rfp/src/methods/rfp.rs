@@ -21,7 +21,7 @@
 //!
 //! Avoid it where `auto` or `lean` do: they are as exact and cheaper up to some forty
 //! modes, and `auto` alone knows what to do where the residual is not white.
-//! `--rfp-weight linear` is the form of 1985 as published, kept to show what it loses.
+//! The weight `linear` is the form of 1985 as published, kept to show what it loses.
 //!
 //! M. H. Richardson, D. L. Formenti, *Global curve fitting of frequency response
 //! measurements using the rational fraction polynomial method*, Proc. IMAC 3 (1985).

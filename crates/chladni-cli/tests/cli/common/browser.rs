@@ -177,10 +177,11 @@ impl Page {
         }
     }
 
-    /// Text of an element, or the value of an input.
+    /// Text of an element, or the value of an input; a button has a value, too, and its text
+    /// is meant.
     pub fn text(&mut self, selector: &str) -> String {
         let value =
-            self.eval(&format!("(() => {{ const e = document.querySelector({}); return e.value ?? e.textContent; }})()", json!(selector)));
+            self.eval(&format!("(() => {{ const e = document.querySelector({}); return e.matches('button') ? e.textContent : e.value ?? e.textContent; }})()", json!(selector)));
         value.as_str().unwrap().to_owned()
     }
 

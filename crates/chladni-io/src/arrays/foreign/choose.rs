@@ -1,5 +1,5 @@
 //! The datasets of a foreign file that are the FRFs and their frequency axis: those of
-//! `--map`, else the only ones that fit.
+//! the caller's map, else the only ones that fit.
 
 use super::super::tree::{Element, Entry};
 use super::super::values::{reals, ComplexArray};

@@ -1,5 +1,5 @@
-//! FRFs in files of others: by `--map`, else by looking for one complex array with an
-//! axis as long as a frequency axis.
+//! FRFs in files of others: by the caller's map, else by looking for one complex array
+//! with an axis as long as a frequency axis.
 //!
 //! There is no standard layout. What cannot be decided is an error that lists the
 //! candidates; what was decided is said in a warning.
@@ -38,7 +38,7 @@ const REFERENCE_NAMES: [&str; 5] = [
     "reference_node",
     "input",
 ];
-/// Keys of `--map`.
+/// Keys of the caller's map.
 const MAP_KEYS: [&str; 9] = [
     "frf",
     "re",
@@ -140,7 +140,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The dataset that `--map` gives for `key`.
+    /// The dataset that the caller's map gives for `key`.
     fn mapped(&self, key: &str) -> Result<Option<&'a Entry>> {
         let Some((_, path)) = self.map.iter().find(|(found, _)| found == key) else {
             return Ok(None);

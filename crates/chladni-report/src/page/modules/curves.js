@@ -29,7 +29,7 @@ export function curvesView(scene, model) {
   const parts = [];
   if (scene.sweep) parts.push(...drawn(scene.sweep));
   if (scene.field && scene.modal) parts.push(overFrequency(scene, model));
-  if (scene.curves) parts.push(...drawn(scene.curves));
+  parts.push(...scene.curves.flatMap(drawn));
   return parts.length ? h("div", { class: "curves" }, parts) : null;
 }
 

@@ -83,7 +83,7 @@ export function takeAway(label, id) {
     text.rows = Math.min(24, Math.max(3, words.split("\n").length));
     said.textContent = "";
   };
-  return { element: h("div", { class: "take" }, h("p", {}, `${label} `, button, " ", said), text), set };
+  return { element: h("div", { class: "take" }, h("p", {}, `${label} `, button, " ", said), text), set, text: () => text.value };
 }
 
 /** Pairs of a word and what belongs to it. */

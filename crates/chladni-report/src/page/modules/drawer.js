@@ -27,8 +27,8 @@ export function drawer() {
   return {
     element,
     set: (name, text) => {
-      texts[name].set(text);
-      if (text && name !== "toml" && name !== "selection") current.textContent = text;
+      if (text !== texts[name].text()) texts[name].set(text);
+      if (text && name !== "toml" && name !== "selection" && current.textContent !== text) current.textContent = text;
     },
     toggle: () => toggle(tabs.find((tab) => !tab.body.hidden)?.words ?? tabs[0].words),
     close: () => tabs.forEach((tab) => tab.body.hidden || toggle(tab.words)),

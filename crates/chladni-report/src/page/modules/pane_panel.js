@@ -29,6 +29,9 @@ export function panelPane(oncancel) {
   const mode = h("div", { class: "mode-tab", role: "tabpanel", "aria-labelledby": "tab-mode", hidden: true });
   const time = h("div", { class: "time-tab", role: "tabpanel", "aria-labelledby": "tab-time", hidden: true });
   const measured = h("div", { class: "measured-tab", role: "tabpanel", "aria-labelledby": "tab-measured", hidden: true });
+  const fieldError = h("p", { class: "error", id: "field-error", role: "alert", hidden: true });
+  const fieldView = h("div", {});
+  measured.append(fieldError, fieldView);
   const inTime = h("div", { id: "in-time" });
   const result = h("div", { id: "result" });
   const element = h("section", { id: "pane-3", class: "pane", tabindex: -1, "aria-label": "Panel" },
@@ -102,8 +105,11 @@ export function panelPane(oncancel) {
     else if (!inTime.dataset.burst) showTime({ error: "Computing the drive over time …" });
     profile.select.value = work.profile;
     actuators?.show();
-    view?.editor.set(work.zones);
-    if (view) showZone(chosen);
+    if (!view) return;
+    view.editor.set(work.zones);
+    // actuators that are on or off now
+    view.again();
+    showZone(chosen);
   }
 
   /** The scene over time; null where it is a steady tone. */
@@ -114,8 +120,16 @@ export function panelPane(oncancel) {
 
   /** A measured field; null where none is of this drive. */
   function showMeasured(said) {
-    redraw(measured, said ? measuredView(said, geometry) : h("p", { class: "muted" }, "No field of this drive is measured. Download drive.wav, play it, and open what the vibrometer measured: Measured field… in the top bar (CSV: response,re,im)."));
+    fieldError.hidden = true;
+    redraw(fieldView, said ? measuredView(said, geometry) : h("p", { class: "muted" }, "No field of this drive is measured. Download drive.wav, play it, and open what the vibrometer measured: Measured field… in the top bar (CSV: response,re,im)."));
     if (said) open("Measured");
+  }
+
+  /** A field that was refused; the one before stays. */
+  function refuseField(words) {
+    fieldError.textContent = words;
+    fieldError.hidden = false;
+    open("Measured");
   }
 
   function tiles(scene, shown) {
@@ -190,6 +204,7 @@ export function panelPane(oncancel) {
     /** What is being computed; nothing while `words` are empty. */
     busy: (words, canCancel = false) => {
       chip.textContent = words;
+      chip.title = words;
       chip.classList.toggle("busy", Boolean(words));
       cancel.hidden = !canCancel;
     },
@@ -202,6 +217,7 @@ export function panelPane(oncancel) {
     },
     showTime,
     showMeasured,
+    refuseField,
     openField: () => open("Field"),
     key: (key) => view?.editor.toolKey(key) ?? false,
   };

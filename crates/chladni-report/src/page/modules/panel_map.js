@@ -19,15 +19,38 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
   const canvas = h("canvas", { "aria-hidden": "true" });
   const svg = s("svg", { class: "chart map", role: "img", "aria-label": label, tabindex: 0 });
   const element = h("div", { class: "map-holder" }, canvas, svg);
+  const groups = Object.fromEntries(["frame", "contours", "outlines", "marks", "extra", "front"].map((name) => [name, s("g", {})]));
+  svg.append(...Object.values(groups));
   let layers = {};
+  // what each group, and the pixels, were drawn from
+  const drawn = new Map();
+  let outlined = { key: null, parts: [] };
   let scale = 1;
   let width = 0;
 
   const px = ([x, y]) => [MARGIN.left + (x - ends[0]) * scale, MARGIN.top + (ends[3] - y) * scale];
 
+  /** Draws what has changed; everything where size or theme did. */
   function draw(changed) {
     layers = { ...layers, ...changed };
     if (!width) return;
+    if (!changed) resize();
+    if (drawn.get("colour") !== layers.colour || drawn.get("surface") !== layers.surface || !drawn.has("surface")) paint();
+    group("contours", layers.contours, contourLines);
+    outlines();
+    group("marks", layers.marks, marks);
+    group("extra", layers.extra, () => layers.extra?.({ px, scale, s }) ?? []);
+    group("front", layers.front, () => layers.front?.({ px, scale, s }) ?? []);
+  }
+
+  function group(name, from, parts) {
+    if (drawn.has(name) && drawn.get(name) === from) return;
+    drawn.set(name, from);
+    redraw(groups[name], parts());
+  }
+
+  function resize() {
+    drawn.clear();
     scale = (width - MARGIN.left - MARGIN.right) / (ends[2] - ends[0]);
     const tall = (ends[3] - ends[1]) * scale;
     const height = MARGIN.top + tall + MARGIN.bottom;
@@ -36,7 +59,10 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
     svg.setAttribute("height", height);
     canvas.width = width;
     canvas.height = Math.round(height);
-    paint();
+    redraw(groups.frame, frame(tall, height));
+  }
+
+  function frame(tall, height) {
     const parts = [];
     for (const [value, text] of bare ? [] : ticks([1e3 * ends[0], 1e3 * ends[2]], 7)) {
       const [at, y] = px([1e-3 * value, ends[1]]);
@@ -52,37 +78,57 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
       parts.push(s("text", { x: (left + width) / 2, y: height - 6, "text-anchor": "middle" }, `${axes[0]} (mm)`));
       parts.push(s("text", { transform: `translate(13 ${top + tall / 2}) rotate(-90)`, "text-anchor": "middle" }, `${axes[1]} (mm)`));
     }
-    for (const { pieces, style } of layers.contours ?? []) {
+    return parts;
+  }
+
+  function contourLines() {
+    return (layers.contours ?? []).flatMap(({ pieces, style }) => {
       const d = pieces.map(([x0, y0, x1, y1]) => `M${xy([x0, y0])}L${xy([x1, y1])}`).join("");
-      parts.push(s("path", { class: `casing ${style}`, d }), s("path", { class: style, d }));
-    }
-    for (const { points, style, text, id, label } of layers.outlines ?? []) {
-      const d = `M${points.map(xy).join("L")}Z`;
-      const live = label ? { tabindex: 0, role: "button", "aria-label": label, "data-focus": `zone-${id}` } : {};
-      parts.push(s("path", { class: `casing ${style}`, d }), s("path", { class: style, d, "data-zone": id, ...live }));
-      if (text) {
-        // in the upper left corner, where it hides least
-        const [x, y] = px([Math.min(...points.map((p) => p[0])), Math.max(...points.map((p) => p[1]))]);
-        parts.push(s("text", { class: "zone-name", x: x + 7, y: y + 15 }, text));
-      }
-    }
-    for (const { points, style, mark, hints } of layers.marks ?? []) {
-      points.forEach((point, k) => {
-        const [x, y] = px(point);
-        const d = { cross: `M${x} ${y}m-4 -4l8 8m0 -8l-8 8`, triangle: `M${x} ${y}m0 -4.5l4.5 8h-9z` }[mark];
-        const shape = d ? s("path", { class: style, d }) : s("circle", { class: style, cx: x, cy: y, r: mark === "ring" ? 3 : 1.6 });
-        if (hints) shape.append(s("title", {}, hints[k]));
-        parts.push(shape);
+      return [s("path", { class: `casing ${style}`, d }), s("path", { class: style, d })];
+    });
+  }
+
+  /** Outlines that have only moved keep their elements, and the focus with them. */
+  function outlines() {
+    const list = layers.outlines ?? [];
+    const key = JSON.stringify(list.map(({ style, text, id, label }) => [style, text ?? "", id ?? null, Boolean(label)]));
+    if (key !== outlined.key) {
+      const parts = list.map(({ style, text, id, label }) => {
+        const live = label ? { tabindex: 0, role: "button", "data-focus": `zone-${id}` } : {};
+        return { casing: s("path", { class: `casing ${style}` }), line: s("path", { class: style, "data-zone": id, ...live }), name: text ? s("text", { class: "zone-name" }, text) : null };
       });
+      outlined = { key, parts };
+      redraw(groups.outlines, parts.map(({ casing, line, name }) => [casing, line, name]));
     }
-    parts.push(...(layers.extra?.({ px, scale, s }) ?? []));
-    redraw(svg, parts);
+    list.forEach(({ points, label }, k) => {
+      const { casing, line, name } = outlined.parts[k];
+      const d = `M${points.map(xy).join("L")}Z`;
+      casing.setAttribute("d", d);
+      line.setAttribute("d", d);
+      if (label) line.setAttribute("aria-label", label);
+      if (!name) return;
+      // in the upper left corner, where it hides least
+      const [x, y] = px([Math.min(...points.map((p) => p[0])), Math.max(...points.map((p) => p[1]))]);
+      name.setAttribute("x", x + 7);
+      name.setAttribute("y", y + 15);
+    });
+  }
+
+  function marks() {
+    return (layers.marks ?? []).flatMap(({ points, style, mark, hints }) => points.map((point, k) => {
+      const [x, y] = px(point);
+      const d = { cross: `M${x} ${y}m-4 -4l8 8m0 -8l-8 8`, triangle: `M${x} ${y}m0 -4.5l4.5 8h-9z` }[mark];
+      const shape = d ? s("path", { class: style, d }) : s("circle", { class: style, cx: x, cy: y, r: mark === "ring" ? 3 : 1.6 });
+      if (hints) shape.append(s("title", {}, hints[k]));
+      return shape;
+    }));
   }
 
   const xy = (point) => px(point).map((value) => value.toFixed(1)).join(" ");
 
   /** Pixels of the surface in the colours that `layers.colour(k, x, y)` gives; three numbers, or null. */
   function paint() {
+    drawn.set("surface", layers.surface).set("colour", layers.colour);
     const context = canvas.getContext("2d");
     context.clearRect(0, 0, canvas.width, canvas.height);
     context.fillStyle = themeColour("--band");
@@ -98,7 +144,8 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
         const k = row * x.length + column;
         const rgb = layers.colour(k, x[column], y[row], row, column);
         const to = 4 * ((y.length - 1 - row) * x.length + column);
-        if (rgb) pixels.data.set([...rgb, 255], to);
+        if (!rgb) continue;
+        [pixels.data[to], pixels.data[to + 1], pixels.data[to + 2], pixels.data[to + 3]] = [rgb[0], rgb[1], rgb[2], 255];
       }
     }
     const small = h("canvas", { width: x.length, height: y.length });

@@ -342,15 +342,15 @@ function forgetMeasured() {
 /** A field of the drive that is shown; a second one of the same drive takes the place of the first. */
 async function askMeasured(file) {
   const isBest = shown && scenes.bestShown === scenes.asked;
-  if (!isBest) return panel.busy("A measured field belongs to a drive: wait for the best one.");
+  if (!isBest) return panel.refuseField("A measured field belongs to a drive: wait for the best one.");
   const before = rig;
   const fields = [...(before.corrected ? before.fields : before.fields.slice(0, -1)), file];
   const number = scenes.asked;
   panel.busy(`comparing ${file.name} …`);
   const said = await answerTo("measured", { scene: shown.question, fields });
   if (number !== scenes.asked || rig !== before) return;
-  panel.busy(said.error ?? "");
-  if (said.error) return;
+  panel.busy("");
+  if (said.error) return panel.refuseField(said.error);
   rig = { fields, said, corrected: null };
   panel.showMeasured(said);
   foot.set("measured", said.command);
@@ -411,7 +411,8 @@ function showSentence() {
     parts.splice(0, parts.length, h("b", {}, rig.said.sentence));
     offer = { words: "Correct", action: correct };
   }
-  result.show(parts, findings, offer);
+  const isMissed = (rig.said ?? shown?.said)?.scene.indices.points.min_ratio < 1 && !rig.corrected;
+  result.show(parts, findings, offer, isMissed ? "caution" : undefined);
 }
 
 // ---- keys and panes

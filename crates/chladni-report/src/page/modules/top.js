@@ -44,24 +44,29 @@ export function resultBar() {
   const badge = h("summary", {});
   const list = h("div", { class: "menu-body" });
   const menu = h("details", { class: "menu badge", id: "findings", hidden: true }, badge, list);
-  const element = h("div", { class: "result-bar", role: "region", "aria-label": "Result" }, h("div", { role: "status", "aria-live": "polite" }, words), button, menu);
+  const element = h("div", { class: "result-bar", "data-worst": "none", role: "region", "aria-label": "Result" }, h("div", { role: "status", "aria-live": "polite" }, words), button, menu);
   let action = null;
+  let listed = "";
   button.addEventListener("click", () => action?.());
   return {
     element,
     menu,
-    /** `parts`: words or elements; `findings` with `about`; `offer`: {words, action} or null. */
-    show: (parts, findings, offer) => {
+    /** `parts`: words or elements; `findings` with `about`; `offer`: {words, action} or null; the edge has the colour of the worst finding, or of `least` where none is worse. */
+    show: (parts, findings, offer, least) => {
       words.replaceChildren(...parts.filter(Boolean));
+      [button.textContent, action] = [offer?.words ?? "", offer?.action ?? null];
+      button.hidden = !offer;
+      // while a hand moves a zone the findings mostly stay
+      const now = JSON.stringify([findings, least]);
+      if (now === listed) return;
+      listed = now;
       const worst = WORST.find((severity) => findings.some((one) => one.severity === severity));
-      element.dataset.worst = worst ?? "none";
+      element.dataset.worst = WORST.find((severity) => severity === worst || severity === least) ?? "none";
       menu.hidden = !worst;
       const count = (severity) => findings.filter((one) => one.severity === severity).length;
       badge.textContent = WORST.filter(count).map((severity) => counted(count(severity), severity)).join(", ");
       list.replaceChildren(findingList([...findings].sort((a, b) => WORST.indexOf(a.severity) - WORST.indexOf(b.severity))));
       list.querySelector("details")?.setAttribute("open", "");
-      button.hidden = !offer;
-      [button.textContent, action] = [offer?.words ?? "", offer?.action ?? null];
     },
   };
 }

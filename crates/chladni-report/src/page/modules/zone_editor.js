@@ -29,6 +29,7 @@ export function zoneEditor(geometry, spec) {
   let polygon = null;
   let cursor = null;
   let under = {};
+  const plainMarks = [{ points: geometry.places, style: "response", mark: "dot" }, { points: geometry.references.filter(Boolean), style: "actuator", mark: "ring" }];
   const map = panelMap(geometry.box, geometry.axes, "Panel with its zones: arrow keys move a corner, Enter sets it; Tab goes to the zones", spec.bare ? 900 : 640, spec.bare);
   map.svg.id = spec.id;
   map.svg.classList.add("board");
@@ -72,13 +73,15 @@ export function zoneEditor(geometry, spec) {
     map.draw({
       ...under,
       outlines: [{ points: [[x0, y0], [x1, y0], [x1, y1], [x0, y1]], style: "area" }, ...zones.map(outline), ...open],
-      marks: [...(under.marks ?? plainMarks()), { points: cursor ? [cursor] : [], style: "cursor", mark: "cross" }],
-      extra: (tools) => [...(under.extra?.(tools) ?? []), ...grips(tools)],
+      marks: under.marks ?? plainMarks,
+      front: (tools) => [...atCursor(tools), ...grips(tools)],
     });
   }
 
-  function plainMarks() {
-    return [{ points: geometry.places, style: "response", mark: "dot" }, { points: geometry.references.filter(Boolean), style: "actuator", mark: "ring" }];
+  function atCursor({ px, s }) {
+    if (!cursor) return [];
+    const [x, y] = px(cursor);
+    return [s("path", { class: "cursor", d: `M${x} ${y}m-4 -4l8 8m0 -8l-8 8` })];
   }
 
   /** Handles of the selected zone, guides and size while it moves. */

@@ -106,7 +106,7 @@ impl Comparison {
         self.mac.map(of)
     }
 
-    /// As `chladni compare --json` gives it.
+    /// The comparison as `chladni compare` gives it in JSON.
     pub fn to_json(&self) -> Value {
         let rows = |of: fn(&MacEstimate) -> f64| -> Vec<Vec<f64>> {
             self.mac
