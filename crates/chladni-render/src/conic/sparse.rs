@@ -15,21 +15,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 /// [`ErrorKind::Internal`] where the program is malformed: a bug.
 pub(super) fn solve(program: &ConicProgram) -> Result<Option<ConicSolution>> {
     let columns = program.objective.len();
-    // b − A·x must lie in the cones, so that A holds the negative coefficients
-    let mut by_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); columns];
-    for (row, expression) in program.rows.iter().enumerate() {
-        for &(column, coefficient) in &expression.terms {
-            by_column[column].push((row, -coefficient));
-        }
-    }
-    let mut starts = vec![0];
-    let (mut places, mut values) = (Vec::new(), Vec::new());
-    for column in &by_column {
-        places.extend(column.iter().map(|entry| entry.0));
-        values.extend(column.iter().map(|entry| entry.1));
-        starts.push(places.len());
-    }
-    let matrix = CscMatrix::new(program.rows.len(), columns, starts, places, values);
+    let matrix = matrix(program);
     let right: Vec<f64> = program.rows.iter().map(|row| row.constant).collect();
     let cones: Vec<SupportedConeT<f64>> = program
         .cones
@@ -74,4 +60,23 @@ pub(super) fn solve(program: &ConicProgram) -> Result<Option<ConicSolution>> {
     Ok((usable && finite).then(|| ConicSolution {
         x: std::mem::take(&mut solver.solution.x),
     }))
+}
+
+/// The negative coefficients of the rows: b − A·x must lie in the cones.
+fn matrix(program: &ConicProgram) -> CscMatrix {
+    let columns = program.objective.len();
+    let mut by_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); columns];
+    for (row, expression) in program.rows.iter().enumerate() {
+        for &(column, coefficient) in &expression.terms {
+            by_column[column].push((row, -coefficient));
+        }
+    }
+    let mut starts = vec![0];
+    let (mut places, mut values) = (Vec::new(), Vec::new());
+    for column in &by_column {
+        places.extend(column.iter().map(|entry| entry.0));
+        values.extend(column.iter().map(|entry| entry.1));
+        starts.push(places.len());
+    }
+    CscMatrix::new(program.rows.len(), columns, starts, places, values)
 }
