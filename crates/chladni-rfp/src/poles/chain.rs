@@ -190,10 +190,13 @@ fn of_sketch(
     if first.shapeless {
         return ended(Doubt::NotWhite(first.evidence));
     }
-    // even where poles were tried in vain the passes over all FRFs may show those that the
-    // sketch has not
-    let columns = sketch.columns();
-    settle(&sketch, &mut refined, &mut variance, columns, &mut history)?;
+    settle(
+        &sketch,
+        &mut refined,
+        &mut variance,
+        sketch.columns(),
+        &mut history,
+    )?;
     let settled = look(&refined);
     if settled.shapeless {
         return ended(Doubt::NotWhite(settled.evidence));

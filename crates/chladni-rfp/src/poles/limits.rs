@@ -118,15 +118,9 @@ pub(super) const OVERLAP: usize = 2;
 
 // settle.rs
 
-/// Poles tried until it is asked whether they help where neighbouring lines correlate
-/// everywhere, or where the residual is far from white, and the part of the sum of squares,
-/// or of the evidence against white noise, that they must take out by then.
-pub(super) const TRIED_IN_VAIN: (usize, f64) = (5, 0.2);
-
-/// Evidence against white noise, over what white noise allows, beyond which poles must take
-/// some of it away. Between the 1 that ends the fast chain and the 10 to 50 of measured
-/// beams; no structure of `chladni bench wild` is fitted otherwise with it.
-pub(super) const FAR_FROM_WHITE: f64 = 5.0;
+/// Poles added until it is asked whether they help where neighbouring lines correlate
+/// everywhere, and the part of the sum of squares that they must take out by then.
+pub(super) const ADDED_IN_VAIN: (usize, f64) = (5, 0.2);
 
 /// Half-widths of both poles within which one may have made up for another: beyond, their
 /// columns share a hundredth of their energy.

@@ -12,7 +12,7 @@ use crate::poles::limits;
 use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{residual_peak, Scan};
-use crate::poles::settle::{settle, Settled};
+use crate::poles::settle::settle;
 use crate::tolerances as tol;
 use chladni_linalg::blocked::projected;
 use chladni_linalg::{qr_thin, LinalgError};
@@ -32,8 +32,6 @@ pub(crate) struct Pass {
     /// Poles that the columns were made with and that are gone: their noise is still in
     /// the columns.
     lost: usize,
-    /// True where what was tried for more poles helped little.
-    in_vain: bool,
 }
 
 /// The start of the passes over all FRFs.
@@ -72,7 +70,7 @@ impl Start {
         let mut best = self.pass(data, energy)?;
         let mut tried = Vec::new();
         let most = if sought { data.effort.extra_passes } else { 0 };
-        while self.extra_passes < most && !best.in_vain {
+        while self.extra_passes < most {
             self.extra_passes += 1;
             if let Some((pole, vague)) = best.missed(data, data.values(), &tried) {
                 tried.push(pole);
@@ -153,8 +151,7 @@ impl Pass {
         let mut refined = refine(work, start, &POWERS, steps, tol::FINE_STEP)?;
         let mut variance = full_variance(data, &projected, &refined);
         let before = history.len();
-        let Settled { scanned, in_vain } =
-            settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
+        let scanned = settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
         if history.len() > before {
             refined = refine(work, &refined.lambda, &POWERS, steps, tol::FINE_STEP)?;
             variance = full_variance(data, &projected, &refined);
@@ -166,7 +163,6 @@ impl Pass {
             variance,
             scanned,
             lost,
-            in_vain,
         })
     }
 

@@ -6,35 +6,27 @@ use crate::poles::limits;
 use crate::poles::prune::{crutch, is_spike, threshold};
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::scan::{scan, Scan};
-use crate::poles::whiteness::{correlates_everywhere, judge_columns};
+use crate::poles::whiteness::correlates_everywhere;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
-
-/// The end of the loop.
-pub(crate) struct Settled {
-    /// The last look at the residual.
-    pub scanned: Scan,
-    /// True where the search was given up, since what was tried helped little.
-    pub in_vain: bool,
-}
 
 /// Drops what cannot be a mode, adds what the residual shows, until neither changes
 /// anything.
 ///
 /// `frfs`: FRFs whose noise a pole of the model takes along. On a sketch these are its
 /// columns; compressed columns hold all that the basis they were made with takes out of
-/// *all* FRFs, noise included.
+/// *all* FRFs, noise included. Returns the last look at the residual.
 pub(crate) fn settle(
     work: &Columns,
     refined: &mut Refined,
     variance: &mut f64,
     frfs: usize,
     history: &mut Vec<(usize, f64)>,
-) -> Result<Settled, LinalgError> {
+) -> Result<Scan, LinalgError> {
     let limit = threshold(frfs, work.lines());
-    let (mut vain, mut in_vain) = (InVain::new(work, refined), false);
+    let mut vain = InVain::new(refined);
     let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
     for _ in 0..limits::SCAN_ROUNDS * 3 {
         if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
@@ -46,10 +38,7 @@ pub(crate) fn settle(
         let scanned = scan(work, refined);
         let shown = scanned.beyond(limit * *variance, &tried).first().copied();
         let Some(pole) = shown.or_else(|| beyond_the_band(work, &tried)) else {
-            return Ok(Settled {
-                scanned,
-                in_vain: false,
-            });
+            return Ok(scanned);
         };
         tried.push(pole);
         let mut more = refined.lambda.clone();
@@ -79,67 +68,47 @@ pub(crate) fn settle(
             needed.retain(|pole| (pole - new).norm() > limits::LEANS_WITHIN * (pole.im + new.im));
             *variance = variance.min(refined.variance(work));
             history.push((refined.lambda.len(), refined.variance(work)));
-        }
-        if vain.after(work, refined) {
-            in_vain = true;
-            break;
+            if vain.after(refined) {
+                break;
+            }
         }
     }
-    Ok(Settled {
-        scanned: scan(work, refined),
-        in_vain,
-    })
+    Ok(scan(work, refined))
 }
 
-/// Poles that stand for errors of the line shape or for errors which neighbouring lines
-/// share: each takes a little away, and there is no end of them.
+/// Poles that stand for errors which neighbouring lines share: each takes a little out of
+/// the sum of squares, and there is no end of them.
 struct InVain {
-    tried: usize,
-    before: Look,
-}
-
-/// What poles are to take away.
-struct Look {
-    /// Sum of squares, if lines correlate everywhere.
-    sse: Option<f64>,
-    /// The strongest evidence against white noise, over what white noise allows, if it is
-    /// far beyond.
-    excess: Option<f64>,
-}
-
-impl Look {
-    fn at(work: &Columns, refined: &Refined) -> Self {
-        let Projection { residual, sse, .. } = &refined.projection;
-        let excess = judge_columns(work, &refined.lambda, residual, 1.0).excess;
-        Self {
-            sse: correlates_everywhere(residual).then_some(*sse),
-            excess: (excess > limits::FAR_FROM_WHITE).then_some(excess),
-        }
-    }
+    added: usize,
+    /// Sum of squares at the last look, if lines correlated everywhere then.
+    before: Option<f64>,
 }
 
 impl InVain {
-    fn new(work: &Columns, start: &Refined) -> Self {
+    fn new(start: &Refined) -> Self {
         Self {
-            tried: 0,
-            before: Look::at(work, start),
+            added: 0,
+            before: Self::look(start),
         }
     }
 
-    /// True where the poles tried of late have helped little, with one pole more.
-    fn after(&mut self, work: &Columns, refined: &Refined) -> bool {
-        let (count, share) = limits::TRIED_IN_VAIN;
-        self.tried += 1;
-        if !self.tried.is_multiple_of(count) {
+    fn look(refined: &Refined) -> Option<f64> {
+        let Projection { residual, sse, .. } = &refined.projection;
+        correlates_everywhere(residual).then_some(*sse)
+    }
+
+    /// True where the poles added of late have helped little, with one pole more.
+    fn after(&mut self, refined: &Refined) -> bool {
+        let (count, share) = limits::ADDED_IN_VAIN;
+        self.added += 1;
+        if !self.added.is_multiple_of(count) {
             return false;
         }
-        let now = Look::at(work, refined);
-        let before = std::mem::replace(&mut self.before, now);
-        let stays = |before: Option<f64>, now: Option<f64>| {
-            let both = before.zip(now);
-            both.is_some_and(|(before, now)| now > (1.0 - share) * before)
-        };
-        stays(before.sse, self.before.sse) || stays(before.excess, self.before.excess)
+        let (before, now) = (self.before, Self::look(refined));
+        self.before = now;
+        before
+            .zip(now)
+            .is_some_and(|(before, now)| now > (1.0 - share) * before)
     }
 }
 
