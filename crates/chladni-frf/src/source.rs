@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What tells the bytes of a file from any other's, in hexadecimal digits.
+/// Digest of a file's bytes, in hexadecimal digits: another content has another one.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Checksum {
     /// SHA-256: of files up to 1 GiB.

@@ -287,7 +287,7 @@ pub struct ReadOptions {
     pub dofs: super::DeclaredDofs,
     /// Datasets by what they hold: `frf` is `/data/H`, `freq` is `/data/f`.
     pub map: Vec<(String, String)>,
-    /// What becomes of a pair that occurs twice.
+    /// The one of several FRFs of a pair that is taken.
     pub duplicates: Duplicates,
     /// Unit of phases in tables and arrays.
     pub phase_unit: Option<super::PhaseUnit>,

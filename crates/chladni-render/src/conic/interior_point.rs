@@ -15,7 +15,7 @@ use super::cones::{dot, norm, Cones, Scaling};
 use super::normal_equations::{Factor, NormalEquations, StandardForm};
 use crate::tolerances;
 
-/// How the steps end.
+/// The end of the steps.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Outcome {
     /// The variables.
@@ -42,13 +42,13 @@ struct Iterate {
     primal_residual: Vec<f64>,
 }
 
-/// What a step asks for.
+/// The right-hand side of a step.
 struct Aim<'a> {
     /// 1 − σ.
     share: f64,
     /// d.
     sum: &'a [f64],
-    /// Whether rounding of the factor is taken out.
+    /// True where rounding of the factor is taken out.
     refine: bool,
 }
 

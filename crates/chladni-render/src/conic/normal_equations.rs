@@ -15,7 +15,7 @@ pub(crate) struct StandardForm {
     pub(crate) cones: Cones,
 }
 
-/// How the rows of a cone enter the sum.
+/// The way in which the rows of a cone enter the sum.
 enum Part {
     /// Scaled by W⁻¹, as rows of a product.
     Dense,

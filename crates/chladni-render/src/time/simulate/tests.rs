@@ -217,7 +217,7 @@ fn folded(mut model: ModalModel, above_hz: f64) -> ModalModel {
     model
 }
 
-/// What an FFT of the real signal through `truth` differs by from envelopes through `model`,
+/// The difference of an FFT of the real signal through `truth` from envelopes through `model`,
 /// over the largest velocity, at the worst place and time.
 fn apart(model: &ModalModel, truth: &ModalModel, signal: Signal) -> f64 {
     let [operator, true_operator] =
