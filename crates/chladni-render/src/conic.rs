@@ -175,6 +175,8 @@ impl ConicProgram {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
     #[test]
     fn the_nearest_point_of_a_line_is_found() {
@@ -195,6 +197,58 @@ mod tests {
         program.not_negative(Affine::of(0, 1.0).plus_constant(-1.0));
         program.not_negative(Affine::of(0, -1.0));
         assert!(program.solve().unwrap().is_none());
+    }
+
+    /// Least ‖x‖ with rows that must reach far and complex ones that must stay small, both
+    /// kept by a point drawn before.
+    fn drawn(random: &mut ChaCha8Rng) -> ConicProgram {
+        const VARIABLES: usize = 12;
+        let mut draw = || random.random_range(-1.0..1.0);
+        let known: Vec<f64> = (0..VARIABLES).map(|_| draw()).collect();
+        let mut row = || {
+            let terms = (0..VARIABLES).map(|k| (k, draw())).collect();
+            Affine {
+                terms,
+                constant: 0.0,
+            }
+        };
+        let mut program = ConicProgram::new(VARIABLES + 1);
+        program.minimise(VARIABLES, 1.0);
+        for _ in 0..20 {
+            let hot = row();
+            let least = hot.at(&known) - 0.1;
+            program.not_negative(hot.plus_constant(-least));
+            let cold = [row(), row()];
+            let most = cold[0].at(&known).hypot(cold[1].at(&known)) + 0.1;
+            program.norm_at_most(Affine::default().plus_constant(most), cold);
+        }
+        let every = (0..VARIABLES).map(|k| Affine::of(k, 1.0));
+        program.norm_at_most(Affine::of(VARIABLES, 1.0), every);
+        program
+    }
+
+    #[test]
+    fn dense_steps_and_clarabel_find_the_same_least_cost() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        for number in 0..100 {
+            let program = drawn(&mut random);
+            let Outcome::Solved(x) = interior_point::solve(&program.standard_form()) else {
+                panic!("program {number}: the dense steps do not end");
+            };
+            let judge = sparse::solve(&program).unwrap().expect("a solution").x;
+            let (found, expected) = (x[x.len() - 1], judge[judge.len() - 1]);
+            assert!(
+                (found - expected).abs() < 1e-6 * expected.max(1.0),
+                "program {number}: {found}, clarabel {expected}"
+            );
+            let inside = program
+                .rows
+                .iter()
+                .map(|row| row.at(&x))
+                .collect::<Vec<_>>();
+            let least = Cones(program.cones.clone()).least_eigenvalue(&inside);
+            assert!(least > -1e-6, "program {number}: {least} outside the cones");
+        }
     }
 
     #[test]
