@@ -13,7 +13,7 @@ use crate::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{Damping, ModalModel, Mode, Result, Trust};
 use chladni_linalg::{matmul, svd_thin};
-use ndarray::{concatenate, s, Array2, ArrayView2, Axis};
+use ndarray::{concatenate, s, Array2, ArrayView2, Axis, Zip};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -117,29 +117,16 @@ impl CausalModel {
     }
 
     /// Σψz: how `states`, axes (pole, time), move the rows; axes (time, row).
-    ///
-    /// Poles come in pairs, ψz + ψ*z' = Re ψ·(z + z') + j·Im ψ·(z − z'): a product of real
-    /// matrices, half of it where all shapes are real.
     pub(crate) fn moved(&self, states: ArrayView2<Complex64>) -> Array2<Complex64> {
-        let (modes, times) = (self.modes(), states.ncols());
-        let shapes = self.real_shapes();
-        let mut parts = Array2::<f64>::zeros((shapes.ncols(), 2 * times));
-        for n in 0..modes {
-            let pairs = states.row(n).into_iter().zip(states.row(n + modes));
-            for (k, (z, mirrored)) in pairs.enumerate() {
-                let (sum, difference) = (z + mirrored, z - mirrored);
-                parts[[n, k]] = sum.re;
-                parts[[n, times + k]] = sum.im;
-                if shapes.ncols() > modes {
-                    parts[[modes + n, k]] = -difference.im;
-                    parts[[modes + n, times + k]] = difference.re;
-                }
-            }
+        self.ground().moved(states, &[])
+    }
+
+    /// The rows as [`Ground`], for many blocks of states.
+    pub(crate) fn ground(&self) -> Ground {
+        Ground {
+            shapes: self.real_shapes(),
+            modes: self.modes(),
         }
-        let moved = matmul(parts.t(), shapes.t());
-        Array2::from_shape_fn((times, shapes.nrows()), |(k, row)| {
-            Complex64::new(moved[[k, row]], moved[[times + k, row]])
-        })
     }
 
     /// ψᴴp: the adjoint of [`Self::moved`], of `pull` with the axes (row, time); axes
@@ -192,6 +179,71 @@ impl CausalModel {
     pub(crate) fn steady(&self, patterns: ArrayView2<Complex64>) -> Array2<Complex64> {
         let mobility = &self.direct + &self.of_poles(0..self.poles.len(), 1);
         matmul(mobility.view(), patterns.t())
+    }
+}
+
+/// The rows of a model, moved by one product of real matrices.
+pub(crate) struct Ground {
+    /// Re ψ, and beside it Im ψ unless all of it is zero; axes (row, part).
+    shapes: Array2<f64>,
+    modes: usize,
+}
+
+/// What follows its course at once.
+pub(crate) struct Follower<'a> {
+    /// Axes (time, pattern).
+    pub(crate) course: &'a Array2<Complex64>,
+    /// Velocity of the rows under each pattern; axes (pattern, row).
+    pub(crate) fields: Array2<Complex64>,
+}
+
+impl Ground {
+    /// Σψz + Σ course·field: how `states`, axes (pole, time), and `followers` move the
+    /// rows; axes (time, row).
+    ///
+    /// Poles come in pairs, ψz + ψ*z' = Re ψ·(z + z') + j·Im ψ·(z − z'): a product of real
+    /// matrices, half of it where all shapes are real.
+    pub(crate) fn moved(
+        &self,
+        states: ArrayView2<Complex64>,
+        followers: &[Follower],
+    ) -> Array2<Complex64> {
+        let (modes, times) = (self.modes, states.ncols());
+        let (rows, own) = self.shapes.dim();
+        let patterns: usize = followers.iter().map(|each| each.fields.nrows()).sum();
+        let mut parts = Array2::<f64>::zeros((own + 2 * patterns, 2 * times));
+        for n in 0..modes {
+            let pairs = states.row(n).into_iter().zip(states.row(n + modes));
+            for (k, (z, mirrored)) in pairs.enumerate() {
+                let (sum, difference) = (z + mirrored, z - mirrored);
+                parts[[n, k]] = sum.re;
+                parts[[n, times + k]] = sum.im;
+                if own > modes {
+                    parts[[modes + n, k]] = -difference.im;
+                    parts[[modes + n, times + k]] = difference.re;
+                }
+            }
+        }
+        let mut shapes = Array2::zeros((own + 2 * patterns, rows));
+        shapes.slice_mut(s![..own, ..]).assign(&self.shapes.t());
+        let each = followers.iter().flat_map(|follower| {
+            let columns = follower.course.columns().into_iter();
+            columns.zip(follower.fields.rows())
+        });
+        for (at, (course, field)) in (own..).step_by(2).zip(each) {
+            for (k, value) in course.iter().enumerate() {
+                (parts[[at, k]], parts[[at, times + k]]) = (value.re, value.im);
+                (parts[[at + 1, k]], parts[[at + 1, times + k]]) = (-value.im, value.re);
+            }
+            for (row, value) in field.iter().enumerate() {
+                (shapes[[at, row]], shapes[[at + 1, row]]) = (value.re, value.im);
+            }
+        }
+        let moved = matmul(parts.t(), shapes.view());
+        let (real, imaginary) = moved.view().split_at(Axis(0), times);
+        Zip::from(real)
+            .and(imaginary)
+            .map_collect(|&re, &im| Complex64::new(re, im))
     }
 }
 

@@ -8,10 +8,10 @@
 
 use crate::scene::Limits;
 use crate::time::table::Measure;
-use crate::time::timeline::{Grounds, Segment};
+use crate::time::timeline::{Grounds, RowGround, Segment};
 use crate::tolerances;
 use crate::zones::Ground;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -88,16 +88,43 @@ pub(crate) struct Judge<'a> {
     limits: EnergyLimits,
     segments: &'a [Segment],
     grounds: &'a Grounds,
-    /// Level of each row, cold and hot.
-    means: Vec<Mean>,
-    cold: Vec<ColdRow>,
-    /// For each group of segments and each row.
-    hot: Vec<Option<HotRow>>,
+    cold: Rows<ColdRow>,
+    /// For each group of segments.
+    hot: Rows<Vec<Option<HotRow>>>,
     groups: usize,
     /// Last sample at which some ground was over the cold limit, of each event.
     loud: Vec<Option<usize>>,
     /// Weakest hot and loudest cold ground over its limit, at each sample.
     trace: Vec<[Option<f64>; 2]>,
+}
+
+/// The rows that are ever cold, or ever hot, with their means.
+struct Rows<T> {
+    numbers: Vec<usize>,
+    /// For each ground, the places in `numbers` of those that it has.
+    of: Vec<Vec<usize>>,
+    means: Means,
+    /// Level of each at the last sample.
+    levels: Vec<f64>,
+    known: Vec<T>,
+}
+
+impl<T: Clone> Rows<T> {
+    fn new(grounds: &Grounds, class: Ground, means: impl Fn(usize) -> Means, known: T) -> Self {
+        let is_ever = |row: &usize| grounds.of.iter().any(|known| known.classes[*row] == class);
+        let numbers: Vec<usize> = (0..grounds.rows()).filter(is_ever).collect();
+        let places = |known: &RowGround| {
+            let is_there = |at: &usize| known.classes[numbers[*at]] == class;
+            (0..numbers.len()).filter(is_there).collect()
+        };
+        Self {
+            of: grounds.of.iter().map(places).collect(),
+            means: means(numbers.len()),
+            levels: vec![0.0; numbers.len()],
+            known: vec![known; numbers.len()],
+            numbers,
+        }
+    }
 }
 
 #[derive(Clone, Default)]
@@ -117,6 +144,31 @@ struct HotRow {
     reached: Option<usize>,
 }
 
+impl HotRow {
+    /// The row is `felt` times its limit at a sample.
+    ///
+    /// * `must`: it has to be
+    /// * `at_worst`: by its worst instant, not by its best
+    fn feel(known: &mut Option<Self>, sample: usize, felt: f64, must: bool, at_worst: bool) {
+        let known = known.get_or_insert(Self {
+            level: if at_worst { f64::INFINITY } else { 0.0 },
+            asked: sample,
+            reached: None,
+        });
+        if must {
+            known.level = match at_worst {
+                true => known.level.min(felt),
+                false => known.level.max(felt),
+            };
+        }
+        if felt >= 1.0 - tolerances::LIMIT {
+            known.reached.get_or_insert(sample);
+        } else if at_worst {
+            known.reached = None;
+        }
+    }
+}
+
 impl<'a> Judge<'a> {
     pub(crate) fn new(
         measure: Measure,
@@ -126,18 +178,17 @@ impl<'a> Judge<'a> {
         segments: &'a [Segment],
         grounds: &'a Grounds,
     ) -> Self {
-        let rows = grounds.rows();
         let groups = segments.iter().map(|s| s.group + 1).max().unwrap_or(0);
         let events = segments.iter().map(|s| s.event + 1).max().unwrap_or(0);
+        let means = |rows| Means::new(measure, summation_s, step_s, rows);
         Self {
             measure,
             step_s,
             limits,
             segments,
             grounds,
-            means: vec![Mean::new(measure, summation_s, step_s); 2 * rows],
-            cold: vec![ColdRow::default(); rows],
-            hot: vec![None; groups * rows],
+            cold: Rows::new(grounds, Ground::Cold, means, ColdRow::default()),
+            hot: Rows::new(grounds, Ground::Hot, means, vec![None; groups]),
             groups,
             loud: vec![None; events],
             trace: Vec::new(),
@@ -146,12 +197,7 @@ impl<'a> Judge<'a> {
 
     /// The energies from sample `first` on.
     pub(crate) fn feed(&mut self, first: usize, energies: &Energies) {
-        let rows = self.grounds.rows();
         let segments = self.segments;
-        let mut levels = Energies {
-            cold: energies.cold.clone(),
-            hot: energies.hot.clone(),
-        };
         let end = first + energies.cold.nrows();
         let mut asked = vec![None; end - first];
         for segment in segments {
@@ -160,93 +206,62 @@ impl<'a> Judge<'a> {
             }
         }
         for (at, segment) in asked.iter().enumerate() {
-            for row in 0..rows {
-                // what ground took while it was hot is no matter of its quiet
-                let is_cold =
-                    segment.is_some_and(|s| self.grounds.of[s.ground].classes[row] == Ground::Cold);
-                let owed = if is_cold {
-                    energies.cold[[at, row]]
-                } else {
-                    0.0
-                };
-                if self.measure != Measure::Peak {
-                    levels.cold[[at, row]] = self.means[row].of(owed);
-                    levels.hot[[at, row]] = self.means[rows + row].of(energies.hot[[at, row]]);
-                }
+            let (cold, hot) = (energies.cold.row(at), energies.hot.row(at));
+            // what ground took while it was hot is no matter of its quiet
+            self.cold.levels.fill(0.0);
+            for &place in segment.map_or(&Vec::new(), |segment| &self.cold.of[segment.ground]) {
+                self.cold.levels[place] = cold[self.cold.numbers[place]];
             }
+            for (level, &row) in self.hot.levels.iter_mut().zip(&self.hot.numbers) {
+                *level = hot[row];
+            }
+            self.cold.means.take(&mut self.cold.levels);
+            self.hot.means.take(&mut self.hot.levels);
             self.trace.push([None; 2]);
             if let Some(segment) = segment {
-                self.judge(segment, first + at, &levels, &energies.cold, at);
+                self.judge(segment, first + at, cold);
             }
         }
     }
 
-    fn judge(
-        &mut self,
-        segment: &Segment,
-        sample: usize,
-        levels: &Energies,
-        moved: &Array2<f64>,
-        at: usize,
-    ) {
+    fn judge(&mut self, segment: &Segment, sample: usize, moved: ArrayView1<f64>) {
         let ground = &self.grounds.of[segment.ground];
-        let rows = self.grounds.rows();
         let slack = 1.0 + tolerances::LIMIT;
-        let (mut loud, mut trace) = (false, [None; 2]);
-        for row in 0..rows {
-            let over = levels.cold[[at, row]] / self.limits.cold;
-            let moves = moved[[at, row]] / self.limits.cold;
-            loud |= moves > slack && ground.classes[row] != Ground::Ignored;
-            match ground.classes[row] {
-                Ground::Ignored => {}
-                Ground::Cold => {
-                    trace[1] = Some(trace[1].map_or(over, |most: f64| most.max(over)));
-                    let known = &mut self.cold[row];
-                    known.judged = true;
-                    known.over += usize::from(over > slack);
-                    if over > known.worst {
-                        (known.worst, known.worst_at) = (over, sample);
-                    }
-                }
-                Ground::Hot => {
-                    let felt = levels.hot[[at, row]] / (self.limits.hot * ground.levels[row]);
-                    trace[0] = Some(trace[0].map_or(felt, |least: f64| least.min(felt)));
-                    self.feel(segment, row, sample, felt);
-                }
+        let loudest = moved
+            .iter()
+            .zip(&ground.classes)
+            .filter(|(_, class)| **class != Ground::Ignored)
+            .fold(0.0, |most, (&energy, _)| f64::max(most, energy));
+        if loudest / self.limits.cold > slack {
+            self.loud[segment.event] = Some(sample);
+        }
+        let mut trace = [None; 2];
+        for &place in &self.cold.of[segment.ground] {
+            let over = self.cold.levels[place] / self.limits.cold;
+            let known = &mut self.cold.known[place];
+            trace[1] = Some(trace[1].map_or(over, |most: f64| most.max(over)));
+            known.judged = true;
+            known.over += usize::from(over > slack);
+            if over > known.worst {
+                (known.worst, known.worst_at) = (over, sample);
+            }
+        }
+        let felt = |place: usize| {
+            let owed = self.limits.hot * ground.levels[self.hot.numbers[place]];
+            self.hot.levels[place] / owed
+        };
+        let hot = &self.hot.of[segment.ground];
+        trace[0] = hot.iter().map(|&place| felt(place)).reduce(f64::min);
+        if let Some(must) = segment.hot {
+            for &place in hot {
+                let felt = felt(place);
+                let known = &mut self.hot.known[place][segment.group];
+                let at_worst = self.measure == Measure::Peak;
+                HotRow::feel(known, sample, felt, must, at_worst);
             }
         }
         if let Some(last) = self.trace.last_mut() {
             *last = trace;
-        }
-        if loud {
-            self.loud[segment.event] = Some(sample);
-        }
-    }
-
-    /// A hot row at a sample, so far over its limit.
-    fn feel(&mut self, segment: &Segment, row: usize, sample: usize, felt: f64) {
-        let Some(counts) = segment.hot else {
-            return;
-        };
-        let place = &mut self.hot[segment.group * self.grounds.rows() + row];
-        let at_worst = self.measure == Measure::Peak;
-        let known = place.get_or_insert(HotRow {
-            level: if at_worst { f64::INFINITY } else { 0.0 },
-            asked: sample,
-            reached: None,
-        });
-        if counts {
-            known.level = match at_worst {
-                true => known.level.min(felt),
-                false => known.level.max(felt),
-            };
-        }
-        if felt < 1.0 - tolerances::LIMIT {
-            if at_worst {
-                known.reached = None;
-            }
-        } else {
-            known.reached.get_or_insert(sample);
         }
     }
 
@@ -254,12 +269,14 @@ impl<'a> Judge<'a> {
     /// which nothing of them is judged.
     pub(crate) fn result(&self, starts_s: &[f64], ends: &[usize]) -> TimeMeasure {
         let db = |ratio: f64| Some(10.0 * ratio.log10()).filter(|level| level.is_finite());
-        let cold: Vec<&ColdRow> = self.cold.iter().filter(|row| row.judged).collect();
+        let cold: Vec<&ColdRow> = self.cold.known.iter().filter(|row| row.judged).collect();
         let worst = cold.iter().max_by(|a, b| a.worst.total_cmp(&b.worst));
         let ever = cold.iter().filter(|row| row.over > 0).count();
         let hot: Vec<&HotRow> = self
             .hot
+            .known
             .iter()
+            .flatten()
             .flatten()
             .filter(|row| row.level.is_finite())
             .collect();
@@ -335,10 +352,10 @@ impl<'a> Judge<'a> {
     /// The least level of hot rows in each group over its limit: by what a group must be
     /// raised.
     pub(crate) fn hot_levels(&self) -> Vec<Option<f64>> {
-        let rows = self.grounds.rows();
         (0..self.groups)
             .map(|group| {
-                let of_group = self.hot[group * rows..(group + 1) * rows].iter().flatten();
+                let known = self.hot.known.iter();
+                let of_group = known.filter_map(|groups| groups[group].as_ref());
                 of_group
                     .map(|row| row.level)
                     .filter(|level| level.is_finite())
@@ -350,59 +367,72 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// A running mean of one row.
-#[derive(Clone)]
-enum Mean {
+/// Running means of some rows.
+enum Means {
     Peak,
     Summed {
         decay: f64,
-        last: f64,
-        sum: f64,
+        last: Vec<f64>,
+        sums: Vec<f64>,
     },
     Rms {
         length: usize,
-        window: VecDeque<f64>,
-        sum: f64,
+        /// The energies of the last samples.
+        window: VecDeque<Vec<f64>>,
+        sums: Vec<f64>,
     },
 }
 
-impl Mean {
-    fn new(measure: Measure, summation_s: f64, step_s: f64) -> Self {
+impl Means {
+    fn new(measure: Measure, summation_s: f64, step_s: f64, rows: usize) -> Self {
         match measure {
             Measure::Peak => Self::Peak,
             Measure::Summed => Self::Summed {
                 decay: (-step_s / summation_s).exp(),
-                last: 0.0,
-                sum: 0.0,
+                last: vec![0.0; rows],
+                sums: vec![0.0; rows],
             },
             Measure::Rms => Self::Rms {
                 length: (summation_s / step_s).round().max(1.0) as usize,
                 window: VecDeque::new(),
-                sum: 0.0,
+                sums: vec![0.0; rows],
             },
         }
     }
 
-    /// The mean with the next sample.
-    fn of(&mut self, energy: f64) -> f64 {
+    /// Puts the means with the next sample in place of its energies.
+    fn take(&mut self, energies: &mut [f64]) {
         match self {
-            Self::Peak => energy,
-            Self::Summed { decay, last, sum } => {
-                *sum = *decay * *sum + (1.0 - *decay) * 0.5 * (*last + energy);
-                *last = energy;
-                *sum
+            Self::Peak => {}
+            Self::Summed { decay, last, sums } => {
+                let (kept, added) = (*decay, 1.0 - *decay);
+                for ((energy, last), sum) in energies.iter_mut().zip(last).zip(sums) {
+                    *sum = kept * *sum + added * 0.5 * (*last + *energy);
+                    *last = *energy;
+                    *energy = *sum;
+                }
             }
             Self::Rms {
                 length,
                 window,
-                sum,
+                sums,
             } => {
-                window.push_back(energy);
-                *sum += energy;
-                if window.len() > *length {
-                    *sum -= window.pop_front().unwrap_or(0.0);
+                for (sum, &energy) in sums.iter_mut().zip(energies.iter()) {
+                    *sum += energy;
                 }
-                sum.max(0.0) / *length as f64
+                let mut newest = Vec::new();
+                if window.len() == *length {
+                    newest = window.pop_front().unwrap_or_default();
+                    for (sum, gone) in sums.iter_mut().zip(&newest) {
+                        *sum -= gone;
+                    }
+                }
+                newest.clear();
+                newest.extend_from_slice(energies);
+                window.push_back(newest);
+                for (energy, sum) in energies.iter_mut().zip(sums) {
+                    *energy = sum.max(0.0) / *length as f64;
+                }
             }
         }
     }
@@ -416,9 +446,14 @@ mod tests {
     fn a_long_tone_ends_at_its_own_level_and_a_short_one_below() {
         let (step_s, tau) = (2.5e-4, 0.2);
         let level = |measure, duration_s: f64| {
-            let mut mean = Mean::new(measure, tau, step_s);
+            let mut means = Means::new(measure, tau, step_s, 1);
+            let mut next = || {
+                let mut energies = [4.0];
+                means.take(&mut energies);
+                energies[0]
+            };
             (0..(duration_s / step_s) as usize)
-                .map(|_| mean.of(4.0))
+                .map(|_| next())
                 .fold(0.0, f64::max)
         };
         assert!((level(Measure::Summed, 3.0) - 4.0).abs() < 1e-5);

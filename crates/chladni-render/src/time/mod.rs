@@ -8,6 +8,7 @@
 mod auto_ramp;
 mod causal;
 mod channel_map;
+mod check_paths;
 mod contact;
 mod envelope;
 mod envelope_program;

@@ -49,7 +49,7 @@ impl Spot {
 pub(crate) struct Event {
     /// As messages call it.
     pub(crate) name: String,
-    line: u64,
+    pub(crate) line: u64,
     pub(crate) ramp: RampTime,
     /// Places, as numbers of [`Plan::places`].
     pub(crate) stops: Vec<usize>,

@@ -5,12 +5,13 @@ use crate::operator::Operator;
 use crate::options::RenderOptions;
 use crate::scene::Scene;
 use crate::time::auto_ramp::RampFinder;
+use crate::time::check_paths::check_paths;
 use crate::time::frames::TimeFrames;
 use crate::time::indices::{is_met, said, AreaMeasures, TimeEvent, TimeIndices};
 use crate::time::judge::TimeTraces;
 use crate::time::listener::{Heard, Judging, Listener};
 use crate::time::plan::{Chain, Event, Plan};
-use crate::time::stage::{check_paths, Stage};
+use crate::time::stage::{Driven, Stage};
 use crate::time::table::{Level, Measure, RampTime, Ramps, TimeTable};
 use crate::time::tracks::Tracks;
 use crate::time::voice::Voice;
@@ -97,11 +98,10 @@ pub fn play(
     let table = scene.time.clone().unwrap_or_default();
     let plan = Plan::new(&table, &scene.zones)?;
     let only = scene.actuators.only.as_deref();
-    check_paths(
-        &Operator::of_model(model, scene.frequency_hz, only)?,
-        scene,
-        &table,
-    )?;
+    if !table.moves.is_empty() {
+        let operator = Operator::of_model(model, scene.frequency_hz, only)?;
+        check_paths(&operator, scene, &table, &plan)?;
+    }
     let voices = voices(model, scene, &plan, given, options)?;
     let stage = Stage::new(model, scene, &table, &plan, voices)?;
     let (points, judging) = (stage.points(), stage.judging());
@@ -117,10 +117,11 @@ pub fn play(
     let mut findings: Vec<Finding> = of_voices.cloned().collect();
     let take = rehearsal.shortest(&mut findings)?;
     findings.extend(take.limited);
+    let driven = take.driven;
     let area = options.area.then(|| stage.area()).flatten();
-    let area = area.map(|area| area.hear(&take.tones, &take.chains, &judging, &Measure::ALL));
+    let area = area.map(|area| area.hear(&driven.tones, &take.chains, &judging, &Measure::ALL));
     let length_s = take.chains.iter().map(Chain::end_s).fold(0.0, f64::max);
-    let pictures = || stage.frames(&take.tones, length_s, options.frames);
+    let pictures = || stage.frames(&driven.tones, length_s, options.frames);
     let frames = (options.frames > 0).then(pictures);
     let plain = match options.plain {
         true => rehearsal.plain(&take.chains)?,
@@ -129,10 +130,10 @@ pub fn play(
     let events: Vec<TimeEvent> = take
         .chains
         .iter()
-        .zip(&take.gains)
+        .zip(&driven.gains)
         .map(|(chain, &gain)| TimeEvent::of(chain, gain))
         .collect();
-    let indices = indices(&take.heard, area.as_ref(), events, &stage);
+    let indices = indices(&driven.heard, area.as_ref(), events, &stage);
     findings.extend(said(&indices, &table));
     dedup(&mut findings);
     Ok(Played {
@@ -140,10 +141,10 @@ pub fn play(
         unit: stage.voices[0].operator.unit,
         length_s,
         frames,
-        tones: take.tones,
+        tones: driven.tones,
         feasible: is_met(&indices, &table),
         indices,
-        traces: take.heard.traces.unwrap_or_default(),
+        traces: driven.heard.traces.unwrap_or_default(),
         plain,
         findings,
     })
@@ -162,10 +163,7 @@ struct Rehearsal<'a> {
 /// The whole with ramps of some length.
 struct Take {
     chains: Vec<Chain>,
-    tones: Vec<Tracks>,
-    /// Of each chain.
-    gains: Vec<f64>,
-    heard: Heard,
+    driven: Driven,
     /// Findings on what the actuators did not allow.
     limited: Vec<Finding>,
 }
@@ -203,7 +201,7 @@ impl Rehearsal<'_> {
             .fold(f64::NEG_INFINITY, f64::max);
         let allowed_db = f64::max(steady_db + tolerances::STEADY_MISS_DB, 0.0);
         let is_over = |take: &Take| {
-            let cold_db = take.heard.measures[1].worst_cold_db;
+            let cold_db = take.driven.heard.measures[1].worst_cold_db;
             cold_db.is_some_and(|level| level > allowed_db)
         };
         let mut take = self.take(&ramps_s, 0.0)?;
@@ -222,11 +220,10 @@ impl Rehearsal<'_> {
     fn plain(&self, chains: &[Chain]) -> Result<Option<TimeTraces>> {
         let (points, judging) = (self.points, self.judging);
         let mut limited = Vec::new();
-        let (tones, _) = self
+        let driven = self
             .stage
             .drive(chains, Ramps::Plain, points, judging, &mut limited)?;
-        let heard = points.hear(&tones, chains, judging, &[Measure::Peak]);
-        Ok(heard.traces)
+        Ok(driven.heard.traces)
     }
 
     /// With ramps that are so much longer than `ramps_s` where the scene leaves them open.
@@ -236,17 +233,12 @@ impl Rehearsal<'_> {
             RampTime::Seconds(seconds) => seconds,
         })?;
         let mut limited = Vec::new();
-        let (tones, gains) =
+        let driven =
             self.stage
                 .drive(&chains, self.ramps, self.points, self.judging, &mut limited)?;
-        let heard = self
-            .points
-            .hear(&tones, &chains, self.judging, &Measure::ALL);
         Ok(Take {
             chains,
-            tones,
-            gains,
-            heard,
+            driven,
             limited,
         })
     }

@@ -1,7 +1,7 @@
 //! The ground in time: exact recursion of each pole under drives that run from sample to
 //! sample by the cubic of their values and derivatives (theory.md, eq. 62).
 
-use crate::time::causal::CausalModel;
+use crate::time::causal::{CausalModel, Follower, Ground};
 use crate::tolerances::{SMALL_STEP, TERMS};
 use chladni_linalg::matmul;
 use ndarray::Array2;
@@ -25,6 +25,7 @@ pub(crate) struct SampledDrive {
 /// A model in motion: takes a drive block by block.
 pub(crate) struct Motion<'a> {
     model: &'a CausalModel,
+    ground: Ground,
     /// z of each pole, and what drove it at the last sample, with its derivative.
     states: Vec<[Complex64; 3]>,
 }
@@ -34,6 +35,7 @@ impl<'a> Motion<'a> {
     pub(crate) fn new(model: &'a CausalModel) -> Self {
         Self {
             model,
+            ground: model.ground(),
             states: vec![[Complex64::ZERO; 3]; model.poles.len()],
         }
     }
@@ -43,14 +45,16 @@ impl<'a> Motion<'a> {
     /// ż = (p − jω₀)·z + r·Lᵀa of each pole, v⁺ = Σψz + D₀a + D₁ȧ + D₂ä.
     pub(crate) fn under(&mut self, drive: &SampledDrive) -> Array2<Complex64> {
         let states = self.modal(drive);
-        let follows = |course: &Array2<Complex64>, at_once: &Array2<Complex64>| {
-            let of_patterns = matmul(drive.patterns.view(), at_once.t());
-            matmul(course.view(), of_patterns.view())
+        let follower = |course, at_once: &Array2<Complex64>| Follower {
+            course,
+            fields: matmul(drive.patterns.view(), at_once.t()),
         };
-        self.model.moved(states.view())
-            + follows(&drive.values, &self.model.direct)
-            + follows(&drive.slopes, &self.model.slope)
-            + follows(&drive.bends, &self.model.bend)
+        let followers = [
+            follower(&drive.values, &self.model.direct),
+            follower(&drive.slopes, &self.model.slope),
+            follower(&drive.bends, &self.model.bend),
+        ];
+        self.ground.moved(states.view(), &followers)
     }
 
     /// z over the samples; axes (pole, time).
@@ -61,12 +65,15 @@ impl<'a> Motion<'a> {
         let rows = states.rows_mut().into_iter().zip(slopes.rows());
         for (n, ((mut row, slopes), known)) in rows.zip(&mut self.states).enumerate() {
             let step = CubicStep::new(-self.model.distance(n), drive.step_s);
+            let [mut z, mut before, mut rising] = *known;
             for (value, slope) in row.iter_mut().zip(slopes) {
-                let [z, before, rising] = *known;
-                let moved = step.decay * z + step.of(before, rising, *value, *slope);
-                *known = [moved, *value, *slope];
-                *value = moved;
+                // apart from z, so that steps overlap
+                let added = step.of(before, rising, *value, *slope);
+                (before, rising) = (*value, *slope);
+                z = step.decay * z + added;
+                *value = z;
             }
+            *known = [z, before, rising];
         }
         states
     }

@@ -2,7 +2,6 @@
 //! every place, the zones of each, the limits, and who listens.
 
 use crate::field::AreaGrid;
-use crate::operator::Operator;
 use crate::plane::Rectangle;
 use crate::scene::Scene;
 use crate::time::auto_ramp::{shortest_s, spared_db};
@@ -16,7 +15,7 @@ use crate::time::tracks::{schroeder, Tracks};
 use crate::time::voice::Voice;
 use crate::tolerances;
 use crate::zones::ZoneMap;
-use chladni_frf::{Error, Finding, ModalModel, ReferenceUnit, Result};
+use chladni_frf::{Finding, ModalModel, ReferenceUnit, Result};
 
 /// All that is known before a drive is made.
 pub(crate) struct Stage<'a> {
@@ -119,7 +118,7 @@ impl<'a> Stage<'a> {
         self.grid().map(|grid| self.points().over(&grid))
     }
 
-    /// The drive of every tone, and the gain of every chain.
+    /// The drive of `chains`, each as loud as its limits allow.
     pub(crate) fn drive(
         &self,
         chains: &[Chain],
@@ -127,13 +126,14 @@ impl<'a> Stage<'a> {
         points: &Listener,
         judging: &Judging,
         findings: &mut Vec<Finding>,
-    ) -> Result<(Vec<Tracks>, Vec<f64>)> {
+    ) -> Result<Driven> {
         let mut tones: Vec<Tracks> = self
             .voices
             .iter()
             .map(|voice| voice.sounding(Vec::new()))
             .collect();
         let mut gains = Vec::with_capacity(chains.len());
+        let mut as_it_is = None;
         for chain in chains {
             let mut alone: Vec<Tracks> = self
                 .voices
@@ -146,16 +146,12 @@ impl<'a> Stage<'a> {
                         .times(turn)
                 })
                 .collect();
-            let heard = points.hear(
-                &alone,
-                std::slice::from_ref(chain),
-                judging,
-                &[self.table.measure, Measure::Peak],
-            );
+            let heard = points.hear(&alone, std::slice::from_ref(chain), judging, &Measure::ALL);
+            let peak = &heard.measures[1];
             let mut gain = match self.table.level {
-                Level::Compensated => compensation(&heard),
-                Level::Steady if chain.moving.is_some() => balance(&heard.measures[1]),
-                Level::Steady => match spared(chain, &heard.measures[1]) {
+                Level::Compensated => compensation(&heard, self.table.measure),
+                Level::Steady if chain.moving.is_some() => balance(peak),
+                Level::Steady => match spared(chain, peak) {
                     None => 1.0,
                     Some(lower_db) => {
                         findings.push(lowered(&chain.name, lower_db));
@@ -176,39 +172,34 @@ impl<'a> Stage<'a> {
                 tone.tracks.extend(alone.times(gain.into()).tracks);
             }
             gains.push(gain);
+            as_it_is = (chains.len() == 1 && gain == 1.0).then_some(heard);
         }
-        Ok((tones, gains))
+        let heard = as_it_is.unwrap_or_else(|| points.hear(&tones, chains, judging, &Measure::ALL));
+        Ok(Driven {
+            tones,
+            gains,
+            heard,
+        })
     }
 }
 
-/// Refuses paths that leave the ground that is judged.
-///
-/// # Errors
-/// [`chladni_frf::ErrorKind::BadData`].
-pub(crate) fn check_paths(operator: &Operator, scene: &Scene, table: &TimeTable) -> Result<()> {
-    let Some(scanned) = Rectangle::around(&operator.positions_m) else {
-        return Ok(());
-    };
-    let area = scene.zones.area_m.map_or(scanned, Rectangle::from_array);
-    for (number, moving) in table.moves.iter().enumerate() {
-        if let Some(outside) = moving.path_m.iter().find(|point| !area.contains(**point)) {
-            return Err(Error::bad_data("the path leaves the ground that is judged")
-                .at_line(moving.line)
-                .field(format!("[[time.move]] {} path_m", number + 1))
-                .found(format!("[{}, {}]", outside[0], outside[1]))
-                .expected(format!(
-                    "points inside x {:.4} to {:.4} m, y {:.4} to {:.4} m",
-                    area.x_min, area.x_max, area.y_min, area.y_max
-                )));
-        }
-    }
-    Ok(())
+/// A drive, and how the responses do under it.
+pub(crate) struct Driven {
+    /// Of every tone.
+    pub(crate) tones: Vec<Tracks>,
+    /// Of every chain.
+    pub(crate) gains: Vec<f64>,
+    /// By every measure.
+    pub(crate) heard: Heard,
 }
 
 /// The factor by which every hot place of a chain reaches its limit.
-fn compensation(heard: &Heard) -> f64 {
-    let least = heard.hot_levels[0]
-        .iter()
+fn compensation(heard: &Heard, measure: Measure) -> f64 {
+    let by = Measure::ALL.iter().position(|&each| each == measure);
+    let levels = by.map(|by| &heard.hot_levels[by]);
+    let least = levels
+        .into_iter()
+        .flatten()
         .flatten()
         .copied()
         .fold(f64::INFINITY, f64::min);

@@ -15,6 +15,7 @@ mod scene_file;
 mod signals;
 mod stress;
 mod time;
+mod time_refused;
 mod tones;
 mod touch;
 mod weights_file;

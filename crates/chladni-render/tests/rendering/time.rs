@@ -8,11 +8,10 @@ use chladni_render::{
     Recorded, RenderOptions, SampleFormat, Scene, SignalOptions, TimeIndices,
 };
 use ndarray::Array2;
-use std::path::Path;
 use std::sync::OnceLock;
 
 /// The panel, measured from below its lowest mode on.
-fn truth() -> &'static ModalModel {
+pub(crate) fn truth() -> &'static ModalModel {
     static TRUTH: OnceLock<ModalModel> = OnceLock::new();
     TRUTH.get_or_init(|| {
         let mut panel = Panel::default();
@@ -21,9 +20,9 @@ fn truth() -> &'static ModalModel {
     })
 }
 
-const BURST: &str = "[time]\n[[time.burst]]\nduration_s = 0.1\nramp_s = 0.015\n";
+pub(crate) const BURST: &str = "[time]\n[[time.burst]]\nduration_s = 0.1\nramp_s = 0.015\n";
 
-fn played(model: &ModalModel, scene: &Scene, ramps: Ramps) -> Played {
+pub(crate) fn played(model: &ModalModel, scene: &Scene, ramps: Ramps) -> Played {
     let options = PlayOptions {
         ramps: Some(ramps),
         ..PlayOptions::default()
@@ -448,108 +447,4 @@ fn a_channel_map_says_where_an_actuator_is() {
         assert_eq!(error.field.as_deref(), Some(named), "{text}: {error}");
         assert_eq!(error.kind, ErrorKind::BadData);
     }
-}
-
-#[test]
-fn tables_that_cannot_be_are_refused_by_name() {
-    let zones = "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\narea_m = [0.034, 0.025, \
-                 0.234, 0.145]\n[time]\n";
-    let moving = |start: f64| {
-        format!(
-            "[[time.move]]\nstart_s = {start}\npath_m = [[0.07, 0.085], [0.198, \
-             0.085]]\nspeed_m_per_s = 0.2\nhot_radius_m = 0.025\nquiet_from_m = 0.06\n"
-        )
-    };
-    for (text, named) in [
-        ("".to_owned(), "time"),
-        ("measure = \"loud\"\n".into(), "measure"),
-        ("ramps = \"linear\"\n".into(), "ramps"),
-        ("[[time.burst]]\nduration_s = -0.1\n".into(), "duration_s"),
-        (
-            "[[time.burst]]\nduration_s = 0.1\nstart_s = -1\n".into(),
-            "start_s",
-        ),
-        (
-            "[[time.burst]]\nduration_s = 0.1\nramp_s = 0.06\n".into(),
-            "ramp_s",
-        ),
-        (
-            "[[time.burst]]\nduration_s = 0.1\nramp_s = \"soft\"\n".into(),
-            "ramp_s",
-        ),
-        (
-            "[[time.burst]]\nduration_s = 0.1\nrepeat = [3, 0.05]\n".into(),
-            "repeat",
-        ),
-        (
-            "[[time.burst]]\nduration_s = 0.1\nhot = [5]\n".into(),
-            "hot",
-        ),
-        (
-            "[[time.burst]]\nduration_s = 0.1\nlength = 1\n".into(),
-            "length",
-        ),
-        (
-            "[[time.fade]]\nfrom = [1]\nto = [1]\nstart_s = 1\nfade_s = 0.1\n".into(),
-            "to",
-        ),
-        (
-            "[[time.fade]]\nfrom = [1]\nto = [2]\nstart_s = 1\nfade_s = 0\n".into(),
-            "fade_s",
-        ),
-        (moving(0.0) + &moving(0.3), "[[time.move]] 2"),
-        (moving(0.0).replace("0.198", "0.298"), "path_m"),
-        (moving(0.0).replace("0.06\n", "0.02\n"), "quiet_from_m"),
-        (moving(0.0).replace("= 0.2\n", "= 0\n"), "speed_m_per_s"),
-        (moving(0.0).replace("0.198", "0.07"), "path_m"),
-    ] {
-        let error = Scene::parse(&format!("{zones}{text}"), Path::new("")).unwrap_err();
-        assert_eq!(error.kind, ErrorKind::BadData, "{text}");
-        assert!(
-            error.field.as_deref().unwrap().contains(named),
-            "{text}: {error}"
-        );
-    }
-}
-
-#[test]
-fn a_path_beyond_the_responses_is_refused_by_name() {
-    let scene = cell_scene(
-        [2, 2],
-        1,
-        "[time]\n[[time.move]]\npath_m = [[0.070, 0.085], [0.398, 0.085]]\nspeed_m_per_s = \
-         0.2\nhot_radius_m = 0.025\nquiet_from_m = 0.060\n",
-    );
-    let error = play(truth(), &scene, None, &PlayOptions::default()).unwrap_err();
-    assert_eq!(error.kind, ErrorKind::BadData);
-    assert_eq!(
-        error.field.as_deref(),
-        Some("[[time.move]] 1 path_m"),
-        "{error}"
-    );
-}
-
-#[test]
-fn a_ramp_that_the_band_cannot_describe_and_a_rate_below_it_are_refused() {
-    let scene = cell_scene(
-        [2, 2],
-        1,
-        "[time]\n[[time.burst]]\nduration_s = 0.1\nramp_s = 0.001\n",
-    );
-    let error = play(truth(), &scene, None, &PlayOptions::default()).unwrap_err();
-    assert!(
-        error.field.as_deref().unwrap().contains("ramp_s") && error.to_string().contains("band"),
-        "{error}"
-    );
-    let scene = cell_scene([2, 2], 1, BURST);
-    let made = played(truth(), &scene, Ramps::Plain);
-    let slow = SignalOptions {
-        rate_hz: 600,
-        ..SignalOptions::default()
-    };
-    let error = made.signal(&slow, "").unwrap_err();
-    assert!(
-        error.kind == ErrorKind::Usage && error.field.as_deref() == Some("rate_hz"),
-        "{error}"
-    );
 }
