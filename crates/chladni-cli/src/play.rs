@@ -217,7 +217,7 @@ fn draw(folder: &Path, scene: &Scene, played: &Played, console: &Console) -> Res
         ("svg", drawing.to_svg().into_bytes()),
         ("png", drawing.to_png(PNG_SCALE)),
     ];
-    let moving = played.frames.as_ref().and_then(moving_field);
+    let moving = played.frames.as_ref().map_or(Ok(None), moving_field)?;
     files.extend(moving.map(|bytes| ("gif", bytes)));
     for (extension, content) in files {
         let path = folder.join(format!("time.{extension}"));

@@ -120,7 +120,8 @@ pub struct ChartFormats {
     pub svg: bool,
     /// PNG files.
     pub png: bool,
-    /// A moving picture of each shape, where the structure has lines or faces.
+    /// Moving pictures: of each shape, where the structure has lines or faces, and of each
+    /// field over a period.
     pub gif: bool,
 }
 
@@ -146,8 +147,15 @@ pub fn charts(input: &ReportInput, formats: ChartFormats) -> Result<Vec<(String,
             ));
         }
     }
-    if let Some(model) = input.model.filter(|_| formats.gif) {
-        files.extend(figures::moving_shapes(model));
+    if formats.gif {
+        if let Some(model) = input.model {
+            files.extend(figures::moving_shapes(model)?);
+        }
+        for (scene, number) in input.scenes.iter().zip(1..) {
+            let shown = scene.shown.as_ref();
+            let moving = shown.map_or(Ok(None), figures::moving_period)?;
+            files.extend(moving.map(|bytes| (format!("field-{number}.gif"), bytes)));
+        }
     }
     Ok(files)
 }

@@ -1,6 +1,7 @@
 //! `chladni demo`: the whole way on the built-in panel, judged by its known truth.
 
 mod methods;
+mod rig;
 
 use crate::curves::curves;
 use crate::fit::{echo_of, fit_model};
@@ -24,6 +25,8 @@ use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use rig::OnRig;
+
 /// The trials of the first scene beside being rendered, as by `chladni render --stress
 /// --sweep 310:350`.
 const TRIALS: Trials = Trials {
@@ -39,8 +42,9 @@ const TRIALS: Trials = Trials {
 
 Simulates the FRFs of a glass panel with 40 dB of noise and one driving point, fits them, renders four scenes at 330 Hz (one quarter of the
 panel is felt, the rest is quiet), tries the first under stress and at other frequencies, fits once more by other methods
-for a chart of speed against accuracy, and writes panel.h5, truth.json, model.json, scene-1..4.toml, weights-1..4.json and
-report.html. Exit 1 where the known truth is missed or a scene is not met.")]
+for a chart of speed against accuracy. Then an actuator of the first scene dies: the field is measured, the actuator named,
+the weights corrected. Writes panel.h5, truth.json, model.json, scene-1..4.toml, weights-1..4.json, field-1.csv,
+weights-1-corrected.json and report.html. Exit 1 where the known truth is missed or a scene is not met.")]
 pub struct Args {
     /// Folder to write into
     #[arg(short, long, value_name = "DIR", default_value = "chladni-demo")]
@@ -54,6 +58,9 @@ struct Files {
     model: PathBuf,
     scenes: Vec<PathBuf>,
     weights: Vec<PathBuf>,
+    /// The measured field of the first scene, and its weights corrected by it.
+    field: PathBuf,
+    corrected: PathBuf,
     report: PathBuf,
 }
 
@@ -78,6 +85,15 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let scenes: Vec<Judged> = (0..SCENES)
         .map(|k| render_one(&files, k, &model, &truth, console))
         .collect::<Result<_>>()?;
+    let first = Scene::read(&files.scenes[0])?;
+    let on_rig = rig::on_rig(
+        [&files.field, &files.corrected],
+        &model,
+        &truth,
+        &first,
+        &scenes[0],
+        console,
+    )?;
     let methods =
         methods::speed_against_accuracy(&frf, &truth, panel.frf.snr_db, &model, time_s, console)?;
     console.stage("report");
@@ -90,6 +106,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .map(|scene| {
                 RenderedScene::of_rendering(&scene.rendering).with_curves(Some(&scene.curves))
             })
+            .chain(on_rig.shown())
             .collect(),
         tables: vec![methods],
         ..ReportInput::default()
@@ -103,8 +120,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .chain(unmet(&scenes))
         .collect();
     let doubt = (!doubts.is_empty()).then(|| doubts.join("; "));
-    let json = json(args, &files, &comparison, &scenes);
-    let text = text(args, &model, &comparison, &scenes);
+    let json = json(args, &files, &comparison, &scenes, &on_rig);
+    let text = text(args, &model, &comparison, &scenes, &on_rig);
     let page = shell_path(&files.report);
     Ok(Outcome::written(&args.output, json, text)
         .doubted(doubt)
@@ -128,6 +145,8 @@ impl Files {
             model: folder.join("model.json"),
             scenes: numbered("scene", "toml"),
             weights: numbered("weights", "json"),
+            field: folder.join("field-1.csv"),
+            corrected: folder.join("weights-1-corrected.json"),
             report: folder.join("report.html"),
         };
         make_folder(folder)?;
@@ -142,7 +161,7 @@ impl Files {
             .into_iter()
             .chain(&self.scenes)
             .chain(&self.weights)
-            .chain([&self.report])
+            .chain([&self.field, &self.corrected, &self.report])
     }
 }
 
@@ -283,7 +302,13 @@ fn unmet(scenes: &[Judged]) -> Vec<String> {
     .collect()
 }
 
-fn json(args: &Args, files: &Files, comparison: &Comparison, scenes: &[Judged]) -> Value {
+fn json(
+    args: &Args,
+    files: &Files,
+    comparison: &Comparison,
+    scenes: &[Judged],
+    on_rig: &OnRig,
+) -> Value {
     let name = |path: &PathBuf| {
         path.file_name()
             .map(|name| name.to_string_lossy().into_owned())
@@ -305,10 +330,17 @@ fn json(args: &Args, files: &Files, comparison: &Comparison, scenes: &[Judged]) 
         "loss_factor_error": spread(&comparison.loss_factor),
         "mac": {"worst": comparison.mac.first(), "median": median(&comparison.mac)},
         "scenes": scenes.iter().enumerate().map(scene).collect::<Vec<_>>(),
+        "dead_actuator": on_rig.json(),
     })
 }
 
-fn text(args: &Args, model: &ModalModel, comparison: &Comparison, scenes: &[Judged]) -> String {
+fn text(
+    args: &Args,
+    model: &ModalModel,
+    comparison: &Comparison,
+    scenes: &[Judged],
+    on_rig: &OnRig,
+) -> String {
     let worst = |sorted: &[f64]| {
         let worst = sorted.last().copied().unwrap_or(f64::NAN);
         format!("{} %", significant(100.0 * worst, 2))
@@ -347,10 +379,11 @@ fn text(args: &Args, model: &ModalModel, comparison: &Comparison, scenes: &[Judg
         "cold",
     ];
     format!(
-        "{}\n{truth}\n\n{}\n{}/report.html shows it, and what becomes of the drive under stress and at \
+        "{}\n{truth}\n\n{}\n{}\n\n{}/report.html shows it, and what becomes of the drive under stress and at \
          other frequencies.\n",
         sentence(model),
         table(&HEADER, &rows),
+        on_rig.text(),
         args.output.display()
     )
 }

@@ -31,7 +31,24 @@ fn the_demonstration_finds_its_known_truth() {
             "{name}"
         );
     }
-    assert_eq!(json["files"].as_array().unwrap().len(), 12);
+    assert_eq!(json["files"].as_array().unwrap().len(), 14);
+
+    // a dead actuator is named by the field, and the weights are corrected by it
+    let dead = &json["dead_actuator"];
+    assert_eq!(dead["likeliest"]["kind"], "dead", "{dead}");
+    assert_eq!(dead["likeliest"]["place"], dead["dead"], "{dead}");
+    let kept = |when: &str| dead[when]["min_ratio"].as_f64().unwrap();
+    assert!(kept("before") < 0.6 && kept("after") >= 0.95, "{dead}");
+    let corrected = folder
+        .run(
+            "correct chladni-demo/model.json chladni-demo/scene-1.toml --weights \
+             chladni-demo/weights-1.json --field chladni-demo/field-1.csv -o again.json --json",
+        )
+        .exits(0)
+        .json();
+    let written: serde_json::Value =
+        serde_json::from_slice(&folder.read("chladni-demo/weights-1-corrected.json")).unwrap();
+    assert_eq!(corrected["indices"], written["indices"]);
 
     // the demonstration does what the commands do
     folder

@@ -223,6 +223,9 @@ fn a_studio_starts(folder: &Folder, line: &str) {
 fn commands_of_the_other_pages_are_run() {
     let folder = Folder::with_panel();
     folder.run("convert panel.h5 -o scan.uff -q").exits(0);
+    std::fs::create_dir(folder.path().join("scans")).unwrap();
+    let scan = folder.path().join("scan.uff");
+    std::fs::copy(&scan, folder.path().join("scans/scan_1.uff")).unwrap();
     folder.run("fit panel.h5 -o model.json -q").exits(0);
     folder
         .run("convert truth.json -o fe_shapes.unv -q")
@@ -246,7 +249,13 @@ fn commands_of_the_other_pages_are_run() {
     let mut seen = 0;
     for page in [README, TROUBLESHOOTING, ACCURACY, PAPER] {
         for step in steps(page) {
-            let Step::Run(line) = step else { continue };
+            let line = match step {
+                Step::Run(line) => line,
+                Step::Save(name, text) => {
+                    folder.write(&name, text);
+                    continue;
+                }
+            };
             if line.starts_with("bench") && !benches.with_extension(EXE_EXTENSION).is_file() {
                 continue;
             }

@@ -23,6 +23,7 @@ pub(crate) use cmif::Cmif;
 pub use field_map::field_map;
 pub(crate) use mode_shape::shown_responses;
 pub use moving::moving_field;
+pub(crate) use moving::moving_period;
 pub(crate) use moving_shape::moving_shapes;
 pub use time::time;
 pub use weights_around_edge::weights_around_edge;

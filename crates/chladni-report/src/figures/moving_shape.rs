@@ -2,7 +2,7 @@
 
 use crate::drawing::{gif, ColourMap};
 use crate::structure::{Structure, Vector};
-use chladni_frf::{ModalModel, Mode};
+use chladni_frf::{ModalModel, Mode, Result};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -25,21 +25,27 @@ const PAPER: u8 = 255;
 
 /// A GIF file for each mode of the band with its name; none where the structure has
 /// neither lines nor faces.
-pub(crate) fn moving_shapes(model: &ModalModel) -> Vec<(String, Vec<u8>)> {
+///
+/// # Errors
+/// Those of the encoder: a broken promise.
+pub(crate) fn moving_shapes(model: &ModalModel) -> Result<Vec<(String, Vec<u8>)>> {
     let Some(structure) = Structure::of(model) else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
     if structure.lines.is_empty() && structure.faces.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let modes = model.in_band_modes().take(crate::sizes::MODE_SHAPES);
     modes
         .zip(1..)
-        .map(|(mode, number)| (format!("mode-{number:02}.gif"), moving(&structure, mode)))
+        .map(|(mode, number)| {
+            let bytes = moving(&structure, mode)?;
+            Ok((format!("mode-{number:02}.gif"), bytes))
+        })
         .collect()
 }
 
-fn moving(structure: &Structure, mode: &Mode) -> Vec<u8> {
+fn moving(structure: &Structure, mode: &Mode) -> Result<Vec<u8>> {
     let motion = structure.motion(mode);
     let view = View::of(structure);
     let pictures: Vec<Vec<u8>> = (0..PICTURES)
