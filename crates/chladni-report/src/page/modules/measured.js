@@ -2,7 +2,7 @@
 
 import { h, s } from "./dom.js";
 import { levelMap, cssColour } from "./colour.js";
-import { level, fixed } from "./numbers.js";
+import { level, fixed, printed } from "./numbers.js";
 import { fieldLayers, keeps, levelBar, unpackField, RANGE_DB } from "./field.js";
 import { panelMap } from "./panel_map.js";
 
@@ -20,9 +20,9 @@ export function measuredView(said, geometry) {
   map.svg.id = "measured-field";
   const limenDb = level(field.felt / field.threshold);
   map.draw({ outlines: fieldLayers(field, null, speeds, limenDb).outlines, extra: points(field, speeds) });
-  const rows = said.causes.slice(0, MOST_CAUSES).map((cause) => h("tr", {}, h("td", {}, cause.words), h("td", { class: "number" }, fixed(cause.ln_evidence, 1))));
+  const rows = said.causes.slice(0, MOST_CAUSES).map((cause) => h("tr", {}, h("td", {}, printed(cause.words)), h("td", { class: "number" }, fixed(cause.ln_evidence, 1))));
   const head = h("tr", {}, h("th", {}, "Possible cause, likeliest first"), h("th", { class: "number" }, "ln evidence"));
-  return [map.element, h("div", { class: "row legend-row" }, levelBar(limenDb, levelMap()), h("span", { class: "muted" }, "as measured  ✕ too loud  △ too weak")), h("p", {}, `Deviation ${said.deviation}.`),
+  return [map.element, h("div", { class: "row legend-row" }, levelBar(limenDb, levelMap()), h("span", { class: "muted" }, "as measured  ✕ too loud  △ too weak")), h("p", {}, `Deviation ${printed(said.deviation)}.`),
     h("table", { id: "causes" }, h("thead", {}, head), h("tbody", {}, rows))];
 }
 

@@ -42,6 +42,11 @@ export function counted(count, word) {
   return `${count} ${word}${count === 1 ? "" : "s"}`;
 }
 
+/** Words of the server with the minus sign of print. */
+export function printed(words) {
+  return words.replace(/-(?=\d)/g, "\u2212");
+}
+
 /** A number for TOML: no more digits than a micrometre needs. */
 export function tomlNumber(value, decimals) {
   const text = String(Number(value.toFixed(decimals)));
