@@ -206,9 +206,9 @@ fn run(
     )
 }
 
-/// The first seeds whose score is so.
-fn seeds_where(fits: &[(u64, Score, f64)], so: fn(&Score) -> bool) -> Vec<u64> {
-    let seeds = fits.iter().filter(|(_, score, _)| so(score));
+/// The first seeds whose score meets the condition.
+fn seeds_where(fits: &[(u64, Score, f64)], condition: fn(&Score) -> bool) -> Vec<u64> {
+    let seeds = fits.iter().filter(|(_, score, _)| condition(score));
     seeds.map(|(seed, ..)| *seed).take(NAMED_SEEDS).collect()
 }
 

@@ -94,7 +94,7 @@ pub fn summary(rows: &[WildRow]) -> Vec<Criterion> {
     list
 }
 
-/// A question to one structure.
+/// A condition on one structure.
 type Is = fn(&WildRow) -> bool;
 
 fn all(_: &WildRow) -> bool {

@@ -429,7 +429,7 @@ pub fn write_weights(output: &Output, weights: &Weights) -> Result<()> {
 /// The weights as they stand in their file.
 ///
 /// # Errors
-/// None of weights that can be.
+/// [`ErrorKind::Internal`] where they have no JSON.
 pub fn value_of(weights: &Weights) -> Result<Value> {
     serde_json::to_value(weights).map_err(|error| {
         Error::new(

@@ -30,8 +30,9 @@ pub(super) fn over_modes(run: &PaperRun, ours: &PaperRow) -> Figure {
     Figure {
         name: "paper-modes".into(),
         title: "Responses served by the two steps over the number of modes, quarter 1".into(),
-        caption: "Exact modes are those of the plate, three of them of the rigid body; fitted ones come from FRFs with 40 dB of noise. The condition of Ψ is \
-                  infinite, and not drawn, where its rank is short."
+        caption: "Exact modes are those of the plate, three of them of the rigid body; fitted \
+                  ones come from FRFs with 40 dB of noise. The condition of Ψ is infinite, and \
+                  not drawn, where its rank is short."
             .into(),
         width: WIDTH_PX,
         charts: vec![

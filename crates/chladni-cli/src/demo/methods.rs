@@ -20,6 +20,7 @@ const METHODS: [Method; 5] = [
     Method::Circle,
 ];
 
+/// Columns of the table.
 const HEADER: [&str; 6] = [
     "case",
     "method",

@@ -14,6 +14,7 @@ const LANE: f64 = 1.06;
 /// What tells poles apart, with name, sign, colour and size (px) of the sign.
 type Kind = (Stability, &'static str, Mark, Colour, f64);
 
+/// From what is new to what is stable.
 const KINDS: [Kind; 3] = [
     (
         Stability::New,

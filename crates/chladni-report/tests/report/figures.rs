@@ -58,29 +58,16 @@ struct Everything {
 fn everything() -> &'static Everything {
     static EVERYTHING: OnceLock<Everything> = OnceLock::new();
     EVERYTHING.get_or_init(|| {
-        let mut rendering = rendering(&small().truth);
-        rendering.weights.stress = Some(
-            stress(
-                &rendering.weights,
-                &scene(),
-                &small().truth,
-                &StressOptions {
-                    draws: 5,
-                    ..Default::default()
-                },
-            )
-            .unwrap()
-            .0,
-        );
-        rendering.weights.sweep = Some(
-            sweep(
-                &small().truth,
-                &scene(),
-                &Default::default(),
-                [295.0, 305.0],
-            )
-            .unwrap(),
-        );
+        let truth = &small().truth;
+        let mut rendering = rendering(truth);
+        let options = StressOptions {
+            draws: 5,
+            ..Default::default()
+        };
+        let (rows, _) = stress(&rendering.weights, &scene(), truth, &options).unwrap();
+        rendering.weights.stress = Some(rows);
+        let swept = sweep(truth, &scene(), &Default::default(), [295.0, 305.0]).unwrap();
+        rendering.weights.sweep = Some(swept);
         let header = ["case", "method", "time_s", "frequency_rmse_over_crlb"]
             .map(String::from)
             .to_vec();
@@ -103,7 +90,7 @@ fn everything() -> &'static Everything {
         };
         let mut input = ReportInput {
             tables,
-            ..input(&small().truth, Some(&small().frf), &rendering)
+            ..input(truth, Some(&small().frf), &rendering)
         };
         input.scenes = input
             .scenes
