@@ -206,6 +206,12 @@ fn run(
     )
 }
 
+/// The first seeds whose score meets the condition.
+fn seeds_where(fits: &[(u64, Score, f64)], condition: fn(&Score) -> bool) -> Vec<u64> {
+    let seeds = fits.iter().filter(|(_, score, _)| condition(score));
+    seeds.map(|(seed, ..)| *seed).take(NAMED_SEEDS).collect()
+}
+
 impl AccuracyRow {
     fn new(
         case: &'static Case,
@@ -218,30 +224,20 @@ impl AccuracyRow {
             .iter()
             .map(|(_, score, time_s)| (score.clone(), *time_s))
             .unzip();
-        let modes: Vec<ModeErrors> = problem
-            .truth
-            .in_band_modes()
-            .enumerate()
+        let known = problem.truth.in_band_modes().enumerate();
+        let modes: Vec<ModeErrors> = known
             .map(|(n, known)| ModeErrors::new(n, known, bounds, &scores))
             .collect();
         let per_fit =
             |count: fn(&Score) -> usize| mean(scores.iter().map(|score| count(score) as f64));
-        let found = || {
-            scores
-                .iter()
-                .flat_map(|score| score.matches.iter().flatten())
-        };
+        let found = || scores.iter().flat_map(|score| &score.matches).flatten();
         let covered = |which: usize| {
-            mean(
-                modes
-                    .iter()
-                    .map(|mode| mode.coverage[which])
-                    .filter(|share| !share.is_nan()),
-            )
+            let shares = modes.iter().map(|mode| mode.coverage[which]);
+            mean(shares.filter(|share| !share.is_nan()))
         };
         let macs: Vec<f64> = found().map(|found| found.mac).collect();
+        let frf_errors: Vec<f64> = scores.iter().map(|score| score.frf_error).collect();
         let wrong = || fits.iter().filter(|(_, score, _)| !score.exact());
-        let wrong_law = || fits.iter().filter(|(_, score, _)| score.wrong_law);
         Self {
             case,
             method,
@@ -265,21 +261,11 @@ impl AccuracyRow {
             ],
             exact: 1.0 - wrong().count() as f64 / scores.len() as f64,
             silent: wrong().filter(|(_, score, _)| score.confident).count(),
-            wrong_seeds: wrong().map(|(seed, ..)| *seed).take(NAMED_SEEDS).collect(),
-            wrong_law: wrong_law().count() as f64 / scores.len() as f64,
-            wrong_law_seeds: wrong_law()
-                .map(|(seed, ..)| *seed)
-                .take(NAMED_SEEDS)
-                .collect(),
+            wrong_seeds: seeds_where(fits, |score| !score.exact()),
+            wrong_law: per_fit(|score| usize::from(score.wrong_law)),
+            wrong_law_seeds: seeds_where(fits, |score| score.wrong_law),
             mac: [median(&macs), quantile(&macs, 0.0)],
-            frf_error_db: 20.0
-                * median(
-                    &scores
-                        .iter()
-                        .map(|score| score.frf_error)
-                        .collect::<Vec<_>>(),
-                )
-                .log10(),
+            frf_error_db: 20.0 * median(&frf_errors).log10(),
             frequency_error: Spread::new(&modes, |mode| mode.relative_error).worst,
             bound_over_bandwidth: Spread::new(&modes, |mode| mode.bound_over_bandwidth).worst,
             modes,

@@ -3,7 +3,7 @@
 
 use crate::countdown::Countdown;
 use crate::csv;
-use crate::statistics::{median, quantile};
+use crate::statistics::{distinct, median, quantile};
 use chladni_linalg::{back_ends, BackEnd};
 use chladni_report::{Anchor, Axis, Chart, Colour, Figure, Height, Layer, Mark};
 use ndarray::{s, Array2, ShapeBuilder};
@@ -329,26 +329,16 @@ pub fn kernels_csv(rows: &[KernelRow]) -> String {
 
 /// Speed of each kernel, one mark for each back end.
 pub fn kernels_figure(rows: &[KernelRow]) -> Figure {
-    let mut names: Vec<String> = Vec::new();
     let label = |row: &KernelRow| format!("{} {}", row.kernel, row.size);
-    rows.iter().for_each(|row| {
-        if !names.contains(&label(row)) {
-            names.push(label(row))
-        }
-    });
+    let names = distinct(rows.iter().map(label));
     let count = names.len() as f64;
+    let height = |k: usize| count - 1.0 - k as f64;
     let place = |row: &KernelRow| {
-        count
-            - 1.0
-            - names
-                .iter()
-                .position(|name| *name == label(row))
-                .unwrap_or(0) as f64
+        let name = label(row);
+        height(names.iter().position(|other| *other == name).unwrap_or(0))
     };
-    let ticks = names
-        .iter()
-        .enumerate()
-        .map(|(k, _)| (count - 1.0 - k as f64, String::new()))
+    let ticks = (0..names.len())
+        .map(|k| (height(k), String::new()))
         .collect();
     let fastest = rows
         .iter()
@@ -365,31 +355,22 @@ pub fn kernels_figure(rows: &[KernelRow]) -> Figure {
             .names(ticks),
     )
     .height(Height::Px(26.0 * count));
-    let mut seen: Vec<&str> = Vec::new();
-    for row in rows.iter().filter(|row| {
-        let new = !seen.contains(&row.backend);
-        if new {
-            seen.push(row.backend);
-        }
-        new
-    }) {
+    for backend in distinct(rows.iter().map(|row| row.backend)) {
         let points = rows
             .iter()
-            .filter(|other| other.backend == row.backend)
-            .map(|other| [1e-9 * other.flop_per_s, place(other)])
+            .filter(|row| row.backend == backend)
+            .map(|row| [1e-9 * row.flop_per_s, place(row)])
             .collect();
-        let first = row.backend == rows[0].backend;
-        let (mark, colour) = if first {
+        let (mark, colour) = if backend == rows[0].backend {
             (Mark::Dot, Colour::Series(0))
         } else {
             (Mark::Ring, Colour::Ink)
         };
-        chart = chart.marks(row.backend, points, mark, colour, 10.0);
+        chart = chart.marks(backend, points, mark, colour, 10.0);
     }
     for (k, name) in names.iter().enumerate() {
-        let at = [1.43 * fastest, count - 1.0 - k as f64];
         chart = chart.with(Layer::Words {
-            at,
+            at: [1.43 * fastest, height(k)],
             text: name.clone(),
             anchor: Anchor::End,
             bold: false,

@@ -6,7 +6,7 @@ use crate::cases::Case;
 use crate::knobs::{Knob, Setting, FAMILY, KNOBS};
 use crate::peers::PeerRow;
 use crate::solver::Solver;
-use crate::statistics::root_mean_square;
+use crate::statistics::{distinct, root_mean_square};
 use chladni_report::{
     Anchor, Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke, SERIES,
 };
@@ -90,13 +90,6 @@ pub(crate) fn pareto_chart(
     }
     let points: Vec<Place> = shown.iter().map(|entry| entry.at).collect();
     let on_front = front(&points);
-    let mut best: Vec<Place> = points
-        .iter()
-        .zip(&on_front)
-        .filter(|(_, on)| **on)
-        .map(|(point, _)| *point)
-        .collect();
-    best.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let limits_at = limits.iter().map(|(at, _)| *at);
     let all = || {
         points
@@ -108,6 +101,28 @@ pub(crate) fn pareto_chart(
         window(all().map(|p| p[0])),
         window(all().map(|p| p[1]).chain(limits_at)),
     ];
+    let mut chart = Chart::new(x.range(ends[0]), y.range(ends[1])).height(Height::Px(HEIGHT_PX));
+    for (_, layer) in limits {
+        chart = chart.with(layer);
+    }
+    chart = with_curves(with_front(chart, &points, &on_front), curves);
+    chart = with_entries(chart, &shown, &on_front);
+    Some(with_names(chart, &shown, curves, &on_front, ends))
+}
+
+fn with_front(chart: Chart, points: &[Place], on_front: &[bool]) -> Chart {
+    let mut best: Vec<Place> = points
+        .iter()
+        .zip(on_front)
+        .filter(|(_, on)| **on)
+        .map(|(point, _)| *point)
+        .collect();
+    best.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    chart.line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0))
+}
+
+/// A mark for each entry: on the front or not, the default or not.
+fn with_entries(mut chart: Chart, shown: &[&Entry], on_front: &[bool]) -> Chart {
     let place = |on: bool, default: bool| {
         let wanted = |(k, entry): &(usize, &&Entry)| on_front[*k] == on && entry.default == default;
         shown
@@ -117,12 +132,6 @@ pub(crate) fn pareto_chart(
             .map(|(_, entry)| entry.at)
             .collect::<Vec<_>>()
     };
-    let mut chart = Chart::new(x.range(ends[0]), y.range(ends[1])).height(Height::Px(HEIGHT_PX));
-    for (_, layer) in limits {
-        chart = chart.with(layer);
-    }
-    chart = chart.line("Pareto front", best, Stroke::new(Colour::Series(0), 2.0));
-    chart = with_curves(chart, curves);
     for (name, on, mark, colour, size) in [
         ("on the front", true, ON_FRONT, Colour::Series(0), 10.0),
         ("dominated", false, DOMINATED, Colour::Muted, 9.0),
@@ -139,14 +148,26 @@ pub(crate) fn pareto_chart(
             );
         }
     }
+    chart
+}
+
+/// The name of each entry beside its mark, bold on the front.
+fn with_names(
+    chart: Chart,
+    shown: &[&Entry],
+    curves: &[Curve],
+    on_front: &[bool],
+    [x, y]: [[f64; 2]; 2],
+) -> Chart {
+    let points: Vec<Place> = shown.iter().map(|entry| entry.at).collect();
     let labels: Vec<String> = shown.iter().map(|entry| entry.label.clone()).collect();
     let others: Vec<Place> = curves
         .iter()
         .flat_map(|curve| curve.points.clone())
         .collect();
-    let places = names(&points, &others, &labels, ends[0], ends[1]);
-    chart = chart.with(ties(&places, &points));
-    for ((text, (at, anchor)), bold) in labels.into_iter().zip(places).zip(on_front) {
+    let places = names(&points, &others, &labels, x, y);
+    let mut chart = chart.with(ties(&places, &points));
+    for ((text, (at, anchor)), &bold) in labels.into_iter().zip(places).zip(on_front) {
         chart = chart.with(Layer::Words {
             at,
             text,
@@ -154,7 +175,7 @@ pub(crate) fn pareto_chart(
             bold,
         });
     }
-    Some(chart)
+    chart
 }
 
 fn with_curves(mut chart: Chart, curves: &[Curve]) -> Chart {
@@ -212,29 +233,7 @@ pub fn accuracy_figures(rows: &[AccuracyRow], peers: &[PeerRow]) -> Vec<Figure> 
 fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figure> {
     let case: &Case = rows.first()?.case;
     let place = |row: &AccuracyRow| [row.time_s[0], row.with_missed];
-    let entries: Vec<Entry> = rows
-        .iter()
-        .filter(|row| row.setting.is_none())
-        .map(|row| {
-            let [missed, sure, weak] = row.miscounts;
-            let default = Solver::Identify(row.method).is_default();
-            Entry {
-                at: place(row),
-                label: label(&row.method.to_string(), missed, sure + weak),
-                default,
-            }
-        })
-        .chain(
-            peers
-                .iter()
-                .filter(|peer| peer.case == case.name)
-                .map(|peer| Entry {
-                    at: [peer.time_s, peer.with_missed],
-                    label: label(&peer.method, peer.missed, 0.0),
-                    default: false,
-                }),
-        )
-        .collect();
+    let entries = entries(rows, peers, place);
     let point = |row: &&AccuracyRow| Point {
         method: row.method,
         setting: row.setting,
@@ -246,19 +245,7 @@ fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figur
     } else {
         vec![curve(&points, &FAMILY).into_iter().collect()]
     };
-    let structured = root_mean_square(
-        rows[0]
-            .modes
-            .iter()
-            .map(|mode| mode.bound_real[0] / mode.bound[0]),
-    );
-    let limits = vec![
-        (1.0, limit("bound of free residues", 1.0, Dash::Dashed)),
-        (
-            structured,
-            limit("bound of real shapes", structured, Dash::Dotted),
-        ),
-    ];
+    let limits = limits(rows);
     let axes = || {
         [
             Axis::log("Time of a fit, median", "s"),
@@ -296,15 +283,52 @@ fn figure(rows: &[&AccuracyRow], peers: &[PeerRow], knobs: bool) -> Option<Figur
     })
 }
 
+/// The methods as they are, and the other tools on the same case.
+fn entries(
+    rows: &[&AccuracyRow],
+    peers: &[PeerRow],
+    place: impl Fn(&AccuracyRow) -> Place,
+) -> Vec<Entry> {
+    let of_method = |row: &&AccuracyRow| {
+        let [missed, sure, weak] = row.miscounts;
+        Entry {
+            at: place(row),
+            label: label(&row.method.to_string(), missed, sure + weak),
+            default: Solver::Identify(row.method).is_default(),
+        }
+    };
+    let of_peer = |peer: &PeerRow| Entry {
+        at: [peer.time_s, peer.with_missed],
+        label: label(&peer.method, peer.missed, 0.0),
+        default: false,
+    };
+    let case = rows.first().map(|row| row.case.name);
+    let own = rows.iter().filter(|row| row.setting.is_none());
+    let peers = peers.iter().filter(|peer| Some(peer.case.as_str()) == case);
+    own.map(of_method).chain(peers.map(of_peer)).collect()
+}
+
+/// The Cramér-Rao bounds of a case, over the one of free residues.
+fn limits(rows: &[&AccuracyRow]) -> Vec<(f64, Layer)> {
+    let structured = root_mean_square(
+        rows[0]
+            .modes
+            .iter()
+            .map(|mode| mode.bound_real[0] / mode.bound[0]),
+    );
+    vec![
+        (1.0, limit("bound of free residues", 1.0, Dash::Dashed)),
+        (
+            structured,
+            limit("bound of real shapes", structured, Dash::Dotted),
+        ),
+    ]
+}
+
 /// The curves of each method whose knobs were turned: one for each knob, through the
 /// method as it is where that is one of the settings.
 pub(crate) fn curves(points: &[Point]) -> Vec<Vec<Curve>> {
-    let mut methods: Vec<Method> = Vec::new();
-    points.iter().for_each(|point| {
-        if !methods.contains(&point.method) {
-            methods.push(point.method)
-        }
-    });
+    let methods = distinct(points.iter().map(|point| point.method));
     let of_method = |method: Method| {
         let knobs = KNOBS.iter().filter(|knob| knob.method == method);
         knobs

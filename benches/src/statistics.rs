@@ -1,4 +1,4 @@
-//! Medians and root mean squares.
+//! Medians, root mean squares, and values without their repetitions.
 
 /// The value below which the part `share` (0..=1) of the values lies, interpolated; NaN
 /// without values.
@@ -45,6 +45,17 @@ pub fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
             (sum + value, count + 1)
         });
     sum / count as f64
+}
+
+/// Each value once, in the order of their first appearance.
+pub fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut seen = Vec::new();
+    for value in values {
+        if !seen.contains(&value) {
+            seen.push(value);
+        }
+    }
+    seen
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use chladni_io::{read_frf, write_frf, ReadOptions};
 use chladni_plate::{simulate, Panel};
 use chladni_rfp::FitOptions;
 use common::Folder;
+use std::sync::OnceLock;
 
 #[test]
 fn accuracy_writes_a_table_and_a_chart_for_each_case() {
@@ -79,6 +80,33 @@ fn data_of_ones_own_tell_what_cheaper_settings_lose() {
     assert!(run.stderr.contains("scene"), "{}", run.stderr);
 }
 
+/// A table that the program wrote: its text, and cells by row and column.
+struct Table {
+    text: String,
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn of(text: String) -> Self {
+        let mut lines = text
+            .lines()
+            .filter(|line| !line.starts_with('#'))
+            .map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+        let header = lines.next().unwrap();
+        let rows = lines.collect();
+        Self { text, header, rows }
+    }
+
+    fn cell<'a>(&self, row: &'a [String], name: &str) -> &'a str {
+        &row[self.header.iter().position(|cell| cell == name).unwrap()]
+    }
+
+    fn value(&self, row: &[String], name: &str) -> f64 {
+        self.cell(row, name).parse().unwrap()
+    }
+}
+
 #[test]
 fn an_unknown_case_is_answered_with_the_known_ones() {
     let run = Folder::new().run("accuracy -o out --case hard").exits(2);
@@ -97,18 +125,13 @@ fn scenes_are_judged_on_the_true_plate() {
     let line = "scene -o out --case quarter-1-335-hz --method robust --method modal \
                 --actuators 7,all --json";
     assert_eq!(folder.run(line).exits(0).json()["rows"], 4);
-    let csv = folder.text("out/scene.csv");
-    let mut lines = csv
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .map(|line| line.split(',').collect::<Vec<_>>());
-    let header = lines.next().unwrap();
-    assert_eq!(header[..4], ["scene", "method", "modes", "actuators"]);
-    let column = |name: &str| header.iter().position(|cell| *cell == name).unwrap();
-    let rows: Vec<Vec<&str>> = lines.collect();
-    let value = |row: usize, name: &str| rows[row][column(name)].parse::<f64>().unwrap();
+    let table = Table::of(folder.text("out/scene.csv"));
+    assert_eq!(table.header[..4], ["scene", "method", "modes", "actuators"]);
+    let csv = &table.text;
+    let cell = |row: usize, column: usize| table.rows[row][column].as_str();
+    let value = |row: usize, name: &str| table.value(&table.rows[row], name);
     // seven actuators, all of them; then the two-step inverse
-    assert_eq!((rows[0][3], rows[1][3], rows[2][1]), ("7", "34", "modal"));
+    assert_eq!((cell(0, 3), cell(1, 3), cell(2, 1)), ("7", "34", "modal"));
     assert!(
         value(1, "points_success") >= 0.99
             && value(1, "window_hot") >= 0.97
@@ -129,11 +152,36 @@ fn scenes_are_judged_on_the_true_plate() {
         .contains("quarter-1"));
 }
 
+/// What the reproduction of the seed paper left.
+struct Paper {
+    json: serde_json::Value,
+    /// Names of the files in its folder.
+    names: Vec<String>,
+    page: String,
+    table: Table,
+}
+
+/// The reproduction, made once for all tests.
+fn paper() -> &'static Paper {
+    static PAPER: OnceLock<Paper> = OnceLock::new();
+    PAPER.get_or_init(|| {
+        let folder = Folder::new();
+        let json = folder.run("scene --paper -o out --json").exits(0).json();
+        let files = std::fs::read_dir(folder.path().join("out")).unwrap();
+        let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
+        Paper {
+            json,
+            names: names.collect(),
+            page: folder.text("out/paper.html"),
+            table: Table::of(folder.text("out/paper.csv")),
+        }
+    })
+}
+
 #[test]
 fn the_paper_is_reproduced_by_one_command() {
-    let folder = Folder::new();
-    let json = folder.run("scene --paper -o out --json").exits(0).json();
-    let files = json["files"].as_array().unwrap();
+    let paper = paper();
+    let files = paper.json["files"].as_array().unwrap();
     let figures = [
         "coefficients",
         "weightings",
@@ -153,50 +201,50 @@ fn the_paper_is_reproduced_by_one_command() {
                 .any(|file| file.as_str().unwrap().ends_with(&name)),
             "{name} of {files:?}"
         );
-        assert!(folder.path().join("out").join(&name).is_file(), "{name}");
+        assert!(paper.names.contains(&name), "{name}");
     }
-    assert!(folder.text("out/paper.html").contains("paper-coefficients"));
+    assert!(paper.page.contains("paper-coefficients"));
+    assert_eq!(paper.json["rows"], paper.table.rows.len());
+}
 
-    let csv = folder.text("out/paper.csv");
-    let mut lines = csv
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .map(|line| line.split(',').collect::<Vec<_>>());
-    let header = lines.next().unwrap();
-    let rows: Vec<Vec<&str>> = lines.collect();
-    assert_eq!(json["rows"], rows.len());
-    let column = |name: &str| header.iter().position(|cell| *cell == name).unwrap();
-    let cell = |row: &[&str], name: &str| row[column(name)].to_owned();
-    let value = |row: &[&str], name: &str| cell(row, name).parse::<f64>().unwrap();
-    // the default method serves every response at every place
-    let ours: Vec<_> = rows
-        .iter()
-        .filter(|row| cell(row, "method") == "robust")
-        .collect();
-    assert_eq!(ours.len(), 14);
+#[test]
+fn the_default_method_serves_every_response_at_every_place_of_the_paper() {
+    let table = &paper().table;
+    let ours = || {
+        let rows = table.rows.iter();
+        rows.filter(|row| table.cell(row, "method") == "robust")
+    };
+    assert_eq!(ours().count(), 14);
     assert!(
-        ours.iter()
-            .all(|row| value(row, "points_success") >= 0.99 && value(row, "max_force_n") < 0.01),
-        "{csv}"
+        ours().all(|row| table.value(row, "points_success") >= 0.99
+            && table.value(row, "max_force_n") < 0.01),
+        "{}",
+        table.text
     );
-    // what symmetry leaves of the rank of 34 modes at 34 actuators; on the exact panel
-    // the same in every quarter
-    let plain = |row: &[&str]| cell(row, "cut").is_empty();
-    let is_paper =
-        |row: &[&str]| cell(row, "modes_of") == "exact" && cell(row, "modes") == "34" && plain(row);
-    let paper: Vec<_> = rows
-        .iter()
-        .filter(|row| {
-            is_paper(row)
-                && cell(row, "scene").starts_with("quarter")
-                && cell(row, "scene").len() == 9
-        })
-        .collect();
-    assert_eq!(paper.len(), 4);
-    for row in &paper {
+}
+
+/// What symmetry leaves of the rank of 34 modes at 34 actuators; on the exact panel the
+/// same in every quarter.
+#[test]
+fn the_two_steps_of_the_paper_lack_three_ranks_in_every_quarter() {
+    let table = &paper().table;
+    let is_paper = |row: &[String]| {
+        let scene = table.cell(row, "scene");
+        table.cell(row, "modes_of") == "exact"
+            && table.cell(row, "modes") == "34"
+            && table.cell(row, "cut").is_empty()
+            && scene.starts_with("quarter")
+            && scene.len() == 9
+    };
+    let rows: Vec<&Vec<String>> = table.rows.iter().filter(|row| is_paper(row)).collect();
+    assert_eq!(rows.len(), 4);
+    for row in &rows {
         assert_eq!(
-            (cell(row, "psi_rank"), cell(row, "psi_condition")),
-            ("31".into(), String::new())
+            (
+                table.cell(row, "psi_rank"),
+                table.cell(row, "psi_condition")
+            ),
+            ("31", "")
         );
         for name in [
             "points_hot",
@@ -205,53 +253,65 @@ fn the_paper_is_reproduced_by_one_command() {
             "window_total",
         ] {
             assert!(
-                (value(row, name) - value(paper[0], name)).abs() < 1e-9,
+                (table.value(row, name) - table.value(rows[0], name)).abs() < 1e-9,
                 "{name}: {row:?}"
             );
         }
     }
-    // no number of modes makes the two steps of a quarter worth more than silence, 53 of
-    // 68 judged responses
+}
+
+#[test]
+fn no_number_of_modes_makes_the_two_steps_of_a_quarter_worth_more_than_silence() {
+    let table = &paper().table;
+    let csv = &table.text;
     let modal = || {
-        rows.iter()
-            .filter(|row| cell(row, "scene") == "quarter-1" && cell(row, "method") == "modal")
+        table.rows.iter().filter(|row| {
+            table.cell(row, "scene") == "quarter-1" && table.cell(row, "method") == "modal"
+        })
     };
-    let quarters = || modal().filter(|row| plain(row));
+    let quarters = || modal().filter(|row| table.cell(row, "cut").is_empty());
+    assert!(quarters().count() > 68);
+    // 53 of 68 judged responses
+    assert!(
+        quarters().all(|row| (table.value(row, "points_silence") - 53.0 / 68.0).abs() < 1e-4),
+        "{csv}"
+    );
+    assert!(
+        quarters()
+            .all(|row| table.value(row, "points_success") < table.value(row, "points_silence")),
+        "{csv}"
+    );
     // as one, without small singular values, 16 exact modes and more do
     let cut = modal().filter(|row| {
-        cell(row, "modes_of") == "exact"
-            && value(row, "modes") >= 16.0
-            && cell(row, "cut") == "0.0030000"
+        table.cell(row, "modes_of") == "exact"
+            && table.value(row, "modes") >= 16.0
+            && table.cell(row, "cut") == "0.0030000"
     });
     assert!(
-        cut.clone().count() == 23 && cut.clone().all(|row| value(row, "points_success") > 0.8),
+        cut.clone().count() == 23
+            && cut
+                .clone()
+                .all(|row| table.value(row, "points_success") > 0.8),
         "{csv}"
     );
-    assert!(quarters().count() > 68);
-    assert!(
-        quarters().all(|row| (value(row, "points_silence") - 53.0 / 68.0).abs() < 1e-4),
-        "{csv}"
-    );
-    assert!(
-        quarters().all(|row| value(row, "points_success") < value(row, "points_silence")),
-        "{csv}"
-    );
-
     // and it is the modes that no equation has which spoil it: without them 28 modes
     // serve everything
     let alone = quarters()
-        .find(|row| cell(row, "modes_of") == "exact" && cell(row, "modes") == "28")
+        .find(|row| table.cell(row, "modes_of") == "exact" && table.cell(row, "modes") == "28")
         .unwrap();
     assert_eq!(
-        (value(alone, "alone_hot"), value(alone, "alone_cold")),
+        (
+            table.value(alone, "alone_hot"),
+            table.value(alone, "alone_cold")
+        ),
         (1.0, 1.0)
     );
+}
 
-    assert!(folder
-        .run("scene --paper -o out --case quarter-1")
-        .exits(2)
-        .stderr
-        .contains("--case"));
+#[test]
+fn the_paper_has_its_own_cases() {
+    let run = Folder::new().run("scene --paper -o out --case quarter-1");
+    assert!(run.exits(2).stderr.contains("--case"));
 }
 
 #[test]

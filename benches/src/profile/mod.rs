@@ -16,7 +16,7 @@ use crate::csv;
 use crate::journal::{nan, Journal};
 use crate::large::{large, Size};
 use crate::problem::Problem;
-use crate::statistics::{largest, median};
+use crate::statistics::{distinct, largest, median};
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Trust};
 use chladni_rfp::{fit_watched, CancelToken, FitOptions, Method};
 use least_work::least_work;
@@ -339,17 +339,8 @@ fn summary(source: &ProfileSource, method: Method, runs: &[Run]) -> Vec<ProfileR
             .find(|(stage, _)| stage == name)
             .map_or(0.0, |(_, time_s)| *time_s)
     };
-    let mut names: Vec<&String> = runs
-        .iter()
-        .flat_map(|run| run.stages.iter().map(|(name, _)| name))
-        .collect();
-    let mut seen = Vec::new();
-    names.retain(|name| {
-        !seen.contains(name) && {
-            seen.push(name);
-            true
-        }
-    });
+    let stages = runs.iter().flat_map(|run| &run.stages);
+    let names = distinct(stages.map(|(name, _)| name));
     let least = |name: &str| {
         let name = name.to_owned();
         move |run: &Run| least_work(&name, run.size, run.floor.bytes)

@@ -76,27 +76,8 @@ pub fn scaling(
     } else {
         (BASE, REPEATS)
     };
-    let doublings = |first: usize, count: usize| {
-        (0..if quick { count.min(3) } else { count })
-            .map(|k| first << k)
-            .collect::<Vec<_>>()
-    };
-    let first = if quick { 250 } else { 500 };
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads: Vec<usize> = std::iter::successors(Some(1), |count| Some(2 * count))
-        .take_while(|count| *count <= cores)
-        .collect();
-    let mut axes: Vec<(&'static str, Vec<usize>)> = vec![
-        ("FRFs", doublings(first, 5)),
-        ("lines", doublings(first, 4)),
-        ("modes", doublings(5, 4)),
-        ("threads", threads),
-    ];
     let whole = Problem::of_panel(&panel())?.measured(1);
-    axes.extend(CUT_AXES.map(|(axis, _, _)| {
-        let cuts = CUTS[..if quick { 3 } else { CUTS.len() }].iter().rev();
-        (axis, cuts.map(|&step| left(&whole, axis, step).1).collect())
-    }));
+    let axes = axes(quick, &whole);
     let pieces = axes
         .iter()
         .map(|(_, values)| values.len() * methods.len())
@@ -128,6 +109,31 @@ pub fn scaling(
         }
     }
     Ok(rows)
+}
+
+/// The axes and the values on each.
+fn axes(quick: bool, whole: &FrfSet) -> Vec<(&'static str, Vec<usize>)> {
+    let doublings = |first: usize, count: usize| {
+        (0..if quick { count.min(3) } else { count })
+            .map(|k| first << k)
+            .collect::<Vec<_>>()
+    };
+    let first = if quick { 250 } else { 500 };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads: Vec<usize> = std::iter::successors(Some(1), |count| Some(2 * count))
+        .take_while(|count| *count <= cores)
+        .collect();
+    let mut axes = vec![
+        ("FRFs", doublings(first, 5)),
+        ("lines", doublings(first, 4)),
+        ("modes", doublings(5, 4)),
+        ("threads", threads),
+    ];
+    axes.extend(CUT_AXES.map(|(axis, _, _)| {
+        let cuts = CUTS[..if quick { 3 } else { CUTS.len() }].iter().rev();
+        (axis, cuts.map(|&step| left(whole, axis, step).1).collect())
+    }));
+    axes
 }
 
 /// The rest of the panel after a cut, and the number of its lines, FRFs or values.

@@ -5,7 +5,7 @@ use super::knobs::{SceneKnob, SCENE_KNOBS, SEARCHES};
 use super::{Means, SceneRow};
 use crate::pareto::{front, pareto_chart, Curve, Entry};
 use crate::solver::Solver;
-use crate::statistics::mean;
+use crate::statistics::{distinct, mean};
 use chladni_render::{Count, Effort, MethodChoice};
 use chladni_report::{Axis, Chart, Colour, Dash, Figure, Height, Mark, Place, Stroke};
 
@@ -19,12 +19,7 @@ const NOTHING_LOST: f64 = 1e-3;
 /// For each scene one figure of its methods, and one more where the search for κ and
 /// where means were turned.
 pub fn scene_figures(rows: &[SceneRow]) -> Vec<Figure> {
-    let mut names: Vec<&str> = Vec::new();
-    rows.iter().for_each(|row| {
-        if !names.contains(&row.case.name) {
-            names.push(row.case.name)
-        }
-    });
+    let names = distinct(rows.iter().map(|row| row.case.name));
     let of = |name: &str| {
         rows.iter()
             .filter(|row| row.case.name == name)
@@ -230,18 +225,21 @@ fn means(rows: &[&SceneRow]) -> Option<Figure> {
 
 /// Charts of what is served, and of its cost over the cost with all means.
 fn charts(name: &str, along: &[(f64, &SceneRow)]) -> [Chart; 2] {
-    let curve = |value: &dyn Fn(&SceneRow) -> f64| {
-        along
-            .iter()
-            .map(|(count, row)| [*count, value(row)])
-            .collect::<Vec<Place>>()
-    };
-    let last = along.last().map(|(_, row)| *row);
-    let over =
-        |value: fn(&SceneRow) -> f64| curve(&|row| value(row) / last.map_or(f64::NAN, value));
     let x = || Axis::linear(name, "–").padded(0.03);
-    let served = Chart::new(
-        x(),
+    [served(x(), along), cost(x(), along)]
+}
+
+fn curve(along: &[(f64, &SceneRow)], value: &dyn Fn(&SceneRow) -> f64) -> Vec<Place> {
+    along
+        .iter()
+        .map(|(count, row)| [*count, value(row)])
+        .collect()
+}
+
+fn served(x: Axis, along: &[(f64, &SceneRow)]) -> Chart {
+    let least = curve(along, &|row| row.drive.window.least());
+    Chart::new(
+        x,
         Axis::linear("Share served", "–")
             .range([0.0, 1.05])
             .step(0.25),
@@ -249,22 +247,23 @@ fn charts(name: &str, along: &[(f64, &SceneRow)]) -> [Chart; 2] {
     .height(Height::Px(CHART_PX))
     .line(
         "ground, the smaller of hot and cold",
-        curve(&|row| row.drive.window.least()),
+        least.clone(),
         Stroke::new(Colour::Series(0), 2.0),
     )
-    .marks(
-        "",
-        curve(&|row| row.drive.window.least()),
-        Mark::Dot,
-        Colour::Series(0),
-        7.0,
-    )
+    .marks("", least, Mark::Dot, Colour::Series(0), 7.0)
     .line(
         "after drift, mean",
-        curve(&|row| row.drive.drifted[0]),
+        curve(along, &|row| row.drive.drifted[0]),
         Stroke::new(Colour::Series(2), 1.6).dashed(Dash::Dashed),
-    );
-    let cost = Chart::new(x(), Axis::log("Over that with all", "–").padded(0.1))
+    )
+}
+
+fn cost(x: Axis, along: &[(f64, &SceneRow)]) -> Chart {
+    let last = along.last().map(|(_, row)| *row);
+    let over = |value: fn(&SceneRow) -> f64| {
+        curve(along, &|row| value(row) / last.map_or(f64::NAN, value))
+    };
+    Chart::new(x, Axis::log("Over that with all", "–").padded(0.1))
         .height(Height::Px(CHART_PX))
         .line(
             "largest force",
@@ -294,6 +293,5 @@ fn charts(name: &str, along: &[(f64, &SceneRow)]) -> [Chart; 2] {
             Mark::Triangle,
             Colour::Muted,
             6.0,
-        );
-    [served, cost]
+        )
 }

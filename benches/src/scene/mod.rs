@@ -22,10 +22,12 @@ pub use true_panel::Served;
 
 use crate::countdown::Countdown;
 use crate::journal::{nan, Journal};
-use crate::statistics::{mean, quantile};
+use crate::statistics::{distinct, mean, quantile};
 use chladni_frf::{Error, ErrorKind, FrfKind, ModalModel, Result};
 use chladni_linalg::svd_thin;
-use chladni_render::{render_measured, Count, Effort, Finger, MethodChoice, RenderOptions};
+use chladni_render::{
+    render_measured, Count, Effort, Finger, MethodChoice, RenderOptions, Rendering,
+};
 use chladni_rfp::{fit, FitOptions};
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -185,17 +187,11 @@ pub fn scenes(
     progress: &dyn Fn(&str),
 ) -> Result<Vec<SceneRow>> {
     let mut rows = Vec::new();
-    let mut panels: Vec<ScenePanel> = Vec::new();
-    for case in &options.cases {
-        if !panels.contains(&case.panel) {
-            panels.push(case.panel);
-        }
-    }
     let mut countdown = Countdown::new(
         options.cases.len() * options.methods.len() * options.means.len(),
         progress,
     );
-    for kind in panels {
+    for kind in distinct(options.cases.iter().map(|case| case.panel)) {
         let mut stage: Option<(MeasuredPanel, ModalModel)> = None;
         for case in options.cases.iter().filter(|case| case.panel == kind) {
             for &asked in &options.methods {
@@ -211,34 +207,17 @@ pub fn scenes(
                     }
                     countdown.next(&format!("{}: {asked}", case.name), done);
                     let drive = journal.once(&name, || {
-                        let (panel, model) = match &stage {
-                            Some((panel, model)) => (panel, model),
-                            None => {
-                                return Err(Error::new(
-                                    ErrorKind::Internal,
-                                    "the journal forgot a finished scene",
-                                ))
-                            }
-                        };
-                        let Means {
-                            modes,
-                            actuators,
-                            effort,
-                            ..
-                        } = means;
-                        let render = RenderOptions {
-                            method: asked,
-                            modes,
-                            actuators,
-                            effort,
-                            ..RenderOptions::default()
-                        };
+                        let (panel, model) = stage.as_ref().ok_or_else(|| {
+                            let words = "the journal forgot a finished scene";
+                            Error::new(ErrorKind::Internal, words)
+                        })?;
+                        let by_line = options.by_measured_line;
                         drive(
                             case,
                             panel,
                             &means.of(model),
-                            &render,
-                            options.by_measured_line,
+                            &means.options(asked),
+                            by_line,
                         )
                     })?;
                     rows.push(SceneRow {
@@ -269,6 +248,16 @@ pub(crate) fn measured_and_fitted(kind: ScenePanel) -> Result<(MeasuredPanel, Mo
 }
 
 impl Means {
+    fn options(&self, method: MethodChoice) -> RenderOptions {
+        RenderOptions {
+            method,
+            modes: self.modes,
+            actuators: self.actuators,
+            effort: self.effort,
+            ..RenderOptions::default()
+        }
+    }
+
     /// The model with so many residual terms.
     fn of(&self, model: &ModalModel) -> ModalModel {
         let mut model = model.clone();
@@ -280,18 +269,11 @@ impl Means {
     }
 }
 
-fn drive(
-    case: &SceneCase,
-    panel: &MeasuredPanel,
-    model: &ModalModel,
-    options: &RenderOptions,
-    by_line: bool,
-) -> Result<SceneDrive> {
-    let scene = case.scene(panel)?;
+/// The rendering and the seconds that it took; repeated where it takes little.
+fn timed(render: impl Fn() -> Result<Rendering>) -> Result<(Rendering, Vec<f64>)> {
     let timed = || {
         let clock = Instant::now();
-        let rendering = render_measured(model, &scene, options, by_line.then_some(&panel.frf));
-        rendering.map(|rendering| (rendering, clock.elapsed().as_secs_f64()))
+        render().map(|rendering| (rendering, clock.elapsed().as_secs_f64()))
     };
     let (rendering, first) = timed()?;
     let mut times = vec![first];
@@ -302,6 +284,19 @@ fn drive(
     while times.len() < repetitions {
         times.push(timed()?.1);
     }
+    Ok((rendering, times))
+}
+
+fn drive(
+    case: &SceneCase,
+    panel: &MeasuredPanel,
+    model: &ModalModel,
+    options: &RenderOptions,
+    by_line: bool,
+) -> Result<SceneDrive> {
+    let scene = case.scene(panel)?;
+    let (rendering, times) =
+        timed(|| render_measured(model, &scene, options, by_line.then_some(&panel.frf)))?;
     let weights = &rendering.weights;
     let drive: Array1<Complex64> = weights
         .weights
@@ -317,13 +312,11 @@ fn drive(
     let drifts: Vec<f64> = (1..=DRIFTS)
         .map(|seed| truth.drifted(&drive, f, seed, zones, limits).total)
         .collect();
+    let finger = Finger::default();
     let mut touched = f64::INFINITY;
     for place in chladni_render::finger_places(&rendering.field) {
-        touched = touched.min(
-            truth
-                .touched(&drive, f, &Finger::default(), place, zones, limits)?
-                .total,
-        );
+        let served = truth.touched(&drive, f, &finger, place, zones, limits)?;
+        touched = touched.min(served.total);
     }
     Ok(SceneDrive {
         method: weights.method.clone(),

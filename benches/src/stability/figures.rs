@@ -40,83 +40,34 @@ pub fn stability_figures(rows: &[StabilityRow], calibrations: &[Calibration]) ->
 /// Three charts over the same axes: what goes wrong, what of it is silent, and how large
 /// errors are.
 fn map_figure(map: &Map, solver: Solver, rows: &[StabilityRow]) -> Figure {
-    let per_try = |row: &StabilityRow, count: &dyn Fn(&Trial) -> usize| {
-        mean(row.trials.iter().map(|(_, trial)| count(trial) as f64))
-    };
-    let wrong = |row: &StabilityRow| per_try(row, &|trial| usize::from(trial.wrong()));
-    let silent = |row: &StabilityRow| row.silent().count();
-    let counts = |row: &StabilityRow| {
-        let spurious = per_try(row, &|trial| trial.spurious_sure + trial.spurious_weak);
-        match map.identifies() {
-            true => format!(
-                "{} / {}",
-                short(per_try(row, &|trial| trial.missed)),
-                short(spurious)
-            ),
-            false => format!(
-                "{:.2}",
-                median(
-                    &row.trials
-                        .iter()
-                        .map(|(_, trial)| trial.error)
-                        .collect::<Vec<_>>()
-                )
-            ),
-        }
-    };
     let first = match map.identifies() {
         true => "Modes missed / spurious per fit",
         false => "Hot or cold ground served",
     };
-    let share = |label: &str| ColourBar {
-        axis: Axis::linear(label, "share").range([0.0, 1.0]).step(0.25),
-        map: ColourMap::White,
-        bands: 0,
-        lines: Vec::new(),
+    let share = |label: &str| bar(Axis::linear(label, "share").range([0.0, 1.0]).step(0.25));
+    let wrong = |row: &StabilityRow| per_try(row, &|trial| usize::from(trial.wrong()));
+    let silent = |row: &StabilityRow| {
+        let count = row.silent().count();
+        let text = if count > 0 {
+            count.to_string()
+        } else {
+            String::new()
+        };
+        (count as f64 / row.trials.len() as f64, text)
     };
+    let silent_words = "Tries wrong without a word";
     let mut charts = vec![
         chart(map, rows, first, share("Wrong tries"), &|row| {
-            (wrong(row), counts(row))
+            (wrong(row), counts(map, row))
         }),
-        chart(
-            map,
-            rows,
-            "Tries wrong without a word",
-            share("Silent tries"),
-            &|row| {
-                let text = if silent(row) > 0 {
-                    silent(row).to_string()
-                } else {
-                    String::new()
-                };
-                (silent(row) as f64 / row.trials.len() as f64, text)
-            },
-        ),
+        chart(map, rows, silent_words, share("Silent tries"), &silent),
     ];
     if map.identifies() {
-        let error = |row: &StabilityRow| {
-            median(
-                &row.trials
-                    .iter()
-                    .map(|(_, trial)| trial.error)
-                    .collect::<Vec<_>>(),
-            )
-        };
-        let bar = ColourBar {
-            axis: Axis::linear("Error", "stated σ")
-                .range([0.0, LARGEST_ERROR])
-                .step(2.5),
-            map: ColourMap::White,
-            bands: 0,
-            lines: Vec::new(),
-        };
-        charts.push(chart(
-            map,
-            rows,
-            "Largest error over what is stated",
-            bar,
-            &|row| (error(row) / LARGEST_ERROR, short(error(row))),
-        ));
+        let axis = Axis::linear("Error", "stated σ").range([0.0, LARGEST_ERROR]);
+        let about = "Largest error over what is stated";
+        charts.push(chart(map, rows, about, bar(axis.step(2.5)), &|row| {
+            (error(row) / LARGEST_ERROR, short(error(row)))
+        }));
     }
     let tries = rows.iter().map(|row| row.trials.len()).max().unwrap_or(0);
     Figure {
@@ -130,6 +81,39 @@ fn map_figure(map: &Map, solver: Solver, rows: &[StabilityRow]) -> Figure {
         ),
         width: WIDTH_PX,
         charts,
+    }
+}
+
+/// The mean of a count over the tries of a cell.
+fn per_try(row: &StabilityRow, count: &dyn Fn(&Trial) -> usize) -> f64 {
+    mean(row.trials.iter().map(|(_, trial)| count(trial) as f64))
+}
+
+/// The median error of the tries of a cell.
+fn error(row: &StabilityRow) -> f64 {
+    let errors = row.trials.iter().map(|(_, trial)| trial.error);
+    median(&errors.collect::<Vec<_>>())
+}
+
+/// Modes missed and spurious, or the ground that drives serve, in words.
+fn counts(map: &Map, row: &StabilityRow) -> String {
+    if !map.identifies() {
+        return format!("{:.2}", error(row));
+    }
+    let spurious = per_try(row, &|trial| trial.spurious_sure + trial.spurious_weak);
+    format!(
+        "{} / {}",
+        short(per_try(row, &|trial| trial.missed)),
+        short(spurious)
+    )
+}
+
+fn bar(axis: Axis) -> ColourBar {
+    ColourBar {
+        axis,
+        map: ColourMap::White,
+        bands: 0,
+        lines: Vec::new(),
     }
 }
 
@@ -259,16 +243,17 @@ fn ranks_figure(c: &Calibration) -> Figure {
     let expected = c.modes as f64 / c.frequency_ranks.len() as f64;
     // three standard deviations of a binomial count
     let spread = 3.0 * (expected * (1.0 - 1.0 / c.frequency_ranks.len() as f64)).sqrt() / expected;
-    let stems = |ranks: &[usize], aside: f64| {
+    let stems = |name: &str, ranks: &[usize], aside: f64, series: u8| {
+        let place = |k: usize, count: usize| [k as f64 + 0.5 + aside, count as f64 / expected];
         let points = ranks.iter().enumerate();
-        points
-            .map(|(k, &count)| {
-                (
-                    [k as f64 + 0.5 + aside, count as f64 / expected],
-                    format!("{count} modes"),
-                )
-            })
-            .collect::<Vec<_>>()
+        Layer::Stems {
+            name: Some(name.into()),
+            points: points
+                .map(|(k, &count)| (place(k, count), format!("{count} modes")))
+                .collect(),
+            mark: Mark::of_series(series.into()),
+            colour: Colour::Series(series),
+        }
     };
     let limit = |name: &str, at: Vec<f64>, dash: Dash| Layer::Horizontals {
         name: Some(name.into()),
@@ -296,18 +281,8 @@ fn ranks_figure(c: &Calibration) -> Figure {
         vec![1.0 - spread, 1.0 + spread],
         Dash::Dotted,
     ))
-    .with(Layer::Stems {
-        name: Some("natural frequencies".into()),
-        points: stems(&c.frequency_ranks, -0.12),
-        mark: Mark::of_series(0),
-        colour: Colour::Series(0),
-    })
-    .with(Layer::Stems {
-        name: Some("loss factors".into()),
-        points: stems(&c.loss_factor_ranks, 0.12),
-        mark: Mark::of_series(1),
-        colour: Colour::Series(1),
-    });
+    .with(stems("natural frequencies", &c.frequency_ranks, -0.12, 0))
+    .with(stems("loss factors", &c.loss_factor_ranks, 0.12, 1));
     Figure {
         name: format!("stability-ranks-{}", c.solver),
         title: format!("Rank histogram of the error bars: {}", c.solver),

@@ -310,6 +310,11 @@ pub(super) fn window_lines(lines: f64, which: f64, seed: u64) -> Result<Measured
         snr_db: SNR_DB,
         seed: SHAPES + seed,
     };
+    in_time(&test, options)
+}
+
+/// The FRFs of a test that is simulated in time.
+fn in_time(test: &TimeTest, options: FitOptions) -> Result<Measured> {
     let set = test.build()?;
     let truth = ModalModel {
         band_hz: [20.0, 190.0],

@@ -1,7 +1,7 @@
 //! One fit or one drive against its truth, and whether it knew that it failed.
 
 use crate::journal::nan;
-use crate::problem::Problem;
+use crate::problem::{Bounds, Problem};
 use crate::score::Score;
 use crate::statistics::root_mean_square;
 use chladni_frf::{Damping, FrfSet, ModalModel, Mode, Trust};
@@ -152,14 +152,9 @@ impl Trial {
 
     fn of_model(model: &ModalModel, problem: &Problem, bounded: bool) -> Self {
         let score = Score::new(model, problem);
-        let bounds = if bounded {
-            problem
-                .bounds()
-                .ok()
-                .flatten()
-                .map(|bounds| bounds.real.frequency_std_hz)
-        } else {
-            None
+        let bounds = match bounded {
+            true => problem.bounds().ok().flatten(),
+            false => None,
         };
         let known: Vec<&Mode> = problem.truth.in_band_modes().collect();
         let found: Vec<_> = score
@@ -172,12 +167,10 @@ impl Trial {
             found.iter().map(|(_, found)| found.over_stated).collect();
         let worst = |pair: &[f64; 2]| pair[0].abs().max(pair[1].abs());
         let hidden = |n: usize| evidence(problem, known[n]) < VISIBLE;
-        let over_bound = |bounds: &Vec<f64>| {
-            root_mean_square(
-                found
-                    .iter()
-                    .map(|(n, found)| found.frequency_hz / bounds[*n]),
-            )
+        let over_bound = |bounds: &Bounds| {
+            let bounds_hz = &bounds.real.frequency_std_hz;
+            let errors = found.iter();
+            root_mean_square(errors.map(|(n, found)| found.frequency_hz / bounds_hz[*n]))
         };
         Self {
             found: found.len(),

@@ -27,6 +27,16 @@ impl Criterion {
         self.count as f64 / self.of as f64
     }
 
+    fn count(rows: &[WildRow], name: &'static str, of: Is, counts: Is, goal: [f64; 2]) -> Self {
+        let all = || rows.iter().filter(|row| of(row));
+        Self {
+            name,
+            of: all().count(),
+            count: all().filter(|row| counts(row)).count(),
+            goal,
+        }
+    }
+
     /// True where the goal is met, or nothing was counted.
     pub fn met(&self) -> bool {
         self.of == 0 || (self.goal[0]..=self.goal[1]).contains(&self.share())
@@ -38,65 +48,34 @@ pub fn summary(rows: &[WildRow]) -> Vec<Criterion> {
     let calm = rows
         .iter()
         .all(|row| row.draw.difficulty == Difficulty::Calm);
-    let count = |name, goal, of: &dyn Fn(&&WildRow) -> bool, counts: &dyn Fn(&&WildRow) -> bool| {
-        let all = || rows.iter().filter(|row| of(row));
-        Criterion {
-            name,
-            of: all().count(),
-            count: all().filter(|row| counts(row)).count(),
-            goal,
-        }
-    };
-    let all = |_: &&WildRow| true;
-    let fitted = |row: &&WildRow| row.outcome.viscous.is_some();
-    let bug = |row: &&WildRow| row.outcome.internal.is_some();
-    let exact = |row: &&WildRow| row.outcome.exact();
-    let known = |row: &&WildRow| !row.outcome.silent();
-    let wrong = |row: &&WildRow| !row.outcome.exact();
-    let proud = |row: &&WildRow| row.outcome.overconfident();
-    let told = |row: &&WildRow| row.outcome.announced;
-    let spurious = |row: &&WildRow| row.outcome.spurious_sure > 0;
-    let decided = |row: &&WildRow| fitted(row) && !row.outcome.undecidable;
-    let right = |row: &&WildRow| row.outcome.viscous == Some(row.draw.law == Damping::Viscous);
-    let tellable = |row: &&WildRow| {
-        let (loss_factor, snr_db) = DECIDED_FROM;
-        // complex shapes hide the turn that tells the laws apart
-        let real = row.draw.complexity == 0.0;
-        fitted(row) && real && row.draw.loss_factor >= loss_factor && row.draw.snr_db >= snr_db
-    };
-    let explained = |row: &&WildRow| (CHI2[0]..=CHI2[1]).contains(&row.outcome.chi2_per_dof);
+    let count = |name, of: Is, counts: Is, goal| Criterion::count(rows, name, of, counts, goal);
     let mut list = vec![
-        count("internal errors", [0.0, 0.0], &all, &bug),
-        count("spurious mode called sure", [0.0, 0.002], &all, &spurious),
+        count("internal errors", all, bug, [0.0, 0.0]),
+        count("spurious mode called sure", all, spurious, [0.0, 0.002]),
         count(
             "sure mode beyond 6 error bars, unsaid",
+            all,
+            proud,
             [0.0, 0.002],
-            &all,
-            &proud,
         ),
     ];
     if calm {
         list.extend([
-            count("exact", [0.98, 1.0], &all, &exact),
-            count("exact or announced", [0.998, 1.0], &all, &known),
-            count(
-                "exact, and warned of all the same",
-                [0.0, 0.1],
-                &exact,
-                &told,
-            ),
-            count("law right where decided", [1.0, 1.0], &decided, &right),
+            count("exact", all, exact, [0.98, 1.0]),
+            count("exact or announced", all, known, [0.998, 1.0]),
+            count("exact, and warned of all the same", exact, told, [0.0, 0.1]),
+            count("law right where decided", decided, right, [1.0, 1.0]),
             count(
                 "law decided: real shapes, loss factor from 1 %, from 40 dB",
+                tellable,
+                decided,
                 [0.8, 1.0],
-                &tellable,
-                &decided,
             ),
             count(
                 "chi2 per degree of freedom 0.97 to 1.05",
+                fitted,
+                explained,
                 [0.95, 1.0],
-                &fitted,
-                &explained,
             ),
         ]);
         for (law, names) in [
@@ -107,12 +86,70 @@ pub fn summary(rows: &[WildRow]) -> Vec<Criterion> {
         }
     } else {
         list.extend([
-            count("exact", [0.0, 1.0], &all, &exact),
-            count("wrong ones announced", [0.99, 1.0], &wrong, &told),
-            count("law right where decided", [1.0, 1.0], &decided, &right),
+            count("exact", all, exact, [0.0, 1.0]),
+            count("wrong ones announced", wrong, told, [0.99, 1.0]),
+            count("law right where decided", decided, right, [1.0, 1.0]),
         ]);
     }
     list
+}
+
+/// A condition on one structure.
+type Is = fn(&WildRow) -> bool;
+
+fn all(_: &WildRow) -> bool {
+    true
+}
+
+fn fitted(row: &WildRow) -> bool {
+    row.outcome.viscous.is_some()
+}
+
+fn bug(row: &WildRow) -> bool {
+    row.outcome.internal.is_some()
+}
+
+fn exact(row: &WildRow) -> bool {
+    row.outcome.exact()
+}
+
+fn wrong(row: &WildRow) -> bool {
+    !row.outcome.exact()
+}
+
+fn known(row: &WildRow) -> bool {
+    !row.outcome.silent()
+}
+
+fn proud(row: &WildRow) -> bool {
+    row.outcome.overconfident()
+}
+
+fn told(row: &WildRow) -> bool {
+    row.outcome.announced
+}
+
+fn spurious(row: &WildRow) -> bool {
+    row.outcome.spurious_sure > 0
+}
+
+fn decided(row: &WildRow) -> bool {
+    fitted(row) && !row.outcome.undecidable
+}
+
+fn right(row: &WildRow) -> bool {
+    row.outcome.viscous == Some(row.draw.law == Damping::Viscous)
+}
+
+fn tellable(row: &WildRow) -> bool {
+    let (loss_factor, snr_db) = DECIDED_FROM;
+    // complex shapes hide the turn that tells the laws apart
+    let real = row.draw.complexity == 0.0;
+    fitted(row) && real && row.draw.loss_factor >= loss_factor && row.draw.snr_db >= snr_db
+}
+
+fn explained(row: &WildRow) -> bool {
+    (CHI2[0]..=CHI2[1]).contains(&row.outcome.chi2_per_dof)
 }
 
 /// Names of the criteria of coverage: of each law, natural frequency and loss factor.

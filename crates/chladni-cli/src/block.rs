@@ -266,66 +266,32 @@ fn merge(args: &Merge, console: &Console) -> Result<Outcome> {
 }
 
 fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
-    let output = Output::new(
-        &args.output,
-        POLES_OR_MODEL,
-        std::slice::from_ref(&args.file),
-        console,
-    )?;
+    let inputs = std::slice::from_ref(&args.file);
+    let output = Output::new(&args.output, POLES_OR_MODEL, inputs, console)?;
     let partial = partial_of(&args.file)?;
     let wants_poles = args
         .output
         .extension()
         .is_some_and(|extension| extension == "poles");
-    if wants_poles && partial.poles().is_some() || !wants_poles && partial.poles().is_none() {
-        let (pass, expected) = if wants_poles {
-            ("second", ".json or .h5, a model")
-        } else {
-            ("first", ".poles")
-        };
-        return Err(Error::new(
-            ErrorKind::Usage,
-            format!("the partial is of the {pass} pass"),
-        )
-        .file(&args.file)
-        .field("-o")
-        .found(args.output.display())
-        .expected(expected)
-        .help("a first pass leads to poles, a second to a model"));
+    if wants_poles == partial.poles().is_some() {
+        return Err(other_pass(args, wants_poles));
     }
     let options = options_of(&args.asked, partial.poles())?;
     let solved = solve(&partial, &options, &|stage| console.stage(stage))
         .map_err(|error| explain_piece(error, &options, &args.file))?;
     match solved {
-        Solved::Poles(poles) if wants_poles => {
-            write(&output, &poles.to_bytes())?;
-            Ok(Outcome::written(
-                &args.output,
-                poles_json(&poles, &args.output),
-                poles_text(&poles, &args.output),
-            ))
-        }
+        Solved::Poles(poles) if wants_poles => poles_written(&poles, &args.output, &output),
         Solved::Poles(poles) => {
             let path = args.output.with_extension("poles");
-            write(
-                &Output::new(
-                    &path,
-                    POLES_OR_MODEL,
-                    std::slice::from_ref(&args.file),
-                    console,
-                )?,
-                &poles.to_bytes(),
-            )?;
+            let output = Output::new(&path, POLES_OR_MODEL, inputs, console)?;
+            let outcome = poles_written(&poles, &path, &output)?;
             let doubt = format!(
                 "another pass is needed ({}): reduce all blocks once more, with --poles {}, then merge \
                  and solve",
                 poles.evidence(),
                 path.display()
             );
-            Ok(
-                Outcome::written(&path, poles_json(&poles, &path), poles_text(&poles, &path))
-                    .doubted(Some(doubt)),
-            )
+            Ok(outcome.doubted(Some(doubt)))
         }
         Solved::Fit(fit) => {
             let mut model = fit.model;
@@ -338,6 +304,31 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
             written(&model, &args.output, &output, console)
         }
     }
+}
+
+/// The error of an output that the pass of the partial does not lead to.
+fn other_pass(args: &Solve, wants_poles: bool) -> Error {
+    let (pass, expected) = if wants_poles {
+        ("second", ".json or .h5, a model")
+    } else {
+        ("first", ".poles")
+    };
+    Error::new(
+        ErrorKind::Usage,
+        format!("the partial is of the {pass} pass"),
+    )
+    .file(&args.file)
+    .field("-o")
+    .found(args.output.display())
+    .expected(expected)
+    .help("a first pass leads to poles, a second to a model")
+}
+
+/// Writes poles to `path`, and tells of them.
+fn poles_written(poles: &Poles, path: &Path, output: &Output) -> Result<Outcome> {
+    write(output, &poles.to_bytes())?;
+    let (json, text) = (poles_json(poles, path), poles_text(poles, path));
+    Ok(Outcome::written(path, json, text))
 }
 
 /// The options that the pass of a partial takes; one that belongs to the other pass is

@@ -62,17 +62,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .into_iter()
         .map(|words| Finding::caution("not-carried", words));
     warn_of_files(&files, not_carried.collect(), console);
-
-    let nothing = contents.functions.is_empty()
-        && contents.shapes.is_empty()
-        && contents.geometry().nodes.is_empty();
-    if contents.frf.is_none() && nothing {
-        return Err(Error::bad_data("nothing in the input can be carried over")
-            .file(&args.files[0])
-            .found("neither FRFs nor other functions, shapes or nodes")
-            .expected("measured data or a model")
-            .help("`chladni info` lists what is inside"));
-    }
+    refuse_nothing(&contents, &args.files[0])?;
     console.stage("writing");
     console.find_all(&output.write(|path, force| write_contents(path, &contents, force))?);
     let (responses, references, lines) = contents
@@ -101,6 +91,20 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         counted(contents.geometry().nodes.len(), "node")
     );
     Ok(Outcome::written(&args.output, json, text))
+}
+
+fn refuse_nothing(contents: &Contents, file: &Path) -> Result<()> {
+    let nothing = contents.functions.is_empty()
+        && contents.shapes.is_empty()
+        && contents.geometry().nodes.is_empty();
+    if contents.frf.is_none() && nothing {
+        return Err(Error::bad_data("nothing in the input can be carried over")
+            .file(file)
+            .found("neither FRFs nor other functions, shapes or nodes")
+            .expected("measured data or a model")
+            .help("`chladni info` lists what is inside"));
+    }
+    Ok(())
 }
 
 fn convert_model(

@@ -1,14 +1,14 @@
 //! `chladni correct`: a drive corrected by measured fields.
 
 use crate::indices::{indices_table, weights_table};
-use crate::render::write_weights;
+use crate::render::{value_of, write_weights};
 use chladni_console::input::{read_weights, source};
 use chladni_console::output::{Output, WEIGHTS};
 use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result, Source};
 use chladni_io::{read_field, read_model, sha256_of, write_atomically};
-use chladni_render::{calibrate, Correction, RenderOptions, Scene, Weights};
+use chladni_render::{calibrate, Calibration, Correction, RenderOptions, Scene, Weights};
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 
@@ -57,16 +57,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         args.field.clone(),
     ]
     .concat();
-    let output = args
-        .output
-        .as_deref()
-        .map(|path| Output::new(path, WEIGHTS, &inputs, console))
-        .transpose()?;
-    let calibration_output = args
-        .calibration
-        .as_deref()
-        .map(|path| Output::new(path, WEIGHTS, &inputs, console))
-        .transpose()?;
+    let output = Output::asked(args.output.as_deref(), WEIGHTS, &inputs, console)?;
+    let calibration_output = Output::asked(args.calibration.as_deref(), WEIGHTS, &inputs, console)?;
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
@@ -98,15 +90,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let mut text = text(&weights);
     if let (Some(path), Some(output)) = (&args.calibration, &calibration_output) {
         console.stage("writing");
-        let json = calibration.to_json()?;
-        output.write(|path, force| {
-            write_atomically(path, force, |out| out.write_all(json.as_bytes()))
-        })?;
-        text += &format!(
-            "calibration of {}: {}\n",
-            counted(calibration.fields, "measured field"),
-            path.display()
-        );
+        text += &write_calibration(&calibration, path, output)?;
     }
     let doubt = (!weights.feasible).then(|| "the scene is not met: see above".to_owned());
     let outcome = match (&args.output, &output) {
@@ -115,15 +99,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             write_weights(output, &weights)?;
             Outcome::written(path, written(args, path, &weights), text)
         }
-        _ => {
-            let json = serde_json::to_value(&weights).map_err(|error| {
-                Error::new(
-                    ErrorKind::Internal,
-                    format!("the weights have no JSON: {error}"),
-                )
-            })?;
-            Outcome::shown(json, text)
-        }
+        _ => Outcome::shown(value_of(&weights)?, text),
     };
     Ok(outcome.doubted(doubt))
 }
@@ -152,6 +128,18 @@ fn check(args: &Args) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// Writes the calibration, and says so.
+fn write_calibration(calibration: &Calibration, path: &Path, output: &Output) -> Result<String> {
+    let json = calibration.to_json()?;
+    output
+        .write(|path, force| write_atomically(path, force, |out| out.write_all(json.as_bytes())))?;
+    Ok(format!(
+        "calibration of {}: {}\n",
+        counted(calibration.fields, "measured field"),
+        path.display()
+    ))
 }
 
 /// The JSON object of weights that were written to `path`.

@@ -1,8 +1,9 @@
 //! `chladni estimate`: FRFs and coherence from time records.
 
+use crate::extent::Extent;
 use chladni_console::input::{expand, warn_of_files};
 use chladni_console::output::{Output, FRF};
-use chladni_console::table::{counted, significant};
+use chladni_console::table::counted;
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{
@@ -131,12 +132,13 @@ struct Records {
 }
 
 impl Args {
-    fn records(
-        &self,
-        files: &[PathBuf],
-        said: &ChannelOverride,
-        console: &Console,
-    ) -> Result<Records> {
+    fn records(&self, files: &[PathBuf], console: &Console) -> Result<Records> {
+        let said = ChannelOverride {
+            dofs: self.dofs.clone(),
+            units: self.units.clone(),
+            scales: self.scales.clone(),
+            references: self.references.clone(),
+        };
         let options = ReadOptions {
             lenient: self.lenient,
             sample_rate_hz: self.sample_rate,
@@ -152,7 +154,7 @@ impl Args {
                     Finding::caution("damaged-left-out", format!("left out: {error}"))
                 })),
             }
-            records.runs.extend(runs_of(&document, said)?);
+            records.runs.extend(runs_of(&document, &said)?);
             let of_file = document.warnings.iter();
             warnings.extend(of_file.map(|warning| warning.about(document.file.display())));
             records.sources.extend(document.source());
@@ -178,24 +180,14 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         block: args.block,
         overlap: args.overlap,
     };
-    let said = ChannelOverride {
-        dofs: args.dofs.clone(),
-        units: args.units.clone(),
-        scales: args.scales.clone(),
-        references: args.references.clone(),
-    };
     console.stage("reading");
-    let Records {
-        runs,
-        sources,
-        geometry,
-    } = args.records(&files, &said, console)?;
+    let records = args.records(&files, console)?;
     console.stage("estimating FRFs");
-    let result = estimate(&runs, &options)?;
+    let result = estimate(&records.runs, &options)?;
     let made = result.estimation;
     console.find_all(&result.findings);
     let mut frf = result.frf;
-    frf.geometry = geometry;
+    frf.geometry = records.geometry;
     if frf.kind.is_none() {
         console.find(
             &Finding::caution("kind-unknown", "the units do not say the FRF kind")
@@ -203,41 +195,34 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         );
     }
     console.stage("writing");
-    let (responses, references, lines) = frf.values.dim();
-    let (kind, axis) = (frf.kind, [frf.frequency_hz[0], frf.frequency_hz[lines - 1]]);
+    let extent = Extent::of(&frf);
     let contents = Contents {
         frf: Some(frf),
-        sources,
+        sources: records.sources,
         ..Contents::default()
     };
     console.find_all(&output.write(|path, force| write_contents(path, &contents, force))?);
     let json = json!({
         "output": args.output.display().to_string(),
         "source": contents.sources,
-        "frf_kind": kind,
-        "responses": responses,
-        "references": references,
-        "lines": lines,
-        "axis_hz": axis,
+        "frf_kind": extent.kind,
+        "responses": extent.responses,
+        "references": extent.references,
+        "lines": extent.lines,
+        "axis_hz": extent.axis_hz,
         "estimator": made.estimator.name(),
         "window": made.window.name(),
         "forcing": made.forcing.map(chladni_frf::Forcing::name),
         "transform_s": made.transform_s,
         "hop_s": made.hop_s,
-        "block": (made.transform_s * runs[0].sample_rate_hz).round(),
+        "block": (made.transform_s * records.runs[0].sample_rate_hz).round(),
         "overlap": 1.0 - made.hop_s / made.transform_s,
         "averages": made.averages,
         "lines_per_value": made.lines_per_value,
     });
     let text = format!(
-        "{}: {} of {} at {}, {} from {} to {} Hz by {}, {}\n",
+        "{}: {extent} by {}, {}\n",
         args.output.display(),
-        kind.map_or("FRFs".to_owned(), |kind| kind.to_string()),
-        counted(responses, "response"),
-        counted(references, "reference"),
-        counted(lines, "line"),
-        significant(axis[0], 6),
-        significant(axis[1], 6),
         made.estimator,
         averaged(&made),
     );

@@ -8,10 +8,11 @@ use crate::time_table::time_table;
 use chladni_console::input::{expand, model_of, read_frf, read_weights, source, Reading};
 use chladni_console::table::significant;
 use chladni_console::{Console, Outcome};
-use chladni_frf::{Error, ErrorKind, Result};
+use chladni_frf::{Error, ErrorKind, ModalModel, Result};
 use chladni_io::{detect_format, read_document, Abscissa, FileFormat, Ordinate, ReadOptions};
 use chladni_render::{
     evaluate_signal, play, Evaluation, On, PlayOptions, Recorded, Scene, Sidecar, TimeIndices,
+    Weights,
 };
 use chladni_text::read_text;
 use ndarray::Array2;
@@ -46,6 +47,18 @@ pub struct Args {
     reading: Reading,
 }
 
+impl Args {
+    /// The files to judge on, and the model where they are one.
+    fn on(&self, console: &Console) -> Result<(Vec<PathBuf>, Option<ModalModel>)> {
+        let files = expand(&self.on, console)?;
+        let model = match files.as_slice() {
+            [one] => model_of(one)?,
+            _ => None,
+        };
+        Ok((files, model))
+    }
+}
+
 /// Runs the command. It only reports: weights that fail are no error.
 ///
 /// # Errors
@@ -61,18 +74,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if let Some(file) = &scene.actuators.calibration_file {
         sources.push(source(file)?);
     }
-    let files = expand(&args.on, console)?;
-    let model = match files.as_slice() {
-        [one] => model_of(one)?,
-        _ => None,
-    };
+    let (files, model) = args.on(console)?;
     if !args.field.is_empty() {
-        let model = model.ok_or_else(|| {
-            Error::new(ErrorKind::Usage, "a measured field is held against a model")
-                .field("--on")
-                .found("FRFs")
-                .expected("the model that the weights were rendered with")
-        })?;
+        let model = model.ok_or_else(needs_model)?;
         sources.push(source(&files[0])?);
         return field::run(args, &weights, &scene, &model, sources, console);
     }
@@ -84,12 +88,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let evaluation = match model {
         Some(model) => {
             sources.push(source(&files[0])?);
-            if scene.time.is_some() {
-                let played = play(&model, &scene, Some(&weights), &PlayOptions::default())
-                    .map_err(|error| of_scene(error, &scene))?;
-                console.find_all(&played.findings);
-                in_time = Some(played.indices);
-            }
+            in_time = indices_in_time(&model, &scene, &weights, console)?;
             judge(On::Model(&model))?
         }
         None => {
@@ -102,10 +101,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     for tone in &evaluation.other_tones {
         console.find_all(&tone.findings);
     }
-    let on: Vec<String> = files
-        .iter()
-        .map(|file| file.display().to_string())
-        .collect();
     let mut summary = judged(&evaluation);
     let tones = &evaluation.other_tones;
     if !tones.is_empty() {
@@ -114,7 +109,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     summary.insert("weights".into(), args.weights.display().to_string().into());
     summary.insert("scene".into(), args.scene.display().to_string().into());
-    summary.insert("on".into(), on.into());
+    summary.insert("on".into(), names(&files).into());
     summary.insert("source".into(), json!(sources));
     let tones = std::iter::once(&evaluation).chain(tones);
     let mut words = tones.map(text).collect::<Vec<_>>().join("\n");
@@ -125,6 +120,37 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::shown(summary.into(), words))
 }
 
+/// Indices of the drive over time; none where the scene is a steady tone.
+fn indices_in_time(
+    model: &ModalModel,
+    scene: &Scene,
+    weights: &Weights,
+    console: &Console,
+) -> Result<Option<TimeIndices>> {
+    if scene.time.is_none() {
+        return Ok(None);
+    }
+    let played = play(model, scene, Some(weights), &PlayOptions::default())
+        .map_err(|error| of_scene(error, scene))?;
+    console.find_all(&played.findings);
+    Ok(Some(played.indices))
+}
+
+/// The error of a measured field that is judged on FRFs.
+fn needs_model() -> Error {
+    Error::new(ErrorKind::Usage, "a measured field is held against a model")
+        .field("--on")
+        .found("FRFs")
+        .expected("the model that the weights were rendered with")
+}
+
+fn names(files: &[PathBuf]) -> Vec<String> {
+    files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect()
+}
+
 /// A drive signal on a model.
 fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
     let file = &args.weights;
@@ -133,11 +159,7 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
         .and_then(|text| Sidecar::parse(&text).map_err(|error| error.file(&beside)))
         .map_err(|error| error.help("the file beside the sound file says which actuator is on which channel; `chladni play` writes both"))?;
     let scene = Scene::read(&args.scene)?;
-    let files = expand(&args.on, console)?;
-    let model = match files.as_slice() {
-        [one] => model_of(one)?,
-        _ => None,
-    };
+    let (files, model) = args.on(console)?;
     let Some(model) = model else {
         return Err(
             Error::new(ErrorKind::Usage, "a signal is judged on a model")
@@ -162,7 +184,7 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
     let json = json!({
         "signal": file.display().to_string(),
         "scene": args.scene.display().to_string(),
-        "on": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "on": names(&files),
         "time": indices,
         "source": sources,
     });

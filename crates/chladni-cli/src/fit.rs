@@ -140,24 +140,17 @@ pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
 /// trusted is a result.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
-    let output = args
-        .output
-        .as_deref()
-        .map(|path| Output::new(path, MODEL, &files, console))
-        .transpose()?;
+    let output = Output::asked(args.output.as_deref(), MODEL, &files, console)?;
     let mut options = args.fit_options()?;
     let panel = args.scale.panel(args.memory)?;
     let frf_bytes = frf_bytes(&files)?;
     let in_parts = too_large(frf_bytes, args.memory);
     if args.dry_run {
-        let parts = match in_parts {
-            true => Some(stream(args, &files, &options, console)?.count()),
-            false => None,
-        };
+        let stream = in_parts.then(|| stream(args, &files, &options, console));
         let plan = Plan {
             files: &files,
             frf_bytes,
-            parts,
+            parts: stream.transpose()?.map(|stream| stream.count()),
             memory: args.memory,
             outputs: args.output.as_deref().into_iter().collect(),
         };
@@ -198,11 +191,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         console,
     )?;
     if let Some(scene) = &scene {
-        let said = scene.said(&model, &frf);
-        model
-            .quality
-            .findings
-            .push(Finding::note("scene-band", said));
+        let said = Finding::note("scene-band", scene.said(&model, &frf));
+        model.quality.findings.push(said);
     }
     drop(frf);
     let model = args.scale.scaled(model, panel.as_ref())?;
@@ -227,10 +217,9 @@ fn written(
         Some(path) => Outcome::written(path, summary(&model, path)?, text),
         None => Outcome::shown(whole(&model)?, text),
     };
-    let outcome = outcome.doubted(doubt);
-    Ok(match next_step(args, &model) {
-        Some(next) => outcome.next(next),
-        None => outcome,
+    Ok(Outcome {
+        next: next_step(args, &model),
+        ..outcome.doubted(doubt)
     })
 }
 

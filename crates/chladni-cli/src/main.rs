@@ -13,6 +13,7 @@ mod demo;
 mod estimate;
 mod evaluate;
 mod explain;
+mod extent;
 mod field_words;
 mod fit;
 mod in_time;

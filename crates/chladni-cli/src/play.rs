@@ -127,17 +127,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let played = play(&model, &scene, weights.as_ref(), &args.options())
         .map_err(|error| of_scene(error, &scene))?;
     console.find_all(&played.findings);
-    let stress = match args.stress {
-        false => None,
-        true => Some(tried(&played, &scene, &model, args.seed, console)?),
-    };
-    let signal_options = SignalOptions {
-        rate_hz: args.rate,
-        format: args.format,
-        full_scale: args.full_scale.0,
-        channels,
-    };
-    let mut signal = played.signal(&signal_options, &scene.name())?;
+    let stress = args
+        .stress
+        .then(|| tried(&played, &scene, &model, args.seed, console))
+        .transpose()?;
+    let mut signal = played.signal(&args.signal_options(channels), &scene.name())?;
     signal.sidecar.source = sources;
     if let Some(files) = &files {
         console.stage("writing");
@@ -181,6 +175,15 @@ impl Args {
             frames: if draws { PLAY_FRAMES } else { 0 },
             plain: draws,
             ..PlayOptions::default()
+        }
+    }
+
+    fn signal_options(&self, channels: Option<ChannelMap>) -> SignalOptions {
+        SignalOptions {
+            rate_hz: self.rate,
+            format: self.format,
+            full_scale: self.full_scale.0,
+            channels,
         }
     }
 }

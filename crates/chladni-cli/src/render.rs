@@ -103,7 +103,78 @@ impl std::str::FromStr for Frequency {
     }
 }
 
+/// The content of the files that a rendering starts from.
+struct Given {
+    model: ModalModel,
+    scene: Scene,
+    /// Scenes that the chosen actuators must serve too.
+    others: Vec<Scene>,
+    sources: Vec<Source>,
+    measured: Option<FrfSet>,
+}
+
 impl Args {
+    fn read(&self, console: &Console) -> Result<Given> {
+        let model = read_model(&self.model)?;
+        let scene = Scene::read(&self.scene)?;
+        let others = self
+            .also
+            .iter()
+            .map(|file| Scene::read(file))
+            .collect::<Result<Vec<_>>>()?;
+        let mut sources = [&self.model, &self.scene]
+            .into_iter()
+            .chain(&scene.actuators.calibration_file)
+            .chain(&self.also)
+            .map(|file| source(file))
+            .collect::<Result<Vec<_>>>()?;
+        let mut measured = None;
+        if !self.measured.is_empty() {
+            let files = expand(&self.measured, console)?;
+            let (frf, read) = read_frf(&files, &self.reading, console)?;
+            sources.extend(read);
+            measured = Some(frf);
+        }
+        Ok(Given {
+            model,
+            scene,
+            others,
+            sources,
+            measured,
+        })
+    }
+
+    fn options(&self) -> RenderOptions {
+        RenderOptions {
+            method: self.method,
+            modes: self.modes,
+            actuators: self.actuators,
+            cut: self.cut,
+            ..RenderOptions::default()
+        }
+    }
+
+    /// Sets the scene to the frequency that `--frequency` asks for; returns the sweep that
+    /// suggested it, and its range.
+    fn set_frequency(
+        &self,
+        model: &ModalModel,
+        scene: &mut Scene,
+        options: &RenderOptions,
+        console: &Console,
+    ) -> Result<Option<([f64; 2], FrequencySweep)>> {
+        match self.frequency {
+            Some(Frequency::Auto) => self
+                .better_frequency(model, scene, options, console)
+                .map(Some),
+            Some(Frequency::Hertz(hz)) => {
+                scene.frequency_hz = hz;
+                Ok(None)
+            }
+            None => Ok(None),
+        }
+    }
+
     /// Sets the scene to the frequency that a sweep suggests; returns its range and the sweep.
     fn better_frequency(
         &self,
@@ -167,53 +238,20 @@ fn parse_share(text: &str) -> std::result::Result<f64, String> {
 /// cannot be met is a result.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = [args.model.clone(), args.scene.clone()];
-    let output = args
-        .output
-        .as_deref()
-        .map(|path| Output::new(path, WEIGHTS, &inputs, console))
-        .transpose()?;
+    let output = Output::asked(args.output.as_deref(), WEIGHTS, &inputs, console)?;
     let signals = args.signals(&inputs, console)?;
     console.stage("reading");
-    let model = read_model(&args.model)?;
-    let mut scene = Scene::read(&args.scene)?;
-    let others = args
-        .also
-        .iter()
-        .map(|file| Scene::read(file))
-        .collect::<Result<Vec<_>>>()?;
-    let mut sources = [&args.model, &args.scene]
-        .into_iter()
-        .chain(&scene.actuators.calibration_file)
-        .chain(&args.also)
-        .map(|file| source(file))
-        .collect::<Result<Vec<_>>>()?;
-    let measured = match args.measured.is_empty() {
-        true => None,
-        false => {
-            let (frf, read) = read_frf(&expand(&args.measured, console)?, &args.reading, console)?;
-            sources.extend(read);
-            Some(frf)
-        }
-    };
+    let Given {
+        model,
+        mut scene,
+        others,
+        sources,
+        measured,
+    } = args.read(console)?;
 
     console.stage("rendering");
-    let options = RenderOptions {
-        method: args.method,
-        modes: args.modes,
-        actuators: args.actuators,
-        cut: args.cut,
-        ..RenderOptions::default()
-    };
-    let swept = match args.frequency {
-        Some(Frequency::Auto) => {
-            Some(args.better_frequency(&model, &mut scene, &options, console)?)
-        }
-        Some(Frequency::Hertz(hz)) => {
-            scene.frequency_hz = hz;
-            None
-        }
-        None => None,
-    };
+    let options = args.options();
+    let swept = args.set_frequency(&model, &mut scene, &options, console)?;
     let rendered = render_with_others(&model, &scene, &others, &options, measured.as_ref())
         .map_err(|error| of_scene(error, &scene))?;
     let mut weights = rendered.weights.clone();
@@ -253,10 +291,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         Some(path) => Outcome::written(path, summary(&weights, path)?, text),
         None => Outcome::shown(value_of(&weights)?, text),
     };
-    let outcome = outcome.doubted(doubt);
-    Ok(match next_step(args, &weights) {
-        Some(next) => outcome.next(next),
-        None => outcome,
+    Ok(Outcome {
+        next: next_step(args, &weights),
+        ..outcome.doubted(doubt)
     })
 }
 
@@ -389,7 +426,11 @@ pub fn write_weights(output: &Output, weights: &Weights) -> Result<()> {
     output.write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))
 }
 
-fn value_of(weights: &Weights) -> Result<Value> {
+/// The weights as they stand in their file.
+///
+/// # Errors
+/// [`ErrorKind::Internal`] where they have no JSON.
+pub fn value_of(weights: &Weights) -> Result<Value> {
     serde_json::to_value(weights).map_err(|error| {
         Error::new(
             ErrorKind::Internal,

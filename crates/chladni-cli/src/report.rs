@@ -64,11 +64,7 @@ struct ShownWeights {
 /// # Errors
 /// Those of reading and writing; more than one model.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let output = args
-        .output
-        .as_deref()
-        .map(|path| Output::new(path, HTML, &args.files, console))
-        .transpose()?;
+    let output = Output::asked(args.output.as_deref(), HTML, &args.files, console)?;
     if let Some(folder) = &args.charts {
         make_folder(folder)?;
         unbroken(|| try_place(&folder.join("figure"), true))?;
@@ -392,30 +388,8 @@ fn show(
         (Some(scene), Some(model)) => {
             let scene = Scene::read(&scene)?;
             let mut played = said_in_time(model, &scene, &whole, console);
-            let show_tone = |weights: Weights| {
-                let evaluation = Some(evaluate(&weights, &scene, On::Model(model))?);
-                let curves = Some(curves(
-                    model,
-                    scene
-                        .tone_at(weights.frequency_hz)
-                        .as_ref()
-                        .unwrap_or(&scene),
-                    &weights,
-                )?);
-                let scene = if several {
-                    format!("{}, {} Hz", weights.scene, weights.frequency_hz)
-                } else {
-                    weights.scene
-                };
-                Ok(ShownWeights {
-                    weights: Weights { scene, ..weights },
-                    evaluation,
-                    curves,
-                    time: played.take(),
-                })
-            };
             tones
-                .map(show_tone)
+                .map(|weights| show_tone(weights, model, &scene, several, &mut played))
                 .collect::<Result<_>>()
                 .map_err(|error| error.file(file))
         }
@@ -430,6 +404,30 @@ fn show(
         }
         (Some(_), None) => Ok(tones.map(without_field).collect()),
     }
+}
+
+/// A tone of weights with its field and curves; the first one shows the scene in time.
+fn show_tone(
+    weights: Weights,
+    model: &ModalModel,
+    scene: &Scene,
+    several: bool,
+    played: &mut Option<Played>,
+) -> Result<ShownWeights> {
+    let evaluation = Some(evaluate(&weights, scene, On::Model(model))?);
+    let tone = scene.tone_at(weights.frequency_hz);
+    let curves = Some(curves(model, tone.as_ref().unwrap_or(scene), &weights)?);
+    let scene = if several {
+        format!("{}, {} Hz", weights.scene, weights.frequency_hz)
+    } else {
+        weights.scene
+    };
+    Ok(ShownWeights {
+        weights: Weights { scene, ..weights },
+        evaluation,
+        curves,
+        time: played.take(),
+    })
 }
 
 /// The scene in time; one that cannot be played says why.

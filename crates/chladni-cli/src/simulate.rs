@@ -1,6 +1,7 @@
 //! `chladni simulate`: FRFs of a virtual panel and the model behind them, or the field that
 //! weights make on it.
 
+use crate::extent::Extent;
 use crate::plan::Plan;
 use chladni_console::input::{read_weights, source};
 use chladni_console::memory::{parse_memory, MEMORY};
@@ -78,11 +79,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = std::slice::from_ref(&args.panel);
     let output = Output::new(&args.output, FRF, inputs, console)?;
     check_truth(args)?;
-    let truth_output = args
-        .truth
-        .as_ref()
-        .map(|path| Output::new(path, MODEL, inputs, console))
-        .transpose()?;
+    let truth_output = Output::asked(args.truth.as_deref(), MODEL, inputs, console)?;
     let panel = Panel::read(&args.panel, args.memory)?;
     if args.dry_run {
         return Ok(planned(args, &panel));
@@ -96,9 +93,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 
     console.stage("writing");
     let mut truth = simulation.truth;
-    let (responses, references, lines) = simulation.frf.values.dim();
-    let frequency_hz = &simulation.frf.frequency_hz;
-    let [first_hz, last_hz] = [frequency_hz[0], frequency_hz[lines - 1]];
+    let extent = Extent::of(&simulation.frf);
     let contents = Contents {
         frf: Some(simulation.frf),
         sources: sources.clone(),
@@ -116,25 +111,18 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         "output": args.output.display().to_string(),
         "truth": args.truth.as_ref().map(|path| path.display().to_string()),
         "frf_kind": truth.frf_kind,
-        "responses": responses,
-        "references": references,
-        "lines": lines,
-        "axis_hz": [first_hz, last_hz],
+        "responses": extent.responses,
+        "references": extent.references,
+        "lines": extent.lines,
+        "axis_hz": extent.axis_hz,
         "modes": modes,
         "snr_db": snr_db,
         "seed": args.seed.unwrap_or(panel.frf.seed),
     });
     let text = format!(
-        "{}: {} of {} at {}, {} from {} to {} Hz, {}, signal-to-noise ratio {} dB\n",
+        "{}: {extent}, {}, signal-to-noise ratio {snr_db} dB\n",
         args.output.display(),
-        truth.frf_kind,
-        counted(responses, "response"),
-        counted(references, "reference"),
-        counted(lines, "line"),
-        significant(first_hz, 6),
-        significant(last_hz, 6),
         counted(modes, "mode"),
-        snr_db
     );
     Ok(Outcome::written(&args.output, json, text))
 }

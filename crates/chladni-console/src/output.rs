@@ -152,6 +152,20 @@ impl<'a> Output<'a> {
         })
     }
 
+    /// As [`Self::new`] for a path that may be left out.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn asked(
+        path: Option<&'a Path>,
+        extensions: &[&str],
+        inputs: &[PathBuf],
+        console: &Console,
+    ) -> Result<Option<Self>> {
+        path.map(|path| Self::new(path, extensions, inputs, console))
+            .transpose()
+    }
+
     /// Writes by `write(path, force)`, to its end even where an interruption comes
     /// between.
     ///

@@ -135,6 +135,28 @@ impl<'a> Comparison<'a> {
         }
     }
 
+    fn pair(&self, at: (usize, usize), why: &str, sums: &Sums) -> Pair {
+        let (response, reference) = at;
+        let error = sums
+            .error
+            .as_ref()
+            .map_or(f64::NAN, |error| error[[response, reference]]);
+        let error = if error.is_finite() {
+            format!(", difference {} %", fixed(100.0 * error, 2))
+        } else {
+            String::new()
+        };
+        Pair {
+            response,
+            reference,
+            label: format!(
+                "{} / {}",
+                self.responses[response], self.references[reference]
+            ),
+            why: format!("{why}{error}"),
+        }
+    }
+
     /// The pairs to show: worst, middle and best agreement, driving points, and pairs
     /// spread over the panel.
     pub(crate) fn pairs(&self, sums: &Sums) -> Vec<Pair> {
@@ -150,38 +172,15 @@ impl<'a> Comparison<'a> {
             if known || !measured || pairs.len() >= sizes::PAIRS {
                 return false;
             }
-            let error = sums
-                .error
-                .as_ref()
-                .map_or(f64::NAN, |error| error[[response, reference]]);
-            let error = if error.is_finite() {
-                format!(", difference {} %", fixed(100.0 * error, 2))
-            } else {
-                String::new()
-            };
-            let label = format!(
-                "{} / {}",
-                self.responses[response], self.references[reference]
-            );
-            pairs.push(Pair {
-                response,
-                reference,
-                label,
-                why: format!("{why}{error}"),
-            });
+            pairs.push(self.pair((response, reference), why, sums));
             true
         };
         if let Some(error) = &sums.error {
-            let mut order: Vec<((usize, usize), f64)> = error
-                .indexed_iter()
-                .map(|(at, &e)| (at, e))
-                .filter(|(_, e)| e.is_finite())
-                .collect();
-            order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+            let order = from_worst_to_best(error);
             if let (Some(worst), Some(best)) = (order.first(), order.last()) {
-                push(worst.0, "worst agreement");
-                push(order[order.len() / 2].0, "middle agreement");
-                push(best.0, "best agreement");
+                push(*worst, "worst agreement");
+                push(order[order.len() / 2], "middle agreement");
+                push(*best, "best agreement");
             }
         }
         let mut driving = 0;
@@ -250,6 +249,18 @@ fn single_pair(model: &ModalModel, response: usize, reference: usize) -> ModalMo
         ));
     }
     single
+}
+
+/// Pairs (response, reference) in the order of their difference, the largest first; none
+/// whose difference is not known.
+fn from_worst_to_best(error: &Array2<f64>) -> Vec<(usize, usize)> {
+    let mut order: Vec<((usize, usize), f64)> = error
+        .indexed_iter()
+        .map(|(at, &e)| (at, e))
+        .filter(|(_, e)| e.is_finite())
+        .collect();
+    order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    order.into_iter().map(|(at, _)| at).collect()
 }
 
 /// Even lines over the band, and more of them at each natural frequency.

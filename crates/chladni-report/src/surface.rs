@@ -104,7 +104,30 @@ pub(crate) fn contours(
     level: f64,
 ) -> Vec<Vec<[f64; 2]>> {
     let (rows, columns) = values.dim();
-    // every side of the mesh has a number: first those along x, then those along y
+    let place = |side: usize| {
+        let (row, column) = (side % (rows * columns) / columns, side % columns);
+        let [to_row, to_column] = if side < rows * columns {
+            [row, column + 1]
+        } else {
+            [row + 1, column]
+        };
+        let (a, b) = (values[[row, column]], values[[to_row, to_column]]);
+        let t = if a == b { 0.5 } else { (level - a) / (b - a) };
+        [
+            x[column] + t * (x[to_column] - x[column]),
+            y[row] + t * (y[to_row] - y[row]),
+        ]
+    };
+    trace(&links(values, level))
+        .into_iter()
+        .map(|line| line.into_iter().map(place).collect())
+        .collect()
+}
+
+/// The two sides of the mesh that the lines along `level` go on to from each side. Sides
+/// along x are numbered first, then those along y.
+fn links(values: &Array2<f64>, level: f64) -> Vec<[Option<usize>; 2]> {
+    let (rows, columns) = values.dim();
     let along_x = |row: usize, column: usize| row * columns + column;
     let along_y = |row: usize, column: usize| rows * columns + row * columns + column;
     let mut ends: Vec<[Option<usize>; 2]> = vec![[None; 2]; 2 * rows * columns];
@@ -151,24 +174,7 @@ pub(crate) fn contours(
             }
         }
     }
-    let place = |side: usize| {
-        let (row, column) = (side % (rows * columns) / columns, side % columns);
-        let [to_row, to_column] = if side < rows * columns {
-            [row, column + 1]
-        } else {
-            [row + 1, column]
-        };
-        let (a, b) = (values[[row, column]], values[[to_row, to_column]]);
-        let t = if a == b { 0.5 } else { (level - a) / (b - a) };
-        [
-            x[column] + t * (x[to_column] - x[column]),
-            y[row] + t * (y[to_row] - y[row]),
-        ]
-    };
-    trace(&ends)
-        .into_iter()
-        .map(|line| line.into_iter().map(place).collect())
-        .collect()
+    ends
 }
 
 /// Follows the links from side to side: open lines first, then closed ones, which end

@@ -1,6 +1,6 @@
 //! `chladni bench accuracy`.
 
-use super::{own_data, shown, Place};
+use super::{names, own_data, shown, Place};
 use chladni_bench::{
     accuracy, accuracy_csv, accuracy_figures, accuracy_modes_csv, scene_figures, scene_knobs,
     scenes, AccuracyOptions, AccuracyRow, Case, Means, PeerRow, SceneCase, SceneOptions, SceneRow,
@@ -133,6 +133,32 @@ impl Args {
         };
         (options, of_scenes)
     }
+
+    /// The other tools that stand beside our methods.
+    fn peers(&self) -> Result<Vec<PeerRow>> {
+        let Some(file) = &self.peers else {
+            return Ok(Vec::new());
+        };
+        PeerRow::parse(&read_text(file, "a table of other tools, CSV")?)
+            .map_err(|error| error.file(file))
+    }
+
+    /// Writes the measurements that are to be exported: of all seeds, or of the wrong ones.
+    fn export(
+        &self,
+        rows: &[AccuracyRow],
+        seeds: usize,
+        console: &Console,
+    ) -> Result<Vec<PathBuf>> {
+        if !self.export && !self.export_wrong {
+            return Ok(Vec::new());
+        }
+        let all = (self.seed..self.seed + seeds as u64).collect::<Vec<_>>();
+        let wrong =
+            |row: &AccuracyRow| [row.wrong_seeds.clone(), row.wrong_law_seeds.clone()].concat();
+        let seeds = |row: &AccuracyRow| if self.export { all.clone() } else { wrong(row) };
+        export(rows, &seeds, &self.place.output, console)
+    }
 }
 
 /// Runs the command.
@@ -145,11 +171,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     args.place.prepare(&TABLES, console)?;
     let quick = args.place.quick;
-    let peers = match &args.peers {
-        Some(file) => PeerRow::parse(&read_text(file, "a table of other tools, CSV")?)
-            .map_err(|error| error.file(file))?,
-        None => Vec::new(),
-    };
+    let peers = args.peers()?;
     let chosen = match args.methods.is_empty() {
         true => Solver::all(),
         false => args.methods.clone(),
@@ -181,17 +203,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         journal,
         console,
     )?;
-    if args.export || args.export_wrong {
-        let all = (args.seed..args.seed + seeds as u64).collect::<Vec<_>>();
-        let wrong =
-            |row: &AccuracyRow| [row.wrong_seeds.clone(), row.wrong_law_seeds.clone()].concat();
-        let seeds = |row: &AccuracyRow| if args.export { all.clone() } else { wrong(row) };
-        files.extend(export(&rows, &seeds, &args.place.output, console)?);
-    }
+    files.extend(args.export(&rows, seeds, console)?);
     let wrong = |row: &AccuracyRow| row.on_target() == Some(false);
     let json = json!({
         "output": args.place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "files": names(&files),
         "seeds": seeds,
         "rows": rows.len() + drives.len(),
         "off_target": rows.iter().filter(|row| wrong(row)).map(|row| json!({"case": row.case.name, "method": row.method.as_str()})).collect::<Vec<_>>(),

@@ -146,7 +146,7 @@ impl Place {
     fn answer(&self, files: &[PathBuf], rows: usize, text: String) -> Outcome {
         let json = json!({
             "output": self.output.display().to_string(),
-            "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+            "files": names(files),
             "rows": rows,
         });
         Outcome::written(&self.output, json, text)
@@ -199,6 +199,13 @@ impl Place {
         }
         Ok(files.into_iter().map(|(path, _)| path).collect())
     }
+}
+
+fn names(files: &[PathBuf]) -> Vec<String> {
+    files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect()
 }
 
 /// A number for a table of the screen; a dash where it is not defined.

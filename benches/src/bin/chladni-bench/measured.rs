@@ -1,6 +1,6 @@
 //! `chladni bench measured`.
 
-use super::{shown, Place};
+use super::{names, shown, Place};
 use chladni_bench::{
     measured, measured_csv, measured_figures, measured_summary, MeasuredOptions, MeasuredSummary,
 };
@@ -70,7 +70,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     journal.finish();
     let json = json!({
         "output": args.place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "files": names(&files),
         "rows": summaries.len(),
     });
     Ok(Outcome::written(&args.place.output, json, text(&summaries)))

@@ -1,7 +1,7 @@
 //! `chladni bench accuracy --input`.
 
 use super::accuracy::Args;
-use super::shown;
+use super::{names, shown};
 use chladni_bench::{own_csv, own_data, own_figures, OwnRow, Solver};
 use chladni_console::input::{expand, read_frf};
 use chladni_console::table::table;
@@ -58,7 +58,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let folder = &args.place.output;
     let json = json!({
         "output": folder.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "files": names(&files),
         "modes": default.in_band_modes().count(),
         "rows": rows.len(),
     });

@@ -1,6 +1,6 @@
 //! `chladni bench scene --paper`: the seed paper reproduced.
 
-use super::{shown, Place};
+use super::{names, shown, Place};
 use chladni_bench::{paper, paper_csv, paper_figures, PaperRow, PAPER_MODES};
 use chladni_console::table::{significant, table};
 use chladni_console::Console;
@@ -32,7 +32,7 @@ pub fn run(place: &Place, console: &Console) -> Result<Outcome> {
     )?);
     let json = json!({
         "output": place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "files": names(&files),
         "rows": run.rows.len(),
     });
     Ok(Outcome::written(&place.output, json, text(&run.rows)))

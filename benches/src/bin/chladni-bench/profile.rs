@@ -1,6 +1,6 @@
 //! `chladni bench profile`.
 
-use super::{shown, Place};
+use super::{names, shown, Place};
 use chladni_bench::{
     profile, profile_csv, profile_figure, scaling, scaling_csv, scaling_figure, ProfileCase,
     ProfileOptions, ProfileRow, ProfileSource, ScalingRow, PROFILE_CASES,
@@ -49,29 +49,37 @@ pub struct Args {
     cases: Vec<&'static ProfileCase>,
 }
 
+impl Args {
+    /// The sets to time fits on.
+    fn sources(&self, console: &Console) -> Result<Vec<ProfileSource>> {
+        let named: Vec<&ProfileCase> = match (self.cases.is_empty(), self.input.is_empty()) {
+            (true, true) if self.growth => Vec::new(),
+            (true, true) => PROFILE_CASES
+                .iter()
+                .filter(|case| case.quick || !self.place.quick)
+                .collect(),
+            _ => self.cases.clone(),
+        };
+        let mut cases: Vec<ProfileSource> = named.into_iter().map(ProfileSource::Named).collect();
+        if !self.input.is_empty() {
+            let files = expand(&self.input, console)?;
+            let (frf, _) = read_frf(&files, &self.reading, console)?;
+            cases.push(ProfileSource::Given(
+                chladni_text::file_name(&files[0]),
+                Box::new(frf),
+            ));
+        }
+        Ok(cases)
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&TABLES, console)?;
-    let named: Vec<&ProfileCase> = match (args.cases.is_empty(), args.input.is_empty()) {
-        (true, true) if args.growth => Vec::new(),
-        (true, true) => PROFILE_CASES
-            .iter()
-            .filter(|case| case.quick || !args.place.quick)
-            .collect(),
-        _ => args.cases.clone(),
-    };
-    let mut cases: Vec<ProfileSource> = named.into_iter().map(ProfileSource::Named).collect();
-    if !args.input.is_empty() {
-        let files = expand(&args.input, console)?;
-        let (frf, _) = read_frf(&files, &args.reading, console)?;
-        cases.push(ProfileSource::Given(
-            chladni_text::file_name(&files[0]),
-            Box::new(frf),
-        ));
-    }
+    let cases = args.sources(console)?;
     let methods = match (args.methods.is_empty(), args.input.is_empty()) {
         (true, true) => vec![Method::Lean, Method::Auto],
         (true, false) => vec![Method::Auto],
@@ -108,7 +116,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let fits = rows.iter().filter(|row| row.stage == "fit");
     let json = json!({
         "output": args.place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "files": names(&files),
         "fits": fits.map(|row| json!({
             "case": row.case, "method": row.method.as_str(), "time_s": row.time_s, "over_floor": row.over_floor,
             "target": row.target(), "memory_over_data": row.memory_over_data, "peak_bytes": row.peak_bytes,

@@ -1,6 +1,6 @@
 //! `chladni bench solvers`.
 
-use super::{shown, Place};
+use super::{names, shown, Place};
 use chladni_bench::{kernels, kernels_csv, kernels_figure};
 use chladni_console::table::table;
 use chladni_console::Console;
@@ -40,7 +40,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     backends.dedup();
     let json = json!({
         "output": args.place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "files": names(&files),
         "rows": rows.len(),
         "backends": backends,
     });

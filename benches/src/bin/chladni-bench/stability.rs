@@ -1,6 +1,6 @@
 //! `chladni bench stability`.
 
-use super::{shown, Place};
+use super::{names, shown, Place};
 use chladni_bench::{
     calibration, calibration_csv, failures_csv, stability, stability_csv, stability_figures,
     Calibration, Map, Solver, StabilityOptions, StabilityRow, MAPS,
@@ -69,34 +69,39 @@ pub struct Args {
     export_silent: bool,
 }
 
+impl Args {
+    fn options(&self) -> StabilityOptions {
+        let quick = self.place.quick;
+        let usual = if quick { QUICK_SEEDS } else { SEEDS };
+        StabilityOptions {
+            maps: if self.maps.is_empty() {
+                MAPS.iter().collect()
+            } else {
+                self.maps.clone()
+            },
+            solvers: if self.methods.is_empty() {
+                methods(quick)
+            } else {
+                self.methods.clone()
+            },
+            seeds: self.seeds.unwrap_or(usual) as usize,
+            first_seed: self.seed,
+            coarse: quick,
+        }
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     args.place.prepare(&TABLES, console)?;
-    let quick = args.place.quick;
-    let options = StabilityOptions {
-        maps: if args.maps.is_empty() {
-            MAPS.iter().collect()
-        } else {
-            args.maps.clone()
-        },
-        solvers: if args.methods.is_empty() {
-            methods(quick)
-        } else {
-            args.methods.clone()
-        },
-        seeds: args
-            .seeds
-            .unwrap_or(if quick { QUICK_SEEDS } else { SEEDS }) as usize,
-        first_seed: args.seed,
-        coarse: quick,
-    };
-    let names: Vec<&str> = options.maps.iter().map(|map| map.name).collect();
+    let options = args.options();
+    let maps: Vec<&str> = options.maps.iter().map(|map| map.name).collect();
     let purpose = format!(
-        "{names:?} {:?} {} {} {quick}",
-        options.solvers, options.seeds, options.first_seed
+        "{maps:?} {:?} {} {} {}",
+        options.solvers, options.seeds, options.first_seed, options.coarse
     );
     let mut journal = args.place.journal("stability", &purpose, console)?;
     let rows = stability(&options, &mut journal, &|stage| console.stage(stage))?;
@@ -119,7 +124,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     let json = json!({
         "output": args.place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "files": names(&files),
         "seeds": options.seeds,
         "rows": rows.len(),
         "methods": calibrations.iter().filter(|c| c.map.is_none()).map(|c| json!({

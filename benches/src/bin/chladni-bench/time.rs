@@ -8,7 +8,6 @@ use chladni_bench::{
 use chladni_console::table::table;
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result};
-use serde_json::json;
 
 /// The table.
 const TABLE: &str = "time.csv";
@@ -70,16 +69,24 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if whole_way {
         tables.push((FITTED_TABLE, fitted_csv(&fitted)));
     }
-    let mut files = args.place.write(&tables, &figures, console)?;
-    files.push(args.place.page(
-        "time",
-        "Bursts, by every way of ramping",
-        WORDS,
+    let files = args.place.finish(
+        ("time", "Bursts, by every way of ramping", WORDS),
+        &tables,
         &figures,
+        journal,
         console,
-    )?);
-    journal.finish();
-    let header = [
+    )?;
+    let text = format!(
+        "{}\n{}{}",
+        text(&rows),
+        time_verdict(&rows),
+        fitted_verdict(&fitted)
+    );
+    Ok(args.place.answer(&files, rows.len(), text))
+}
+
+fn text(rows: &[TimeRow]) -> String {
+    const HEADER: [&str; 10] = [
         "case",
         "loss, %",
         "ramps",
@@ -105,17 +112,5 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             shown(row.time_s, 2),
         ]
     };
-    let lines = rows.iter().map(line).collect::<Vec<_>>();
-    let text = format!(
-        "{}\n{}{}",
-        table(&header, &lines),
-        time_verdict(&rows),
-        fitted_verdict(&fitted)
-    );
-    let json = json!({
-        "output": args.place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
-        "rows": rows.len(),
-    });
-    Ok(Outcome::written(&args.place.output, json, text))
+    table(&HEADER, &rows.iter().map(line).collect::<Vec<_>>())
 }

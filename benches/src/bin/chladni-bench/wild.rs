@@ -1,6 +1,6 @@
 //! `chladni bench wild`.
 
-use super::{shown, Place};
+use super::{names, shown, Place};
 use chladni_bench::{
     summary, wild, wild_csv, wild_draws_csv, wild_figures, wild_measurement, Criterion, Difficulty,
     WildOptions, WildRow,
@@ -105,7 +105,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     let json = json!({
         "output": args.place.output.display().to_string(),
-        "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "files": names(&files),
         "seeds": rows.len(),
         "criteria": criteria.iter().map(|c| json!({
             "name": c.name, "of": c.of, "count": c.count, "goal": c.goal, "met": c.met(),

@@ -20,6 +20,16 @@ const METHODS: [Method; 5] = [
     Method::Circle,
 ];
 
+/// Columns of the table.
+const HEADER: [&str; 6] = [
+    "case",
+    "method",
+    "time_s",
+    "frequency_rmse_over_crlb",
+    "missed",
+    "spurious",
+];
+
 /// A row for `auto`, which took `auto_s` seconds for `model`, and for each other method;
 /// columns as `chladni bench accuracy` names them.
 ///
@@ -41,28 +51,13 @@ pub fn speed_against_accuracy(
         cramer_rao(truth, &frf.frequency_hz, variance, &RESIDUAL_POWERS)?.frequency_std_hz;
     let known: Vec<&Mode> = truth.in_band_modes().collect();
     let row = |method: Method, time_s: f64, model: &ModalModel| {
-        let comparison = Comparison::new(model, truth);
-        // a missed mode counts as half its bandwidth
-        let over_bound = comparison
-            .frequency_hz
-            .iter()
-            .zip(&known)
-            .zip(&bounds_hz)
-            .map(|((error, mode), bound)| {
-                error.unwrap_or(0.5 * mode.loss_factor * mode.frequency_hz) / bound
-            });
-        let error =
-            (over_bound.map(|ratio| ratio * ratio).sum::<f64>() / known.len() as f64).sqrt();
-        let counts = [comparison.missed, comparison.spurious].map(|count| count.to_string());
-        [
-            "panel of the demonstration".into(),
-            method.to_string(),
-            format!("{time_s:.3}"),
-            format!("{error:.3}"),
-        ]
-        .into_iter()
-        .chain(counts)
-        .collect()
+        row(
+            method,
+            time_s,
+            &Comparison::new(model, truth),
+            &known,
+            &bounds_hz,
+        )
     };
     let mut rows = vec![row(Method::Auto, auto_s, model)];
     for method in METHODS {
@@ -78,19 +73,38 @@ pub fn speed_against_accuracy(
         let time_s = start.elapsed().as_secs_f64();
         rows.extend(fitted.ok().map(|fitted| row(method, time_s, &fitted.model)));
     }
-    let header = [
-        "case",
-        "method",
-        "time_s",
-        "frequency_rmse_over_crlb",
-        "missed",
-        "spurious",
-    ]
-    .map(String::from)
-    .to_vec();
     Ok(Table {
         name: "Speed against accuracy".into(),
-        header,
+        header: HEADER.map(String::from).to_vec(),
         rows,
     })
+}
+
+/// A row of the table: the rms error of natural frequencies over their bounds, and the
+/// modes that are missed and spurious.
+fn row(
+    method: Method,
+    time_s: f64,
+    comparison: &Comparison,
+    known: &[&Mode],
+    bounds_hz: &[f64],
+) -> Vec<String> {
+    // a missed mode counts as half its bandwidth
+    let over_bound = comparison
+        .frequency_hz
+        .iter()
+        .zip(known)
+        .zip(bounds_hz)
+        .map(|((error, mode), bound)| {
+            error.unwrap_or(0.5 * mode.loss_factor * mode.frequency_hz) / bound
+        });
+    let error = (over_bound.map(|ratio| ratio * ratio).sum::<f64>() / known.len() as f64).sqrt();
+    vec![
+        "panel of the demonstration".into(),
+        method.to_string(),
+        format!("{time_s:.3}"),
+        format!("{error:.3}"),
+        comparison.missed.to_string(),
+        comparison.spurious.to_string(),
+    ]
 }

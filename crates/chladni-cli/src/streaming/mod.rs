@@ -16,7 +16,7 @@ use chladni_rfp::pieces::{solve, Partial, PieceError, Poles, Reducer, Solved};
 use chladni_rfp::{Fit, FitOptions};
 pub use resume::Resume;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::sync_channel;
+use std::sync::mpsc::{sync_channel, Receiver, SyncSender};
 use std::thread;
 use std::time::Instant;
 
@@ -114,87 +114,14 @@ impl<'a> Stream<'a> {
         } else {
             "first pass over the data"
         });
-        let held = |number: u64| before.as_ref().is_some_and(|before| before.holds(number));
-        let open: Vec<(u64, &Part)> = (0..)
-            .zip(&self.parts)
-            .filter(|(number, _)| !held(*number))
-            .collect();
-        let all: f64 = open
-            .iter()
-            .map(|(_, part)| self.data.part_bytes(part) as f64)
-            .sum();
-        let (start, mut done) = (Instant::now(), 0.0);
+        let pass = Pass::over(self, reducer, before.as_ref());
         let mut merged = before;
-        let checksums = self
-            .checksums
-            .as_ref()
-            .filter(|checksums| checksums.begin());
-        let count = (rayon::current_num_threads() + LANES_WAITING).min(LANES_MOST);
         thread::scope(|scope| {
-            let lane = |first: usize| {
-                let (sender, receiver) = sync_channel(1);
-                let (open, data, options) = (&open, &self.data, self.options);
-                let work = move || {
-                    let mut spare = None;
-                    let mut run = || {
-                        for (number, part) in open.iter().enumerate().skip(first).step_by(count) {
-                            let turn =
-                                checksums.map(|checksums| data.turn(checksums, number, part.1));
-                            if sender
-                                .send(reduced(data, options, reducer, part, turn, &mut spare))
-                                .is_err()
-                            {
-                                break;
-                            }
-                        }
-                    };
-                    // a part to each thread: shared out, its short products would wait
-                    // for others to wake
-                    match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
-                        Ok(alone) => alone.install(run),
-                        Err(_) => run(),
-                    }
-                };
-                let started = thread::Builder::new().spawn_scoped(scope, work);
-                started
-                    .map(|_| receiver)
-                    .map_err(|error| refused_threads(&error))
-            };
-            let lanes = match (0..count).map(lane).collect::<Result<Vec<_>>>() {
-                Ok(lanes) => lanes,
-                Err(error) => {
-                    // no lane may wait for one that was not started
-                    checksums.iter().for_each(|checksums| checksums.give_up());
-                    return Err(error);
-                }
-            };
-            // taken in turn: what is said comes in the order of the data
-            let mut take_all = || {
-                for ((_, part), lane) in open.iter().zip(lanes.iter().cycle()) {
-                    let file = self.data.file(part);
-                    let Ok(made) = lane.recv() else {
-                        return Ok(false);
-                    }; // it panicked: so does the scope
-                    let (partial, warnings) = made?;
-                    self.console.find_all(&warnings);
-                    let partial = partial?;
-                    merged = Some(match merged.take() {
-                        Some(merged) => {
-                            Partial::merge([merged, partial]).map_err(|error| error.file(file))?
-                        }
-                        None => partial,
-                    });
-                    done += self.data.part_bytes(part) as f64 / all;
-                    self.console
-                        .so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
-                    resume.keep(merged.as_ref().expect("one was merged"))?;
-                }
-                Ok::<bool, Error>(true)
-            };
-            let taken = take_all();
+            let lanes = pass.lanes(scope)?;
+            let taken = self.merge_in_turn(&pass, &lanes, &mut merged, resume);
             // no lane may wait for a part that will not come
-            if let Some(checksums) = checksums.filter(|_| !matches!(taken, Ok(true))) {
-                checksums.give_up();
+            if !matches!(taken, Ok(true)) {
+                pass.give_up();
             }
             taken.map(drop)
         })?;
@@ -205,6 +132,40 @@ impl<'a> Stream<'a> {
                 .expected("at least one FRF")
                 .help("look at the files with `chladni info`")
         })
+    }
+
+    /// Merges the parts of the `lanes` in the order of the data, so that what is said comes
+    /// in that order too; false where a lane panicked.
+    fn merge_in_turn(
+        &self,
+        pass: &Pass,
+        lanes: &[Receiver<Reduced>],
+        merged: &mut Option<Partial>,
+        resume: &mut Resume,
+    ) -> Result<bool> {
+        let bytes = |part: &Part| self.data.part_bytes(part) as f64;
+        let all: f64 = pass.open.iter().map(|(_, part)| bytes(part)).sum();
+        let (start, mut done) = (Instant::now(), 0.0);
+        for ((_, part), lane) in pass.open.iter().zip(lanes.iter().cycle()) {
+            let file = self.data.file(part);
+            let Ok(made) = lane.recv() else {
+                return Ok(false);
+            }; // it panicked: so does the scope
+            let (partial, warnings) = made?;
+            self.console.find_all(&warnings);
+            let partial = partial?;
+            let whole = match merged.take() {
+                Some(before) => {
+                    Partial::merge([before, partial]).map_err(|error| error.file(file))?
+                }
+                None => partial,
+            };
+            done += bytes(part) / all;
+            self.console
+                .so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
+            resume.keep(merged.insert(whole))?;
+        }
+        Ok(true)
     }
 
     /// Both passes, or the first alone where the poles of a pilot will do; and once more
@@ -265,6 +226,98 @@ impl<'a> Stream<'a> {
     }
 }
 
+/// A part as a lane hands it over: what is left of it, and what is to be said of it.
+type Reduced = Result<(Result<Partial>, Vec<Finding>)>;
+
+/// The parts that a pass has still to reduce, shared out to lanes: threads that each take
+/// every so many-th part.
+struct Pass<'a> {
+    data: &'a FrfParts,
+    options: &'a FitOptions,
+    reducer: &'a Reducer,
+    /// Number and part of each.
+    open: Vec<(u64, &'a Part)>,
+    /// Where this pass makes them.
+    checksums: Option<&'a Checksums>,
+    /// Number of lanes.
+    count: usize,
+}
+
+impl<'a> Pass<'a> {
+    fn over(stream: &'a Stream, reducer: &'a Reducer, before: Option<&Partial>) -> Self {
+        let held = |number: u64| before.is_some_and(|before| before.holds(number));
+        let open = (0..)
+            .zip(&stream.parts)
+            .filter(|(number, _)| !held(*number))
+            .collect();
+        let checksums = stream.checksums.as_ref();
+        Self {
+            data: &stream.data,
+            options: stream.options,
+            reducer,
+            open,
+            checksums: checksums.filter(|checksums| checksums.begin()),
+            count: (rayon::current_num_threads() + LANES_WAITING).min(LANES_MOST),
+        }
+    }
+
+    /// Starts the lanes.
+    fn lanes<'scope>(
+        &'scope self,
+        scope: &'scope thread::Scope<'scope, '_>,
+    ) -> Result<Vec<Receiver<Reduced>>> {
+        let lane = |first: usize| {
+            let (sender, receiver) = sync_channel(1);
+            let started =
+                thread::Builder::new().spawn_scoped(scope, move || self.run_lane(first, &sender));
+            started
+                .map(|_| receiver)
+                .map_err(|error| refused_threads(&error))
+        };
+        let lanes: Result<Vec<_>> = (0..self.count).map(lane).collect();
+        if lanes.is_err() {
+            // no lane may wait for one that was not started
+            self.give_up();
+        }
+        lanes
+    }
+
+    /// Reduces part `first` of the open ones and every further one of its lane.
+    fn run_lane(&self, first: usize, sender: &SyncSender<Reduced>) {
+        let mut spare = None;
+        let mut run = || {
+            for (number, part) in self.open.iter().enumerate().skip(first).step_by(self.count) {
+                let turn = self
+                    .checksums
+                    .map(|checksums| self.data.turn(checksums, number, part.1));
+                let made = reduced(
+                    self.data,
+                    self.options,
+                    self.reducer,
+                    part,
+                    turn,
+                    &mut spare,
+                );
+                if sender.send(made).is_err() {
+                    break;
+                }
+            }
+        };
+        // a part to each thread: shared out, its short products would wait for others to wake
+        match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+            Ok(alone) => alone.install(run),
+            Err(_) => run(),
+        }
+    }
+
+    /// Ends the wait for the turns of checksums.
+    fn give_up(&self) {
+        self.checksums
+            .iter()
+            .for_each(|checksums| checksums.give_up());
+    }
+}
+
 /// Reads a part in its `turn` and reduces it, and what is to be said of it; `spare` goes
 /// from part to part, so that memory need not be cleared for each.
 fn reduced(
@@ -274,7 +327,7 @@ fn reduced(
     (number, part): &(u64, &Part),
     turn: Option<Turn>,
     spare: &mut Option<FrfValues>,
-) -> Result<(Result<Partial>, Vec<Finding>)> {
+) -> Reduced {
     let (frf, warnings) = data.read(part, turn, spare.take())?;
     let file = data.file(part);
     let partial = match frf.known_kind() {

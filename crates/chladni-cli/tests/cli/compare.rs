@@ -71,19 +71,23 @@ fn a_model_beside_its_truth_and_a_second_measurement() {
     );
 }
 
+/// Number of modes of the truth, each of which is paired with itself.
+fn mode_count(folder: &Folder) -> u64 {
+    let found = compared(folder, "truth.json truth.json");
+    found["pairs"].as_array().unwrap().len() as u64
+}
+
+/// Places of the modes in the band.
+fn in_band(model: &Value) -> Vec<usize> {
+    let modes = model["modes"].as_array().unwrap();
+    (0..modes.len())
+        .filter(|&n| modes[n]["in_band"] == true)
+        .collect()
+}
+
 #[test]
-fn a_spoiled_model_is_paired_all_the_same() {
+fn modes_that_are_swapped_are_paired_all_the_same() {
     let folder = Folder::with_panel();
-    let count = compared(&folder, "truth.json truth.json")["pairs"]
-        .as_array()
-        .unwrap()
-        .len();
-    let in_band = |model: &Value| -> Vec<usize> {
-        let modes = model["modes"].as_array().unwrap();
-        (0..modes.len())
-            .filter(|&n| modes[n]["in_band"] == true)
-            .collect()
-    };
     changed(&folder, "truth.json", "swapped.json", |model| {
         let places = in_band(model);
         let [one, other] = [1, 2].map(|k| model["modes"][places[k]].clone());
@@ -92,13 +96,17 @@ fn a_spoiled_model_is_paired_all_the_same() {
             model["modes"][places[2]][key] = one[key].clone();
         }
     });
-    let mut swapped = same(count as u64);
+    let mut swapped = same(mode_count(&folder));
     (swapped[1].1, swapped[2].1) = (3, 2);
     assert_eq!(
         numbers(&compared(&folder, "truth.json swapped.json")),
         swapped
     );
+}
 
+#[test]
+fn a_missing_mode_is_named_and_the_others_are_paired() {
+    let folder = Folder::with_panel();
     changed(&folder, "truth.json", "missing.json", |model| {
         let place = in_band(model)[1];
         model["modes"].as_array_mut().unwrap().remove(place);
@@ -108,8 +116,11 @@ fn a_spoiled_model_is_paired_all_the_same() {
     assert_eq!(numbers(&found)[1], (3, 2));
     let table = folder.run("compare truth.json missing.json").exits(0);
     assert!(table.stdout.contains("only in a:"), "{}", table.stdout);
+}
 
-    // every second response, from the last to the first
+#[test]
+fn every_second_response_from_the_last_to_the_first_is_enough_to_pair() {
+    let folder = Folder::with_panel();
     let of = |list: &Value| -> Value {
         list.as_array()
             .unwrap()
@@ -130,7 +141,7 @@ fn a_spoiled_model_is_paired_all_the_same() {
         }
     });
     let found = compared(&folder, "truth.json half.json");
-    assert_eq!(numbers(&found), same(count as u64));
+    assert_eq!(numbers(&found), same(mode_count(&folder)));
     assert_eq!(found["common_dofs"], 12);
     for pair in found["pairs"].as_array().unwrap() {
         assert!((pair["mac"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{pair}");

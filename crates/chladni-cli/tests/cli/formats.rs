@@ -109,8 +109,8 @@ fn signal() -> Vec<(f64, f64)> {
     (0..8192).map(|_| next()).map(|x| (x, 0.5 * x)).collect()
 }
 
-#[test]
-fn records_of_a_table_are_estimated() {
+/// A folder with `time.csv`, the records of [`signal`].
+fn with_records() -> Folder {
     let folder = Folder::new();
     let rows: Vec<String> = signal()
         .iter()
@@ -121,6 +121,12 @@ fn records_of_a_table_are_estimated() {
         "time.csv",
         format!("t [s],101:+Z [N],1:+Z [m/s]\n{}\n", rows.join("\n")),
     );
+    folder
+}
+
+#[test]
+fn records_of_a_table_are_estimated() {
+    let folder = with_records();
     for (estimator, averages) in [("h1", 94), ("h2", 94), ("hv", 94), ("lpm", 1), ("lrm", 1)] {
         let command = format!(
             "estimate time.csv -o frf.csv --estimator {estimator} --block 256 --force --json"
@@ -150,16 +156,24 @@ fn records_of_a_table_are_estimated() {
         }
         assert_eq!(lines, 127);
     }
-    // the records survive other formats, and so does what is made of them
+}
+
+#[test]
+fn records_survive_other_formats_and_so_does_what_is_made_of_them() {
+    let folder = with_records();
     folder.run("convert time.csv -o time.uff").exits(0);
     folder
         .run("estimate time.uff -o again.csv --block 256")
         .exits(0);
     folder
-        .run("estimate time.csv -o frf.csv --block 256 --force")
+        .run("estimate time.csv -o frf.csv --block 256")
         .exits(0);
     assert_eq!(folder.text("again.csv"), folder.text("frf.csv"));
-    // continuous noise without a word of windows: the local rational method
+}
+
+#[test]
+fn continuous_noise_without_a_word_of_windows_takes_the_local_rational_method() {
+    let folder = with_records();
     let result = folder
         .run("estimate time.csv -o auto.csv --json")
         .exits(0)

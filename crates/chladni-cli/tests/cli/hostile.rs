@@ -230,7 +230,11 @@ fn what_no_panel_can_have_is_refused_by_name() {
             );
         }
     }
-    // sound one by one, and too far apart together
+}
+
+#[test]
+fn modes_that_are_sound_one_by_one_and_too_far_apart_together_are_refused() {
+    let folder = Folder::new();
     let mut apart = model();
     set(&mut apart, "/modes/1/shape/re", |value| 1e12 * value);
     let judged = render(&folder, &apart, SCENE, "default");

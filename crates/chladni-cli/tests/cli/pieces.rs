@@ -191,33 +191,40 @@ fn a_killed_fit_goes_on_and_writes_the_same_bytes() {
     assert!(resumed > 0, "no kill came while it ran");
 }
 
+/// The error of a line that must be refused.
+fn error(folder: &Folder, line: &str, code: i32) -> Value {
+    let run = folder.run(&format!("{line} --json")).exits(code);
+    run.json()["error"].clone()
+}
+
 #[test]
-fn what_cannot_be_done_in_parts_is_refused_with_the_next_step() {
+fn a_fit_that_cannot_be_made_in_parts_is_refused_with_the_next_step() {
     let folder = noisy();
-    let error = |line: &str, code: i32| {
-        let run = folder.run(&format!("{line} --json")).exits(code);
-        run.json()["error"].clone()
-    };
-    let method = error(&format!("fit panel.h5 --method lscf {LITTLE}"), 2);
+    let method = error(&folder, &format!("fit panel.h5 --method lscf {LITTLE}"), 2);
     assert_eq!(
         (&method["field"], &method["found"]),
         (&"--method".into(), &"lscf".into()),
         "{method}"
     );
     folder.run("convert panel.h5 -o panel.csv").exits(0);
-    let table = error(&format!("fit panel.csv {LITTLE}"), 65);
+    let table = error(&folder, &format!("fit panel.csv {LITTLE}"), 65);
+    let said = |key: &str| table[key].as_str().unwrap();
     assert!(
-        table["message"]
-            .as_str()
-            .unwrap()
-            .contains("cannot be read in parts"),
+        said("message").contains("cannot be read in parts"),
         "{table}"
     );
-    assert!(
-        table["help"].as_str().unwrap().contains("--memory"),
-        "{table}"
-    );
+    assert!(said("help").contains("--memory"), "{table}");
+    // what another version of the program left
+    folder.write("model.json.resume", b"{\"format\":\"chladni.resume\"}\nx");
+    let line = format!("fit panel.h5 -o model.json --resume {LITTLE}");
+    let resume = error(&folder, &line, 65);
+    assert_eq!(&resume["field"], "version", "{resume}");
+}
 
+#[test]
+fn blocks_that_cannot_be_are_refused_by_name() {
+    let folder = noisy();
+    let error = |line: &str, code: i32| error(&folder, line, code);
     let many = error("block reduce panel.h5 --block 0 --blocks 25 -o a.part", 2);
     assert_eq!(
         (&many["field"], &many["found"]),
@@ -234,7 +241,13 @@ fn what_cannot_be_done_in_parts_is_refused_with_the_next_step() {
             .contains("chladni.partial"),
         "{kind}"
     );
+    assert!(!folder.names().contains(&"a.part".to_owned()));
+}
 
+#[test]
+fn passes_that_do_not_belong_together_are_refused_with_the_next_step() {
+    let folder = noisy();
+    let error = |line: &str, code: i32| error(&folder, line, code);
     folder.run("block reduce panel.h5 -o all.part").exits(0);
     let model = error("block solve all.part -o model.json", 2);
     assert!(
@@ -262,12 +275,7 @@ fn what_cannot_be_done_in_parts_is_refused_with_the_next_step() {
     assert!(folder
         .names()
         .iter()
-        .all(|name| !["a.part", "b.part", "model.json"].contains(&name.as_str())));
-
-    // what another version of the program left
-    folder.write("model.json.resume", b"{\"format\":\"chladni.resume\"}\nx");
-    let resume = error(&format!("fit panel.h5 -o model.json --resume {LITTLE}"), 65);
-    assert_eq!(&resume["field"], "version", "{resume}");
+        .all(|name| !["b.part", "model.json"].contains(&name.as_str())));
 }
 
 #[test]

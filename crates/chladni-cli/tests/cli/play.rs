@@ -191,16 +191,18 @@ fn signals_that_cannot_be_are_refused_before_anything_is_written() {
     assert!(run.stderr.contains("drive.json"), "{}", run.stderr);
 }
 
+/// A spot that moves along x as far as `x`.
+fn spot(start_s: f64, x: f64) -> String {
+    format!(
+        "[[time.move]]\nstart_s = {start_s}\npath_m = [[0.07, 0.085], [{x}, 0.085]]\n\
+         speed_m_per_s = 0.2\nhot_radius_m = 0.025\nquiet_from_m = 0.06\n"
+    )
+}
+
 #[test]
 fn tables_that_cannot_be_are_refused_by_name_and_line() {
     let folder = prepared();
     let burst = |more: &str| format!("[[time.burst]]\nduration_s = 0.1\n{more}\n");
-    let spot = |start_s: f64, x: f64| {
-        format!(
-            "[[time.move]]\nstart_s = {start_s}\npath_m = [[0.07, 0.085], [{x}, 0.085]]\n\
-             speed_m_per_s = 0.2\nhot_radius_m = 0.025\nquiet_from_m = 0.06\n"
-        )
-    };
     let negative = |key: &str| spot(0.0, 0.198).replace(key, &format!("{key} = -1 #"));
     for (name, table, named) in [
         (
@@ -248,7 +250,12 @@ fn tables_that_cannot_be_are_refused_by_name_and_line() {
         );
         assert!(said.contains("line "), "{name}: {said}");
     }
-    // the same where only the responses say how far the judged ground reaches
+    assert!(folder.names().iter().all(|name| !name.starts_with("drive")));
+}
+
+#[test]
+fn a_path_beyond_the_responses_is_refused_where_they_alone_bound_the_judged_ground() {
+    let folder = prepared();
     let zones = ZONES.replace("area_m", "#");
     folder.write(
         "scanned.toml",

@@ -4,7 +4,7 @@ use super::axis::Ruler;
 use super::clip::{clip_line, thinned};
 use super::marks::{disc, Mark};
 use super::{Cell, Disc, Layer, Place};
-use crate::drawing::{is_dark, text_width, Anchor, Colour, Drawing, Item, Point, Stroke};
+use crate::drawing::{is_dark, text_width, Anchor, Colour, Drawing, Image, Item, Point, Stroke};
 
 /// Width of a sample in the legend, px.
 pub(super) const SAMPLE: f64 = 24.0;
@@ -87,6 +87,25 @@ impl Plotted<'_> {
             .collect()
     }
 
+    /// The parts of lines that lie in the box.
+    fn cut(&self, lines: &[Vec<Place>]) -> Vec<Vec<Point>> {
+        let placed = |line: &[Place]| line.iter().map(|point| self.place(point)).collect();
+        lines
+            .iter()
+            .flat_map(|line| clip_line(&thinned(placed(line)), self.sides))
+            .collect()
+    }
+
+    /// An image from the ends of its sides, in the units of the axes.
+    fn image(&self, x: [f64; 2], y: [f64; 2], image: &Image) -> Item {
+        let (corner, lower_right) = (self.place(&[x[0], y[1]]), self.place(&[x[1], y[0]]));
+        Item::Image {
+            corner,
+            size: [lower_right[0] - corner[0], lower_right[1] - corner[1]],
+            image: image.clone(),
+        }
+    }
+
     fn stems(&self, drawing: &mut Drawing, points: &[(Place, String)], mark: Mark, colour: Colour) {
         let [_, top, _, bottom] = self.sides;
         let zero = self.y.place(0.0);
@@ -129,12 +148,7 @@ pub(super) fn draw_layer(
             name,
             lines,
             stroke,
-        } => {
-            let cut = lines
-                .iter()
-                .flat_map(|line| clip_line(&thinned(line.iter().map(place).collect()), sides));
-            push_lines(drawing, cut.collect(), *stroke, name.clone());
-        }
+        } => push_lines(drawing, plotted.cut(lines), *stroke, name.clone()),
         Layer::Marks {
             points,
             mark,
@@ -164,14 +178,7 @@ pub(super) fn draw_layer(
             casing,
             ..
         } => plotted.outline(drawing, points, *stroke, *casing),
-        Layer::Pixels { x, y, image } => {
-            let (corner, lower_right) = (place(&[x[0], y[1]]), place(&[x[1], y[0]]));
-            drawing.items.push(Item::Image {
-                corner,
-                size: [lower_right[0] - corner[0], lower_right[1] - corner[1]],
-                image: image.clone(),
-            });
-        }
+        Layer::Pixels { x, y, image } => drawing.items.push(plotted.image(*x, *y, image)),
         Layer::Cells(cells) => cells.iter().for_each(|cell| draw_cell(drawing, cell, x, y)),
         Layer::Discs(discs) => discs
             .iter()
@@ -181,19 +188,22 @@ pub(super) fn draw_layer(
             text,
             anchor,
             bold,
-        } => {
-            let [x, y] = place(at);
-            drawing.items.push(Item::Text {
-                at: [x, y + 4.0],
-                text: text.clone(),
-                size: 12.0,
-                anchor: *anchor,
-                turned: false,
-                bold: *bold,
-                colour: Colour::Ink,
-                halo: true,
-            });
-        }
+        } => drawing
+            .items
+            .push(words(place(at), text.clone(), *anchor, *bold)),
+    }
+}
+
+fn words([x, y]: Point, text: String, anchor: Anchor, bold: bool) -> Item {
+    Item::Text {
+        at: [x, y + 4.0],
+        text,
+        size: 12.0,
+        anchor,
+        turned: false,
+        bold,
+        colour: Colour::Ink,
+        halo: true,
     }
 }
 

@@ -390,21 +390,19 @@ fn draw_legend(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3
     y + 16.0
 }
 
-fn draw_colour_bar(drawing: &mut Drawing, bar: &ColourBar, sides: [f64; 4]) {
-    let [left, top, right, bottom] = sides;
-    let ends = bar.axis.ends([f64::INFINITY, f64::NEG_INFINITY]);
+/// Fills the bar: with rectangles where it has bands, else with an image.
+fn draw_colours(drawing: &mut Drawing, bar: &ColourBar, [left, top, right, bottom]: [f64; 4]) {
     let rows = if bar.bands > 0 { bar.bands } else { 128 };
-    let rgba = (0..rows).rev().flat_map(|row| {
-        let [r, g, b] = bar.map.at((row as f64 + 0.5) / rows as f64);
-        [r, g, b, 255]
-    });
+    let colours = (0..rows)
+        .rev()
+        .map(|row| bar.map.at((row as f64 + 0.5) / rows as f64));
     let step = (bottom - top) / rows as f64;
     if bar.bands > 0 {
-        for (row, pixel) in rgba.collect::<Vec<u8>>().chunks_exact(4).enumerate() {
+        for (row, colour) in colours.enumerate() {
             let y = top + row as f64 * step;
             drawing.rectangle(
                 [left, y, right, y + step + 0.3],
-                Some(Colour::Rgb([pixel[0], pixel[1], pixel[2]])),
+                Some(Colour::Rgb(colour)),
                 None,
             );
         }
@@ -412,7 +410,7 @@ fn draw_colour_bar(drawing: &mut Drawing, bar: &ColourBar, sides: [f64; 4]) {
         let image = Image {
             columns: 1,
             rows,
-            rgba: rgba.collect(),
+            rgba: colours.flat_map(|[r, g, b]| [r, g, b, 255]).collect(),
         };
         drawing.items.push(Item::Image {
             corner: [left, top],
@@ -420,6 +418,12 @@ fn draw_colour_bar(drawing: &mut Drawing, bar: &ColourBar, sides: [f64; 4]) {
             image,
         });
     }
+}
+
+fn draw_colour_bar(drawing: &mut Drawing, bar: &ColourBar, sides: [f64; 4]) {
+    let [left, top, right, bottom] = sides;
+    let ends = bar.axis.ends([f64::INFINITY, f64::NEG_INFINITY]);
+    draw_colours(drawing, bar, sides);
     let ruler = Ruler {
         ends,
         px: [bottom, top],

@@ -71,25 +71,12 @@ impl Mark {
         match self {
             Self::Dot => disc(drawing, at, half, Some(colour), None, hint),
             Self::Ring => {
+                let mut ring = |stroke| disc(drawing, at, half, None, Some(stroke), None);
                 if matches!(colour, Colour::Rgb(_)) {
                     // seen on dark and on light ground
-                    disc(
-                        drawing,
-                        at,
-                        half,
-                        None,
-                        Some(Stroke::new(Colour::Rgb([60, 64, 70]), 3.0)),
-                        None,
-                    );
+                    ring(Stroke::new(Colour::Rgb([60, 64, 70]), 3.0));
                 }
-                disc(
-                    drawing,
-                    at,
-                    half,
-                    None,
-                    Some(Stroke::new(colour, 1.4)),
-                    None,
-                );
+                ring(Stroke::new(colour, 1.4));
             }
             Self::Cross => strokes(
                 drawing,

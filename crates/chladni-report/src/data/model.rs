@@ -48,19 +48,6 @@ fn mode(mode: &Mode) -> Value {
 /// Facts on the model and on how well it explains its data: pairs of a word and what
 /// belongs to it.
 fn facts(model: &ModalModel) -> Vec<[String; 2]> {
-    let (sure, weak) = (count(model, Trust::Sure), count(model, Trust::Weak));
-    let outside = model
-        .modes
-        .iter()
-        .filter(|mode| !mode.in_band && mode.trust != Trust::Rejected)
-        .count();
-    let mut modes = counted(sure + weak, "mode");
-    if weak > 0 {
-        modes += &format!(" ({sure} sure, {weak} weak)");
-    }
-    if outside > 0 {
-        modes += &format!(", and {} outside the band", counted(outside, "pole"));
-    }
     let damping = match model.damping {
         Damping::Structural => "structural (hysteretic): loss factor η",
         Damping::Viscous => "viscous: η = 2ζ",
@@ -99,7 +86,7 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
             ),
         ),
         ("Method", format!("{}{path}", model.method)),
-        ("Found", modes),
+        ("Found", modes_found(model)),
         ("Damping", damping.into()),
         ("Scaling", scaling.into()),
         (
@@ -116,6 +103,24 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
     }
     let named = |(word, text): (&str, String)| [word.to_owned(), text];
     rows.into_iter().map(named).collect()
+}
+
+/// How many modes there are in the band, and poles outside.
+fn modes_found(model: &ModalModel) -> String {
+    let (sure, weak) = (count(model, Trust::Sure), count(model, Trust::Weak));
+    let outside = model
+        .modes
+        .iter()
+        .filter(|mode| !mode.in_band && mode.trust != Trust::Rejected)
+        .count();
+    let mut modes = counted(sure + weak, "mode");
+    if weak > 0 {
+        modes += &format!(" ({sure} sure, {weak} weak)");
+    }
+    if outside > 0 {
+        modes += &format!(", and {} outside the band", counted(outside, "pole"));
+    }
+    modes
 }
 
 /// The files in words: of many the first ones, without their hashes, which the model file

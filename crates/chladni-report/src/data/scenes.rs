@@ -187,15 +187,8 @@ fn facts(weights: &Weights) -> Vec<[String; 2]> {
         ));
     }
     if !weights.source.is_empty() {
-        rows.push((
-            "Made from",
-            weights
-                .source
-                .iter()
-                .map(|source| source.file.as_str())
-                .collect::<Vec<_>>()
-                .join(", "),
-        ));
+        let files = weights.source.iter().map(|source| source.file.as_str());
+        rows.push(("Made from", files.collect::<Vec<_>>().join(", ")));
     }
     rows.into_iter()
         .map(|(word, text)| [word.to_owned(), text])

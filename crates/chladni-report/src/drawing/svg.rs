@@ -59,20 +59,13 @@ fn write_item(out: &mut String, item: &Item) {
                 .map(|name| format!(" data-name=\"{}\"", escape(name)))
                 .unwrap_or_default();
             let paint = paint(*fill, *stroke);
-            let rule = if fill.is_some() && lines.len() > 1 {
-                " fill-rule=\"evenodd\""
-            } else {
-                ""
+            let rule = match fill.is_some() && lines.len() > 1 {
+                true => " fill-rule=\"evenodd\"",
+                false => "",
             };
-            element(
-                out,
-                &format!(
-                    "path{named}{paint}{rule} d=\"{}\"",
-                    path_data(lines, *closed)
-                ),
-                "path",
-                hint.as_deref(),
-            );
+            let data = path_data(lines, *closed);
+            let attributes = format!("{named}{paint}{rule} d=\"{data}\"");
+            element(out, "path", &attributes, hint.as_deref());
         }
         Item::Disc {
             centre,
@@ -82,18 +75,9 @@ fn write_item(out: &mut String, item: &Item) {
             hint,
         } => {
             let paint = paint(*fill, *stroke);
-            let place = format!(
-                "cx=\"{}\" cy=\"{}\" r=\"{}\"",
-                number(centre[0]),
-                number(centre[1]),
-                number(*radius)
-            );
-            element(
-                out,
-                &format!("circle{paint} {place}"),
-                "circle",
-                hint.as_deref(),
-            );
+            let ([x, y], radius) = (centre.map(number), number(*radius));
+            let attributes = format!("{paint} cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"");
+            element(out, "circle", &attributes, hint.as_deref());
         }
         Item::Text { .. } => write_text(out, item),
         Item::Image {
@@ -116,13 +100,16 @@ fn write_item(out: &mut String, item: &Item) {
     }
 }
 
-fn element(out: &mut String, start: &str, tag: &str, hint: Option<&str>) {
+fn element(out: &mut String, tag: &str, attributes: &str, hint: Option<&str>) {
     match hint {
         Some(hint) => push(
             out,
-            format_args!("<{start}><title>{}</title></{tag}>\n", escape(hint)),
+            format_args!(
+                "<{tag}{attributes}><title>{}</title></{tag}>\n",
+                escape(hint)
+            ),
         ),
-        None => push(out, format_args!("<{start}/>\n")),
+        None => push(out, format_args!("<{tag}{attributes}/>\n")),
     }
 }
 

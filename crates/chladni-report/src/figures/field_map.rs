@@ -36,32 +36,13 @@ pub fn field_map(
         Stroke::new(BLACK, 1.6).dashed(Dash::Dashed),
     );
     chart = match shown.area {
-        Some(area) => with_levels(
-            chart,
-            shown,
-            &Surface::of_area(area),
-            limen_db,
-            [felt, quiet],
-        ),
+        Some(area) => {
+            let surface = Surface::of_area(area);
+            with_levels(chart, shown, &surface, limen_db, [felt, quiet])
+        }
         None => with_discs(chart, shown),
     };
-    let frame = Stroke::new(Colour::Muted, 1.2).dashed(Dash::Dotted);
-    chart = chart.with(Layer::Outline {
-        name: named("judged area"),
-        points: corners_mm(shown.zones.area()),
-        stroke: frame,
-        casing: false,
-    });
-    for (k, outline) in shown.zones.hot_outlines().iter().enumerate() {
-        let points: Vec<Place> = outline.iter().map(|&place| mm(place)).collect();
-        let name = if k == 0 { named("hot zone") } else { None };
-        chart = chart.with(Layer::Outline {
-            name,
-            points,
-            stroke: Stroke::new(Colour::Rgb([200, 30, 30]), 2.4),
-            casing: true,
-        });
-    }
+    chart = with_outlines(chart, shown);
     chart = with_responses(chart, shown);
     for outline in shown.zones.hot_outlines() {
         if let Some(at) = centre_of(shown, outline) {
@@ -94,6 +75,27 @@ pub fn field_map(
         width: sizes::MAP_PX,
         charts: vec![chart],
     })
+}
+
+/// The judged area and the hot zones.
+fn with_outlines(chart: Chart, shown: &ShownField) -> Chart {
+    let mut chart = chart.with(Layer::Outline {
+        name: named("judged area"),
+        points: corners_mm(shown.zones.area()),
+        stroke: Stroke::new(Colour::Muted, 1.2).dashed(Dash::Dotted),
+        casing: false,
+    });
+    for (k, outline) in shown.zones.hot_outlines().iter().enumerate() {
+        let points: Vec<Place> = outline.iter().map(|&place| mm(place)).collect();
+        let name = if k == 0 { named("hot zone") } else { None };
+        chart = chart.with(Layer::Outline {
+            name,
+            points,
+            stroke: Stroke::new(Colour::Rgb([200, 30, 30]), 2.4),
+            casing: true,
+        });
+    }
+    chart
 }
 
 fn with_levels(

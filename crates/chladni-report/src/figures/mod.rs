@@ -31,7 +31,7 @@ pub use weights_around_edge::weights_around_edge;
 use crate::chart::Figure;
 use crate::comparison::Comparison;
 use crate::data::stabilization_options;
-use crate::input::ReportInput;
+use crate::input::{RenderedScene, ReportInput};
 use chladni_frf::{ModalModel, Result};
 
 /// All figures, from the FRFs to the scenes.
@@ -69,29 +69,7 @@ pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
         figures.extend(complexity::complexity(model));
     }
     for (k, scene) in input.scenes.iter().enumerate() {
-        let (weights, number) = (scene.weights, k + 1);
-        figures.extend(
-            scene
-                .shown
-                .as_ref()
-                .and_then(|shown| zones::zones(shown, input.model, number)),
-        );
-        figures.extend(scene.shown.as_ref().and_then(|shown| {
-            field_map::field_map(shown, input.model, weights.frequency_hz, number)
-        }));
-        figures.extend(
-            input
-                .model
-                .and_then(|model| weights_around_edge::weights_around_edge(weights, model, number)),
-        );
-        figures.push(weights_around_edge::weights_by_actuator(weights, number));
-        figures.extend(scene.time.map(|played| {
-            let title = format!("{}: {}", weights.scene, played.indices.sentence());
-            time::time(&format!("time-{number}"), &title, played)
-        }));
-        figures.extend(sweep::sweep(weights, number));
-        figures.extend(curves::curves(scene, number));
-        figures.extend(stress::stress(weights, number));
+        figures.extend(of_scene(scene, input.model, k + 1));
     }
     figures.extend(
         input
@@ -101,6 +79,23 @@ pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
             .filter_map(|(k, table)| speed::speed(table, k + 1)),
     );
     Ok(figures)
+}
+
+fn of_scene(scene: &RenderedScene, model: Option<&ModalModel>, number: usize) -> Vec<Figure> {
+    let (weights, shown) = (scene.weights, scene.shown.as_ref());
+    let mut figures = Vec::new();
+    figures.extend(shown.and_then(|shown| zones::zones(shown, model, number)));
+    figures.extend(shown.and_then(|shown| field_map(shown, model, weights.frequency_hz, number)));
+    figures.extend(model.and_then(|model| weights_around_edge(weights, model, number)));
+    figures.push(weights_around_edge::weights_by_actuator(weights, number));
+    figures.extend(scene.time.map(|played| {
+        let title = format!("{}: {}", weights.scene, played.indices.sentence());
+        time(&format!("time-{number}"), &title, played)
+    }));
+    figures.extend(sweep::sweep(weights, number));
+    figures.extend(curves::curves(scene, number));
+    figures.extend(stress::stress(weights, number));
+    figures
 }
 
 /// 20 log10 of an amplitude; NaN for zero, so that curves break there.

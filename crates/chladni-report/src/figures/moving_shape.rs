@@ -140,23 +140,12 @@ impl View {
         phase: f64,
     ) -> Vec<u8> {
         let turn = Complex64::from_polar(1.0, phase);
-        let now = |k: usize| motion[k].map(|parts| parts.map(|part| (part * turn).re));
-        let moved: Vec<Option<(Vector, u8)>> = (0..motion.len())
-            .map(|k| {
-                let by = now(k)?;
-                let at = [0, 1, 2].map(|n| structure.places_m[k][n] + self.lift_m * by[n]);
-                let largest =
-                    by.iter().fold(
-                        0.0,
-                        |most: f64, part| {
-                            if part.abs() > most.abs() {
-                                *part
-                            } else {
-                                most
-                            }
-                        },
-                    );
-                Some((self.place(at), level(largest)))
+        let moved: Vec<Option<(Vector, u8)>> = motion
+            .iter()
+            .zip(&structure.places_m)
+            .map(|(parts, place_m)| {
+                let by = (*parts)?.map(|part| (part * turn).re);
+                Some(self.moved(place_m, by))
             })
             .collect();
         let rest: Vec<Vector> = structure
@@ -168,25 +157,7 @@ impl View {
         for outline in structure.faces.iter().chain(&structure.lines) {
             canvas.path(outline.iter().map(|&k| rest[k]), REST);
         }
-        let mut faces: Vec<(f64, Vec<Vector>, u8)> = structure
-            .faces
-            .iter()
-            .filter_map(|face| {
-                let corners: Vec<(Vector, u8)> =
-                    face.iter().map(|&k| moved[k]).collect::<Option<_>>()?;
-                let count = corners.len() as f64;
-                let depth = corners.iter().map(|(at, _)| at[2]).sum::<f64>() / count;
-                let mean = corners
-                    .iter()
-                    .map(|(_, code)| f64::from(*code))
-                    .sum::<f64>()
-                    / count;
-                let outline = corners.into_iter().map(|(at, _)| at).collect();
-                Some((depth, outline, mean.round() as u8))
-            })
-            .collect();
-        faces.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (_, outline, code) in &faces {
+        for (_, outline, code) in &moved_faces(structure, &moved) {
             canvas.fill(outline, *code);
             let closed = outline.iter().chain(outline.first()).copied();
             canvas.path(closed, INK);
@@ -206,6 +177,45 @@ impl View {
         }
         canvas.0
     }
+
+    /// Pixel coordinates and colour of a place that has moved `by` so much.
+    fn moved(&self, place_m: &Vector, by: Vector) -> (Vector, u8) {
+        let at = [0, 1, 2].map(|n| place_m[n] + self.lift_m * by[n]);
+        let further = |most: f64, part: &f64| {
+            if part.abs() > most.abs() {
+                *part
+            } else {
+                most
+            }
+        };
+        (self.place(at), level(by.iter().fold(0.0, further)))
+    }
+}
+
+/// The faces whose corners all move, furthest first: depth, corners, mean colour.
+fn moved_faces(
+    structure: &Structure,
+    moved: &[Option<(Vector, u8)>],
+) -> Vec<(f64, Vec<Vector>, u8)> {
+    let mut faces: Vec<(f64, Vec<Vector>, u8)> = structure
+        .faces
+        .iter()
+        .filter_map(|face| {
+            let corners: Vec<(Vector, u8)> =
+                face.iter().map(|&k| moved[k]).collect::<Option<_>>()?;
+            let count = corners.len() as f64;
+            let depth = corners.iter().map(|(at, _)| at[2]).sum::<f64>() / count;
+            let mean = corners
+                .iter()
+                .map(|(_, code)| f64::from(*code))
+                .sum::<f64>()
+                / count;
+            let outline = corners.into_iter().map(|(at, _)| at).collect();
+            Some((depth, outline, mean.round() as u8))
+        })
+        .collect();
+    faces.sort_by(|a, b| b.0.total_cmp(&a.0));
+    faces
 }
 
 /// The colour of a motion between −1 and 1.
