@@ -7,7 +7,7 @@ use chladni_console::output::{Output, WEIGHTS};
 use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result, Source};
-use chladni_io::{read_field, read_model, sha256_of, write_atomically};
+use chladni_io::{is_same_place, read_field, read_model, sha256_of, write_atomically};
 use chladni_render::{calibrate, Calibration, Correction, RenderOptions, Scene, Weights};
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
@@ -119,7 +119,8 @@ fn check(args: &Args) -> Result<()> {
                 .expected("one --field for each --weights, in the same order"),
         );
     }
-    if args.calibration.is_some() && args.calibration == args.output {
+    let outputs = args.calibration.as_deref().zip(args.output.as_deref());
+    if outputs.is_some_and(|(one, other)| is_same_place(one, other)) {
         return Err(
             Error::new(ErrorKind::Usage, "two outputs would be one file")
                 .field("--calibration")

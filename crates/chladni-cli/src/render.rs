@@ -11,7 +11,7 @@ use chladni_console::table::significant;
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
-use chladni_io::{read_model, write_atomically};
+use chladni_io::{is_same_place, read_model, write_atomically};
 use chladni_render::{
     play, render_with_others, signal_csv, stress, sweep, Count, FrequencySweep, MethodChoice,
     PlayOptions, RenderOptions, Rendering, Scene, SignalOptions, StressOptions, Weights,
@@ -203,7 +203,8 @@ impl Args {
             .map(|path| SignalFiles::new(path, SIGNAL_OR_TABLE, inputs, console))
             .transpose()?;
         let sidecar = signals.as_ref().and_then(SignalFiles::sidecar);
-        if sidecar.is_some() && sidecar == self.output.as_deref() {
+        let outputs = sidecar.zip(self.output.as_deref());
+        if outputs.is_some_and(|(one, other)| is_same_place(one, other)) {
             return Err(
                 Error::new(ErrorKind::Usage, "two outputs would be one file")
                     .field("--wav")

@@ -311,12 +311,15 @@ fn bad_calibrations_are_refused_by_name() {
             .exits(65);
         assert!(run.stderr.contains(words), "{actuators}: {}", run.stderr);
     }
-    let run = folder
-        .run(
-            "correct model.json scene.toml --weights w0.json --field field.csv -o one.json \
-             --calibration one.json",
-        )
-        .exits(2);
-    assert!(run.stderr.contains("two outputs"), "{}", run.stderr);
+    for line in [
+        "correct model.json scene.toml --weights w0.json --field field.csv -o one.json \
+         --calibration one.json",
+        "correct model.json scene.toml --weights w0.json --field field.csv -o one.json \
+         --calibration ./one.json",
+        "render model.json scene.toml -o one.json --wav ./one.wav",
+    ] {
+        let run = folder.run(line).exits(2);
+        assert!(run.stderr.contains("two outputs"), "{line}: {}", run.stderr);
+    }
     assert!(!folder.names().contains(&"no.json".to_owned()));
 }

@@ -17,7 +17,7 @@ fn chart_files_are_sound_and_have_their_own_names() {
         files.collect::<Vec<_>>()
     };
     let (pngs, svgs, gifs) = (of(".png"), of(".svg"), of(".gif"));
-    assert_eq!((pngs.len(), svgs.len(), gifs.len()), (25, 25, 3));
+    assert_eq!((pngs.len(), svgs.len(), gifs.len()), (25, 25, 4));
     for (name, bytes) in gifs {
         assert!(
             bytes.starts_with(b"GIF89a") && bytes.ends_with(b"\x3b"),
