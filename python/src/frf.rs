@@ -1,16 +1,12 @@
 //! FRF sets: read, simulated, or made of NumPy arrays.
 
+use crate::arrays::{dofs, kind_of, nodes_of, unit, values_of};
 use crate::error::{raised, wrong_word};
 use crate::findings::{findings_json, sentences};
-use chladni_frf::{
-    Direction, Dof, Error, ErrorKind, Finding, FrfKind, FrfValues, Geometry, Node, ReferenceUnit,
-};
+use chladni_frf::{Finding, FrfKind, FrfValues, Geometry};
 use chladni_io::{read_frf, write_frf, DeclaredDofs, DeclaredRow, ReadOptions};
-use ndarray::Array3;
-use num_complex::{Complex32, Complex64};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyReadonlyArray3,
 };
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -43,44 +39,6 @@ pub struct FrfSet {
     pub findings: Vec<Finding>,
 }
 
-/// DOFs by name, or nodes from `first` on along +Z.
-pub fn dofs(
-    py: Python<'_>,
-    field: &str,
-    names: Option<Vec<String>>,
-    first: u64,
-    count: usize,
-) -> PyResult<Vec<Dof>> {
-    match names {
-        None => Ok((first..first + count as u64)
-            .map(|node| Dof::new(node, Direction::PLUS_Z))
-            .collect()),
-        Some(names) => names
-            .iter()
-            .map(|name| {
-                name.parse()
-                    .map_err(|message: <Dof as std::str::FromStr>::Err| {
-                        wrong_word(py, field, name, &message.to_string())
-                    })
-            })
-            .collect(),
-    }
-}
-
-/// Unit of the references by its name.
-pub fn unit(py: Python<'_>, text: &str) -> PyResult<ReferenceUnit> {
-    match text {
-        "N" => Ok(ReferenceUnit::Newton),
-        "V" => Ok(ReferenceUnit::Volt),
-        _ => Err(wrong_word(
-            py,
-            "reference_unit",
-            text,
-            "no unit of a reference; write N or V",
-        )),
-    }
-}
-
 #[pymethods]
 impl FrfSet {
     #[new]
@@ -96,56 +54,15 @@ impl FrfSet {
         reference_unit: &str,
         nodes_m: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
-        let values = match values.extract::<PyReadonlyArray3<'_, Complex32>>() {
-            Ok(values) => FrfValues::F32(standard(values.as_array().to_owned())),
-            Err(_) => {
-                let values: PyReadonlyArray3<'_, Complex64> = values.extract().map_err(|_| {
-                    let error =
-                        Error::new(ErrorKind::Usage, "values are no FRF array").field("values");
-                    raised(
-                        py,
-                        &error.expected(
-                            "complex128 or complex64, three axes: response, reference, line",
-                        ),
-                    )
-                })?;
-                FrfValues::F64(standard(values.as_array().to_owned()))
-            }
-        };
+        let values = values_of(py, values)?;
         let (rows, columns, _) = values.dim();
-        let node = |(n, row): (usize, ndarray::ArrayView1<f64>)| Node {
-            label: n as u64 + 1,
-            xyz_m: [row[0], row[1], row[2]],
-        };
-        let nodes = match &nodes_m {
-            Some(places) if places.as_array().ncols() == 3 => places
-                .as_array()
-                .rows()
-                .into_iter()
-                .enumerate()
-                .map(node)
-                .collect(),
-            Some(places) => {
-                let error = Error::new(ErrorKind::Usage, "positions have three coordinates")
-                    .field("nodes_m");
-                return Err(raised(
-                    py,
-                    &error
-                        .found(format!("{} columns", places.as_array().ncols()))
-                        .expected("x, y, z in m"),
-                ));
-            }
-            None => Vec::new(),
-        };
+        let nodes = nodes_of(py, nodes_m)?;
         let set = chladni_frf::FrfSet {
             frequency_hz: frequency_hz.as_array().to_owned(),
             values,
             responses: dofs(py, "responses", responses, 1, rows)?,
             references: dofs(py, "references", references, rows as u64 + 1, columns)?,
-            kind: Some(
-                kind.parse::<FrfKind>()
-                    .map_err(|message| wrong_word(py, "kind", kind, &message.to_string()))?,
-            ),
+            kind: Some(kind_of(py, kind)?),
             reference_unit: unit(py, reference_unit)?,
             coherence: None,
             variance: None,
@@ -266,14 +183,6 @@ impl FrfSet {
             "FrfSet({responses} responses, {references} references, {lines} lines, {})",
             self.kind().unwrap_or("kind unknown")
         )
-    }
-}
-
-fn standard<T: Clone>(values: Array3<T>) -> Array3<T> {
-    if values.is_standard_layout() {
-        values
-    } else {
-        values.as_standard_layout().into_owned()
     }
 }
 

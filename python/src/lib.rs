@@ -6,6 +6,7 @@
 //! other data. [`pieces`] is the same fit for data larger than memory and for many
 //! machines. Long work runs without the interpreter's lock.
 
+mod arrays;
 mod error;
 mod findings;
 mod fit;

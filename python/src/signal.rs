@@ -1,13 +1,14 @@
 //! FRFs of time records, and what is read off FRFs before a fit.
 
+use crate::arrays::{dofs, kind_of, unit};
 use crate::error::{raised, unfitted, wrong_word};
-use crate::frf::{dofs, unit, FrfSet};
+use crate::frf::FrfSet;
 use chladni_frf::{
-    BlockWindow, Channel, Error, ErrorKind, Estimator, FrfKind, ReferenceUnit, Run, SignalUnit,
+    BlockWindow, Channel, Dof, Error, ErrorKind, Estimator, FrfKind, ReferenceUnit, Run, SignalUnit,
 };
 use chladni_rfp::{FitOptions, Stability};
 use chladni_signal::EstimateOptions;
-use ndarray::{Array1, ArrayView2};
+use ndarray::{Array1, ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -29,24 +30,8 @@ pub fn estimate(
     block: Option<usize>,
     overlap: Option<f64>,
 ) -> PyResult<FrfSet> {
-    let motion = match kind
-        .parse::<FrfKind>()
-        .map_err(|message| wrong_word(py, "kind", kind, &message.to_string()))?
-    {
-        FrfKind::Receptance => SignalUnit::Displacement,
-        FrfKind::Mobility => SignalUnit::Velocity,
-        FrfKind::Accelerance => SignalUnit::Acceleration,
-    };
-    let drive = match unit(py, reference_unit)? {
-        ReferenceUnit::Newton => SignalUnit::Force,
-        ReferenceUnit::Volt => SignalUnit::Volt,
-    };
-    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
-        let error = Error::new(ErrorKind::Usage, "no sampling rate")
-            .field("sample_rate_hz")
-            .found(sample_rate_hz);
-        return Err(raised(py, &error.expected("samples per second, above 0")));
-    }
+    let [drive, motion] = units_of(py, reference_unit, kind)?;
+    check_rate(py, sample_rate_hz)?;
     let rows = |arrays: &[PyReadonlyArray2<'_, f64>]| {
         arrays.first().map_or(0, |array| array.as_array().nrows())
     };
@@ -57,46 +42,23 @@ pub fn estimate(
     if references.len() != responses.len() {
         return Err(uneven(py, "runs", responses.len(), references.len()));
     }
+    let driven = Side {
+        dofs: reference_dofs,
+        unit: drive,
+        is_reference: true,
+    };
+    let measured = Side {
+        dofs: response_dofs,
+        unit: motion,
+        is_reference: false,
+    };
     let mut runs = Vec::new();
     for (references, responses) in references.iter().zip(&responses) {
-        let (references, responses) = (references.as_array(), responses.as_array());
-        if references.nrows() != reference_dofs.len() {
-            return Err(uneven(
-                py,
-                "references",
-                references.nrows(),
-                reference_dofs.len(),
-            ));
-        }
-        if responses.nrows() != response_dofs.len() {
-            return Err(uneven(
-                py,
-                "responses",
-                responses.nrows(),
-                response_dofs.len(),
-            ));
-        }
-        if references.ncols() != responses.ncols() {
-            return Err(uneven(py, "samples", responses.ncols(), references.ncols()));
-        }
-        let channels = |signals: ArrayView2<'_, f64>, dofs: &[chladni_frf::Dof], unit, driven| {
-            dofs.iter()
-                .zip(signals.rows())
-                .map(|(&dof, samples)| Channel {
-                    dof,
-                    unit,
-                    is_reference: driven,
-                    samples: samples.to_vec(),
-                })
-                .collect::<Vec<_>>()
-        };
-        let mut all = channels(references, &reference_dofs, drive, true);
-        all.extend(channels(responses, &response_dofs, motion, false));
         runs.push(Run {
             file: "record".into(),
             line: 0,
             sample_rate_hz,
-            channels: all,
+            channels: channels(py, [references, responses], [&driven, &measured])?,
         });
     }
     let options = EstimateOptions {
@@ -112,6 +74,72 @@ pub fn estimate(
         set: estimated.frf,
         findings: estimated.findings,
     })
+}
+
+/// What references and responses measure.
+fn units_of(py: Python<'_>, reference_unit: &str, kind: &str) -> PyResult<[SignalUnit; 2]> {
+    let motion = match kind_of(py, kind)? {
+        FrfKind::Receptance => SignalUnit::Displacement,
+        FrfKind::Mobility => SignalUnit::Velocity,
+        FrfKind::Accelerance => SignalUnit::Acceleration,
+    };
+    let drive = match unit(py, reference_unit)? {
+        ReferenceUnit::Newton => SignalUnit::Force,
+        ReferenceUnit::Volt => SignalUnit::Volt,
+    };
+    Ok([drive, motion])
+}
+
+fn check_rate(py: Python<'_>, sample_rate_hz: f64) -> PyResult<()> {
+    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
+        let error = Error::new(ErrorKind::Usage, "no sampling rate")
+            .field("sample_rate_hz")
+            .found(sample_rate_hz);
+        return Err(raised(py, &error.expected("samples per second, above 0")));
+    }
+    Ok(())
+}
+
+/// What the channels of references, or of responses, have in common.
+struct Side {
+    dofs: Vec<Dof>,
+    unit: SignalUnit,
+    is_reference: bool,
+}
+
+impl Side {
+    fn channels(&self, signals: ArrayView2<'_, f64>) -> Vec<Channel> {
+        let channel = |(&dof, samples): (&Dof, ArrayView1<'_, f64>)| Channel {
+            dof,
+            unit: self.unit,
+            is_reference: self.is_reference,
+            samples: samples.to_vec(),
+        };
+        self.dofs.iter().zip(signals.rows()).map(channel).collect()
+    }
+}
+
+/// The channels of one run: references, then responses.
+fn channels(
+    py: Python<'_>,
+    signals: [&PyReadonlyArray2<'_, f64>; 2],
+    [driven, measured]: [&Side; 2],
+) -> PyResult<Vec<Channel>> {
+    let [references, responses] = signals.map(|signals| signals.as_array());
+    let (drives, dofs) = (references.nrows(), driven.dofs.len());
+    if drives != dofs {
+        return Err(uneven(py, "references", drives, dofs));
+    }
+    let (motions, dofs) = (responses.nrows(), measured.dofs.len());
+    if motions != dofs {
+        return Err(uneven(py, "responses", motions, dofs));
+    }
+    if references.ncols() != responses.ncols() {
+        return Err(uneven(py, "samples", responses.ncols(), references.ncols()));
+    }
+    let mut all = driven.channels(references);
+    all.extend(measured.channels(responses));
+    Ok(all)
 }
 
 fn uneven(py: Python<'_>, what: &str, found: usize, expected: usize) -> PyErr {

@@ -131,9 +131,8 @@ fn error_of(answer: &clap::Error, program: &Command) -> Error {
     if let Some(error) = reason.filter(|error: &&Error| error.file.is_some()) {
         return error.clone();
     }
-    let context = |kind| answer.get(kind).map(words).filter(|text| !text.is_empty());
+    let context = |kind| context(answer, kind);
     let argument = context(ContextKind::InvalidArg);
-    let value = context(ContextKind::InvalidValue);
     let error = Error::new(ErrorKind::Usage, message(answer));
     let error = match answer.kind() {
         ClapKind::UnknownArgument => error.found(argument.unwrap_or_default()).expected(
@@ -161,27 +160,7 @@ fn error_of(answer: &clap::Error, program: &Command) -> Error {
                 Some(prior) => format!("either this or {prior}"),
                 None => "it once".into(),
             }),
-        _ => {
-            let (name, placeholder) = argument.as_deref().map_or((None, None), split_argument);
-            let error = match name {
-                Some(name) => error.field(name),
-                None => error,
-            };
-            let error = match value {
-                Some(value) => error.found(value),
-                None => error.found("nothing"),
-            };
-            match context(ContextKind::ValidValue) {
-                Some(valid) => error.expected(match context(ContextKind::SuggestedValue) {
-                    Some(near) => format!("{near}, or another of {valid}"),
-                    None => format!("one of {valid}"),
-                }),
-                None => match placeholder {
-                    Some(placeholder) => error.expected(in_words(&placeholder)),
-                    None => error,
-                },
-            }
-        }
+        _ => with_value(error, answer),
     };
     // for an unknown option clap would show the usage of its guess
     let usage = context(ContextKind::Usage)
@@ -191,6 +170,35 @@ fn error_of(answer: &clap::Error, program: &Command) -> Error {
         Some(usage) => format!("usage: {usage}; see `{} --help`", called(program)),
         None => format!("see `{} --help`", called(program)),
     })
+}
+
+/// What clap says of one side of the matter.
+fn context(answer: &clap::Error, kind: ContextKind) -> Option<String> {
+    answer.get(kind).map(words).filter(|text| !text.is_empty())
+}
+
+/// Adds the argument, its value and what the value should be.
+fn with_value(error: Error, answer: &clap::Error) -> Error {
+    let argument = context(answer, ContextKind::InvalidArg);
+    let (name, placeholder) = argument.as_deref().map_or((None, None), split_argument);
+    let error = match name {
+        Some(name) => error.field(name),
+        None => error,
+    };
+    let error = match context(answer, ContextKind::InvalidValue) {
+        Some(value) => error.found(value),
+        None => error.found("nothing"),
+    };
+    match context(answer, ContextKind::ValidValue) {
+        Some(valid) => error.expected(match context(answer, ContextKind::SuggestedValue) {
+            Some(near) => format!("{near}, or another of {valid}"),
+            None => format!("one of {valid}"),
+        }),
+        None => match placeholder {
+            Some(placeholder) => error.expected(in_words(&placeholder)),
+            None => error,
+        },
+    }
 }
 
 /// The program and the command among the arguments, as they are called.

@@ -161,22 +161,25 @@ fn faults_of(lines: &[(f64, Complex64)], kind: FrfKind) -> Vec<Fault> {
     if towards(-Complex64::ONE) {
         faults.push(Fault::Reversed);
     }
+    faults.extend(implausible_mass(lines, &y));
+    faults
+}
+
+/// The fault of an apparent mass that no structure has, by the median over the lines of
+/// the mobility `y`.
+fn implausible_mass(lines: &[(f64, Complex64)], y: &[Complex64]) -> Option<Fault> {
     let mut masses: Vec<f64> = lines
         .iter()
-        .zip(&y)
+        .zip(y)
         .map(|(line, y)| (line.0 * y.norm()).recip())
         .filter(|mass| mass.is_finite())
         .collect();
     masses.sort_by(f64::total_cmp);
-    if let Some(&median) = masses
-        .get(masses.len() / 2)
-        .filter(|mass| !(PLAUSIBLE_KG[0]..PLAUSIBLE_KG[1]).contains(*mass))
-    {
-        faults.push(Fault::Unit {
-            too_light: median < PLAUSIBLE_KG[0],
-        });
-    }
-    faults
+    let &median = masses.get(masses.len() / 2)?;
+    let is_plausible = (PLAUSIBLE_KG[0]..PLAUSIBLE_KG[1]).contains(&median);
+    (!is_plausible).then_some(Fault::Unit {
+        too_light: median < PLAUSIBLE_KG[0],
+    })
 }
 
 #[cfg(test)]

@@ -96,6 +96,38 @@ impl FrfSet {
     /// # Errors
     /// [`crate::ErrorKind::BadData`] naming the field.
     pub fn checked(self) -> Result<Self> {
+        self.check_sizes()?;
+        if let Some(negative) = self
+            .variance
+            .iter()
+            .flatten()
+            .find(|&&variance| variance < 0.0 || variance.is_infinite())
+        {
+            return Err(
+                Error::bad_data("a variance must be finite and not negative")
+                    .field("variance")
+                    .found(negative)
+                    .expected("E|δH|², or NaN where it is not known")
+                    .help("correct it in the program that wrote the file"),
+            );
+        }
+        self.check_axis()?;
+        for (field, dofs) in [
+            ("responses", &self.responses),
+            ("references", &self.references),
+        ] {
+            let mut seen = std::collections::HashSet::new();
+            if let Some(twice) = dofs.iter().find(|dof| !seen.insert(**dof)) {
+                return Err(Error::bad_data("a DOF occurs twice")
+                    .field(field)
+                    .found(twice)
+                    .expected("every DOF once"));
+            }
+        }
+        Ok(self)
+    }
+
+    fn check_sizes(&self) -> Result<()> {
         let (responses, references, lines) = self.values.dim();
         for (field, found, expected) in [
             ("responses", self.responses.len(), responses),
@@ -121,20 +153,10 @@ impl FrfSet {
                     .expected(format!("{:?}", self.values.dim())));
             }
         }
-        if let Some(negative) = self
-            .variance
-            .iter()
-            .flatten()
-            .find(|&&variance| variance < 0.0 || variance.is_infinite())
-        {
-            return Err(
-                Error::bad_data("a variance must be finite and not negative")
-                    .field("variance")
-                    .found(negative)
-                    .expected("E|δH|², or NaN where it is not known")
-                    .help("correct it in the program that wrote the file"),
-            );
-        }
+        Ok(())
+    }
+
+    fn check_axis(&self) -> Result<()> {
         for (k, &f) in self.frequency_hz.iter().enumerate() {
             if !f.is_finite() || f < 0.0 || (k > 0 && f <= self.frequency_hz[k - 1]) {
                 return Err(Error::bad_data(
@@ -150,19 +172,7 @@ impl FrfSet {
                 .help("correct the axis in the program that wrote the file"));
             }
         }
-        for (field, dofs) in [
-            ("responses", &self.responses),
-            ("references", &self.references),
-        ] {
-            let mut seen = std::collections::HashSet::new();
-            if let Some(twice) = dofs.iter().find(|dof| !seen.insert(**dof)) {
-                return Err(Error::bad_data("a DOF occurs twice")
-                    .field(field)
-                    .found(twice)
-                    .expected("every DOF once"));
-            }
-        }
-        Ok(self)
+        Ok(())
     }
 
     /// Number of FRFs (pairs), measured or not.

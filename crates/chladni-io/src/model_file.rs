@@ -170,6 +170,12 @@ fn check(model: &ModalModel) -> Result<()> {
     for (k, mode) in model.modes.iter().enumerate() {
         check_mode(model, k, mode)?;
     }
+    check_residual_terms(model)?;
+    finite("quality.relative_error", [model.quality.relative_error])?;
+    finite("quality.chi2_per_dof", [model.quality.chi2_per_dof])
+}
+
+fn check_residual_terms(model: &ModalModel) -> Result<()> {
     let terms = &model.residual_terms;
     sane(
         "residual_terms.omega_scale_rad_per_s",
@@ -192,8 +198,7 @@ fn check(model: &ModalModel) -> Result<()> {
         }
         sane_complex(&field, &term.matrix.0)?;
     }
-    finite("quality.relative_error", [model.quality.relative_error])?;
-    finite("quality.chi2_per_dof", [model.quality.chi2_per_dof])
+    Ok(())
 }
 
 fn check_mode(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {

@@ -33,6 +33,31 @@ struct Parted {
     units: Range<usize>,
 }
 
+impl Parted {
+    fn open(path: &Path, number: usize, options: &ReadOptions) -> Result<Self> {
+        let mut bytes = size_of(path)?;
+        let (cut, units) = match detect_format(path)? {
+            FileFormat::Hdf5 => match hdf5::Rows::open(path)? {
+                Some(rows) if options.map.is_empty() => {
+                    bytes = rows.bytes();
+                    let count = rows.count();
+                    (Cut::Responses(Box::new(rows)), count)
+                }
+                _ => (Cut::Nowhere, 1),
+            },
+            FileFormat::Uff => Cut::between_functions(path, options.lenient)?,
+            _ => (Cut::Nowhere, 1),
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            number,
+            bytes,
+            cut,
+            units: 0..units,
+        })
+    }
+}
+
 /// Places at which a file can be cut.
 #[derive(Debug, Clone)]
 enum Cut {
@@ -45,6 +70,29 @@ enum Cut {
         beside: Vec<Range<u64>>,
         functions: Vec<Range<u64>>,
     },
+}
+
+impl Cut {
+    /// The places of a universal file, and how many functions it has.
+    fn between_functions(path: &Path, lenient: bool) -> Result<(Self, usize)> {
+        let (functions, beside): (Vec<_>, Vec<_>) = uff::places(path, lenient)?
+            .into_iter()
+            .partition(|(number, _)| *number == Some(58));
+        let units = |place: &&(Option<u32>, Range<u64>)| place.0 == Some(164);
+        // units hold for what follows them: with two, a function does not stand for itself
+        if beside.iter().filter(units).count() > 1 {
+            return Ok((Self::Nowhere, 1));
+        }
+        let ranges = |places: Vec<(Option<u32>, Range<u64>)>| -> Vec<Range<u64>> {
+            places.into_iter().map(|(_, range)| range).collect()
+        };
+        let count = functions.len();
+        let cut = Self::Functions {
+            beside: ranges(beside),
+            functions: ranges(functions),
+        };
+        Ok((cut, count))
+    }
 }
 
 /// The part that is read at a time.
@@ -71,62 +119,9 @@ impl FrfParts {
             .help("convert the files with that list into one first"));
         }
         let kept = KeptInputs::new();
-        let parted = |(number, path): (usize, &PathBuf)| {
-            let mut bytes = size_of(path)?;
-            let (cut, units) = match detect_format(path)? {
-                FileFormat::Hdf5 => match hdf5::Rows::open(path)? {
-                    Some(rows) if options.map.is_empty() => {
-                        bytes = rows.bytes();
-                        let count = rows.count();
-                        (Cut::Responses(Box::new(rows)), count)
-                    }
-                    _ => (Cut::Nowhere, 1),
-                },
-                FileFormat::Uff => {
-                    let (functions, beside): (Vec<_>, Vec<_>) = uff::places(path, options.lenient)?
-                        .into_iter()
-                        .partition(|(number, _)| *number == Some(58));
-                    let ranges = |places: Vec<(Option<u32>, Range<u64>)>| {
-                        places
-                            .into_iter()
-                            .map(|(_, range)| range)
-                            .collect::<Vec<_>>()
-                    };
-                    // units hold for what follows them: with two, a function does not
-                    // stand for itself
-                    if beside
-                        .iter()
-                        .filter(|(number, _)| *number == Some(164))
-                        .count()
-                        > 1
-                    {
-                        (Cut::Nowhere, 1)
-                    } else {
-                        let units = functions.len();
-                        (
-                            Cut::Functions {
-                                beside: ranges(beside),
-                                functions: ranges(functions),
-                            },
-                            units,
-                        )
-                    }
-                }
-                _ => (Cut::Nowhere, 1),
-            };
-            Ok(Parted {
-                path: path.clone(),
-                number,
-                bytes,
-                cut,
-                units: 0..units,
-            })
-        };
-        let files = files
-            .iter()
-            .enumerate()
-            .map(parted)
-            .collect::<Result<Vec<_>>>()?;
+        let files = (files.iter().enumerate())
+            .map(|(number, path)| Parted::open(path, number, options))
+            .collect::<Result<_>>()?;
         Ok(Self {
             files,
             options: options.clone(),

@@ -20,6 +20,29 @@ pub struct ChannelOverride {
     pub references: Vec<Dof>,
 }
 
+impl ChannelOverride {
+    /// Refuses lists that do not fit so many time records.
+    fn check_lengths(&self, records: usize) -> Result<()> {
+        for (name, count) in [
+            ("dofs", self.dofs.len()),
+            ("units", self.units.len()),
+            ("scales", self.scales.len()),
+        ] {
+            if count > 0 && !records.is_multiple_of(count) {
+                let error = Error::new(
+                    chladni_frf::ErrorKind::Usage,
+                    "the list does not fit the channels of the file",
+                );
+                return Err(error
+                    .field(name)
+                    .found(format!("{count} entries for {records} time records"))
+                    .expected("one entry per channel"));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Runs of a file: its time records in their order. A DOF that comes again begins the
 /// next run, so that repeated records are averaged, and records of a roving sensor or
 /// hammer follow each other.
@@ -41,25 +64,8 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
         .iter()
         .filter(|function| function.function_type == TIME)
         .collect();
-    for (name, count) in [
-        ("dofs", said.dofs.len()),
-        ("units", said.units.len()),
-        ("scales", said.scales.len()),
-    ] {
-        if count > 0 && !records.len().is_multiple_of(count) {
-            return Err(Error::new(
-                chladni_frf::ErrorKind::Usage,
-                "the list does not fit the channels of the file",
-            )
-            .file(&document.file)
-            .field(name)
-            .found(format!(
-                "{count} entries for {} time records",
-                records.len()
-            ))
-            .expected("one entry per channel"));
-        }
-    }
+    said.check_lengths(records.len())
+        .map_err(|error| error.file(&document.file))?;
     let mut runs: Vec<Run> = Vec::new();
     for (k, function) in records.into_iter().enumerate() {
         let rate = sample_rate(function).map_err(|error| at(function, error))?;
@@ -71,20 +77,7 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
         };
         match runs.last_mut().filter(|run| fits(run)) {
             Some(run) => {
-                if run.samples() != channel.samples.len()
-                    || (run.sample_rate_hz / rate - 1.0).abs() > STEP_TOLERANCE
-                {
-                    let error = Error::bad_data("channels of one run differ")
-                        .field(channel.dof.to_string());
-                    return Err(at(function, error)
-                        .found(format!("{} samples at {rate} Hz", channel.samples.len()))
-                        .expected(format!(
-                            "{} samples at {} Hz",
-                            run.samples(),
-                            run.sample_rate_hz
-                        ))
-                        .help("give runs of different lengths as files of their own"));
-                }
+                refuse_other_sampling(run, &channel, rate).map_err(|error| at(function, error))?;
                 run.channels.push(channel);
             }
             None => {
@@ -100,6 +93,20 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
     runs.iter_mut()
         .for_each(|run| mark_references(run, &said.references));
     Ok(runs)
+}
+
+/// Refuses a channel that was not sampled as the others of its run.
+fn refuse_other_sampling(run: &Run, channel: &Channel, rate_hz: f64) -> Result<()> {
+    let (samples, of_run, of_run_hz) = (channel.samples.len(), run.samples(), run.sample_rate_hz);
+    let differs = of_run != samples || (of_run_hz / rate_hz - 1.0).abs() > STEP_TOLERANCE;
+    if !differs {
+        return Ok(());
+    }
+    Err(Error::bad_data("channels of one run differ")
+        .field(channel.dof.to_string())
+        .found(format!("{samples} samples at {rate_hz} Hz"))
+        .expected(format!("{of_run} samples at {of_run_hz} Hz"))
+        .help("give runs of different lengths as files of their own"))
 }
 
 /// The unit that the channel of a record measures: by quantity code of dataset 58, then

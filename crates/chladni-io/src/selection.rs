@@ -63,15 +63,8 @@ pub fn selection_from_toml(text: &str) -> Result<Selection> {
             field: "keep".into(),
         });
     }
-    for (place, value) in keep
-        .or(drop)
-        .filter(|value| !value.is_string() || !kept)
-        .map(|list| list.list())
-        .transpose()?
-        .into_iter()
-        .flatten()
-        .enumerate()
-    {
+    let numbers = keep.or(drop).filter(|value| !value.is_string() || !kept);
+    for (place, value) in items(numbers)?.enumerate() {
         let field = format!("{}[{}]", if kept { "keep" } else { "drop" }, place + 1);
         picks.push(ModePick {
             name: ModeName::Number(value.count()?),
@@ -79,14 +72,7 @@ pub fn selection_from_toml(text: &str) -> Result<Selection> {
             field,
         });
     }
-    for (place, value) in root
-        .get("mode")
-        .map(|list| list.list())
-        .transpose()?
-        .into_iter()
-        .flatten()
-        .enumerate()
-    {
+    for (place, value) in items(root.get("mode"))?.enumerate() {
         picks.push(by_frequency(&value, place + 1)?);
     }
     let added_hz = added(&root)?;
@@ -107,7 +93,6 @@ pub fn selection_from_toml(text: &str) -> Result<Selection> {
 
 /// Frequencies of the modes to add, Hz.
 fn added(root: &Table) -> Result<Vec<f64>> {
-    let list = root.get("add").map(|list| list.list()).transpose()?;
     let of = |value: &Value| {
         let table = value.table()?;
         table.only_keys(KEYS, "add")?;
@@ -115,7 +100,13 @@ fn added(root: &Table) -> Result<Vec<f64>> {
             .require("frequency_hz", "where a mode was seen, Hz")?
             .positive()
     };
-    list.into_iter().flatten().map(|value| of(&value)).collect()
+    items(root.get("add"))?.map(|value| of(&value)).collect()
+}
+
+/// The values of a list; none where there is no list.
+fn items<'a>(list: Option<Value<'a>>) -> Result<impl Iterator<Item = Value<'a>>> {
+    let values = list.map(|list| list.list()).transpose()?;
+    Ok(values.into_iter().flatten())
 }
 
 fn by_frequency(value: &Value, place: usize) -> Result<ModePick> {

@@ -52,15 +52,7 @@ pub fn shape_set(contents: &Contents) -> Result<ShapeSet> {
         .filter(|shape| shape.analysis.is_mode() && components(shape).is_some())
         .collect();
     let Some(first) = shapes.first() else {
-        let found = match contents.shapes.first() {
-            Some(shape) => format!("no mode, but a {}", shape.analysis.name()),
-            None if contents.frf.is_some() => "FRFs".into(),
-            None => "no shape".into(),
-        };
-        return Err(Error::bad_data("no mode shape in the file")
-            .found(found)
-            .expected("a model of `chladni fit`, or mode shapes in datasets 55 or 2414")
-            .help("fit FRFs first, or export the modes of the finite-element program"));
+        return Err(no_mode_shape(contents));
     };
     let axes = components(first).unwrap_or_default();
     let rows: Vec<HashMap<u64, usize>> = shapes
@@ -77,8 +69,7 @@ pub fn shape_set(contents: &Contents) -> Result<ShapeSet> {
     let nodes: Vec<u64> = (shapes.iter().flat_map(|shape| &shape.nodes).copied())
         .filter(|node| has_value(node) && seen.insert(*node))
         .collect();
-    let dofs: Vec<Dof> = nodes
-        .iter()
+    let dofs: Vec<Dof> = (nodes.iter())
         .flat_map(|&node| axes.iter().map(move |&axis| Dof::new(node, axis)))
         .collect();
     if dofs.is_empty() {
@@ -113,6 +104,18 @@ pub fn shape_set(contents: &Contents) -> Result<ShapeSet> {
         nodes: contents.geometry().nodes.clone(),
         dofs,
     })
+}
+
+fn no_mode_shape(contents: &Contents) -> Error {
+    let found = match contents.shapes.first() {
+        Some(shape) => format!("no mode, but a {}", shape.analysis.name()),
+        None if contents.frf.is_some() => "FRFs".into(),
+        None => "no shape".into(),
+    };
+    Error::bad_data("no mode shape in the file")
+        .found(found)
+        .expected("a model of `chladni fit`, or mode shapes in datasets 55 or 2414")
+        .help("fit FRFs first, or export the modes of the finite-element program")
 }
 
 /// η = 2ζ; programs write 0 for modes without damping.

@@ -211,59 +211,27 @@ impl<'a> Grid<'a> {
         for (k, shape) in shapes.iter().enumerate() {
             let name = title(shape, k, shapes.len() == 1);
             let values = self.values(shape);
-            let part = |of: fn(&Complex64) -> f64| {
-                values
-                    .iter()
-                    .flatten()
-                    .map(of)
-                    .map(Real)
-                    .collect::<Vec<_>>()
-            };
-            array(
-                out,
-                "Float64",
-                &format!("{name}re"),
-                TRANSLATION,
-                part(|value| value.re),
-            )?;
+            let (re, im) = (format!("{name}re"), format!("{name}im"));
+            let re_parts = values.iter().flatten().map(|value| Real(value.re));
+            array(out, "Float64", &re, TRANSLATION, re_parts)?;
             if shape.complex {
-                array(
-                    out,
-                    "Float64",
-                    &format!("{name}im"),
-                    TRANSLATION,
-                    part(|value| value.im),
-                )?;
+                let im_parts = values.iter().flatten().map(|value| Real(value.im));
+                array(out, "Float64", &im, TRANSLATION, im_parts)?;
             }
         }
         out.write_all(b"</PointData>\n<Points>\n")?;
-        array(
-            out,
-            "Float64",
-            "xyz_m",
-            3,
-            nodes.iter().flat_map(|node| node.xyz_m).map(Real),
-        )?;
+        let places = nodes.iter().flat_map(|node| node.xyz_m).map(Real);
+        array(out, "Float64", "xyz_m", 3, places)?;
         out.write_all(b"</Points>\n<Cells>\n")?;
-        array(
-            out,
-            "Int64",
-            "connectivity",
-            1,
-            self.cells.iter().flat_map(|(points, _)| points),
-        )?;
+        let corners = self.cells.iter().flat_map(|(points, _)| points);
+        array(out, "Int64", "connectivity", 1, corners)?;
         let ends = self.cells.iter().scan(0, |end, (points, _)| {
             *end += points.len();
             Some(*end)
         });
         array(out, "Int64", "offsets", 1, ends)?;
-        array(
-            out,
-            "UInt8",
-            "types",
-            1,
-            self.cells.iter().map(|(_, kind)| kind),
-        )?;
+        let kinds = self.cells.iter().map(|(_, kind)| kind);
+        array(out, "UInt8", "types", 1, kinds)?;
         out.write_all(b"</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
     }
 

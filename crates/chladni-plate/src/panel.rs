@@ -170,7 +170,6 @@ impl Panel {
                 .expected("points along each long and each short edge, one of them at least 1"));
         }
         let shorter = self.plate.length_m.min(self.plate.width_m);
-        let longer = self.plate.length_m.max(self.plate.width_m);
         if references.inset_m > shorter / 2.0 {
             return Err(
                 Error::bad_data("the references would lie beyond the middle of the plate")
@@ -179,42 +178,29 @@ impl Panel {
                     .expected(format!("at most {}, half the shorter side", shorter / 2.0)),
             );
         }
-        let span = |count: usize, spacing: f64| count.saturating_sub(1) as f64 * spacing;
-        for (field, count, spacing, side) in [
-            (
-                "responses.grid",
-                responses.grid[0],
-                responses.spacing_m,
-                self.plate.length_m,
-            ),
-            (
-                "responses.grid",
-                responses.grid[1],
-                responses.spacing_m,
-                self.plate.width_m,
-            ),
-            (
-                "references.edge_count",
-                references.edge_count[0],
-                references.spacing_m,
-                longer,
-            ),
-            (
-                "references.edge_count",
-                references.edge_count[1],
-                references.spacing_m,
-                shorter,
-            ),
+        self.check_spans()
+    }
+
+    /// Refuses rows of points that are longer than their side of the plate.
+    fn check_spans(&self) -> Result<()> {
+        let (length, width) = (self.plate.length_m, self.plate.width_m);
+        let (grid, edge_count) = (self.responses.grid, self.references.edge_count);
+        let grid_sides = [length, width];
+        let edges = [length.max(width), length.min(width)];
+        let spacings = [self.responses.spacing_m, self.references.spacing_m];
+        for (field, counts, spacing, sides) in [
+            ("responses.grid", grid, spacings[0], grid_sides),
+            ("references.edge_count", edge_count, spacings[1], edges),
         ] {
-            if span(count, spacing) > side * (1.0 + crate::tolerances::EDGE_SLACK) {
-                return Err(Error::bad_data("the points do not fit on the plate")
-                    .field(field)
-                    .found(format!(
-                        "{count} points {spacing} m apart, {} m in all",
-                        span(count, spacing)
-                    ))
-                    .expected(format!("at most the side of {side} m"))
-                    .help("take fewer points or a smaller spacing_m"));
+            for (count, side) in counts.into_iter().zip(sides) {
+                let span = count.saturating_sub(1) as f64 * spacing;
+                if span > side * (1.0 + crate::tolerances::EDGE_SLACK) {
+                    return Err(Error::bad_data("the points do not fit on the plate")
+                        .field(field)
+                        .found(format!("{count} points {spacing} m apart, {span} m in all"))
+                        .expected(format!("at most the side of {side} m"))
+                        .help("take fewer points or a smaller spacing_m"));
+                }
             }
         }
         Ok(())

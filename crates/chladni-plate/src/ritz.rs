@@ -145,16 +145,8 @@ impl Problem<'_> {
             block.iter().partition(|pair| rigid_products.contains(pair));
         let (load_r, load_e) = (self.loads_of(&rigid), self.loads_of(&elastic));
 
-        // rigid modes: orthonormal in the loaded mass
-        let mass_r = Array2::eye(rigid.len()) + matmul_h(load_r.view(), load_r.view());
         let mass_re = matmul_h(load_r.view(), load_e.view());
-        let factor_r = cholesky(mass_r.view())?;
-        let rigid_shapes = solve_lower_adjoint(factor_r.view(), Array2::eye(rigid.len()).view())?;
-        let rigid_modes: Vec<RitzMode> = rigid_shapes
-            .columns()
-            .into_iter()
-            .map(|q| self.mode(0.0, &[(&rigid, q.to_owned())]))
-            .collect();
+        let (rigid_modes, factor_r) = self.rigid_modes(&rigid, &load_r)?;
 
         // elastic modes: what the rigid modes leave over
         let coupling = solve_lower(factor_r.view(), mass_re.view())?;
@@ -197,6 +189,24 @@ impl Problem<'_> {
         let (still, elastic_modes): (Vec<_>, Vec<_>) =
             modes.partition(|mode| mode.omega_squared == 0.0);
         Ok(([rigid_modes, still].concat(), elastic_modes))
+    }
+
+    /// Rigid modes of the products `rigid`, orthonormal in the loaded mass M_rr, and the
+    /// Cholesky factor of M_rr.
+    fn rigid_modes(
+        &self,
+        rigid: &Products,
+        loads: &Array2<f64>,
+    ) -> std::result::Result<(Vec<RitzMode>, Array2<f64>), LinalgError> {
+        let mass = Array2::eye(rigid.len()) + matmul_h(loads.view(), loads.view());
+        let factor = cholesky(mass.view())?;
+        let shapes = solve_lower_adjoint(factor.view(), Array2::eye(rigid.len()).view())?;
+        let modes = shapes
+            .columns()
+            .into_iter()
+            .map(|q| self.mode(0.0, &[(rigid, q.to_owned())]))
+            .collect();
+        Ok((modes, factor))
     }
 
     /// K over the products in `pairs`, 1/s².

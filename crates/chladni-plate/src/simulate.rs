@@ -94,24 +94,10 @@ fn truth(
 ) -> Result<ModalModel> {
     let shapes = plate.modes.evaluate(&layout.responses_m)?;
     let participations = plate.modes.evaluate(&layout.references_m)?;
-    let rigid = plate.modes.rigid_count();
     let band_hz = [panel.frf.start_hz, panel.frf.stop_hz];
     let modes = elastic(plate, &shapes, &participations, band_hz);
     let omega_scale = TAU * panel.frf.stop_hz;
-    let rigid_sum = Array2::from_shape_fn((shapes.nrows(), participations.nrows()), |(i, j)| {
-        let sum: f64 = (0..rigid)
-            .map(|n| shapes[[i, n]] * participations[[j, n]])
-            .sum();
-        Complex64::new(-sum / omega_scale.powi(2), 0.0)
-    });
-    let terms = if rigid > 0 {
-        vec![ResidualTerm {
-            power: -2,
-            matrix: ComplexMatrix(rigid_sum),
-        }]
-    } else {
-        Vec::new()
-    };
+    let rigid = rigid_term(plate, &shapes, &participations, omega_scale);
     let options = serde_json::to_value(panel).map_err(|error| {
         Error::new(
             ErrorKind::Internal,
@@ -138,7 +124,7 @@ fn truth(
         modes,
         residual_terms: ResidualTerms {
             omega_scale_rad_per_s: omega_scale,
-            terms,
+            terms: rigid.into_iter().collect(),
         },
         quality: Quality {
             relative_error,
@@ -147,6 +133,26 @@ fn truth(
             findings: Vec::new(),
             path: None,
         },
+    })
+}
+
+/// The rigid-body modes as a residual term; `None` where the plate has none.
+fn rigid_term(
+    plate: &DampedPlate,
+    shapes: &Array2<f64>,
+    participations: &Array2<f64>,
+    omega_scale: f64,
+) -> Option<ResidualTerm> {
+    let rigid = plate.modes.rigid_count();
+    let matrix = Array2::from_shape_fn((shapes.nrows(), participations.nrows()), |(i, j)| {
+        let sum: f64 = (0..rigid)
+            .map(|n| shapes[[i, n]] * participations[[j, n]])
+            .sum();
+        Complex64::new(-sum / omega_scale.powi(2), 0.0)
+    });
+    (rigid > 0).then_some(ResidualTerm {
+        power: -2,
+        matrix: ComplexMatrix(matrix),
     })
 }
 

@@ -15,14 +15,7 @@ use std::collections::BTreeMap;
 /// Adds the FRFs of a group. A response of several runs is averaged, each run by its
 /// length.
 pub(super) fn add_group(table: &mut Table, group: &Group, setting: &LocalSetting) {
-    // samples and records of each response
-    let mut measured: BTreeMap<Dof, (usize, usize)> = BTreeMap::new();
-    for run in group.runs {
-        for channel in run.responses() {
-            let sum = measured.entry(channel.dof).or_default();
-            *sum = (sum.0 + run.samples(), sum.1 + 1);
-        }
-    }
+    let measured = measured(group);
     for (_, records) in measured.values() {
         table.count(*records);
     }
@@ -75,6 +68,18 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &LocalSetting
             }
         }
     }
+}
+
+/// Samples and records of each response.
+fn measured(group: &Group) -> BTreeMap<Dof, (usize, usize)> {
+    let mut measured: BTreeMap<Dof, (usize, usize)> = BTreeMap::new();
+    for run in group.runs {
+        for channel in run.responses() {
+            let sum = measured.entry(channel.dof).or_default();
+            *sum = (sum.0 + run.samples(), sum.1 + 1);
+        }
+    }
+    measured
 }
 
 fn spectra(channels: &[&Channel], samples: usize) -> Vec<Vec<Complex64>> {

@@ -255,16 +255,7 @@ impl BlockSetting {
                 .help("choose a shorter block"));
         }
         if let BlockWindow::Exponential { rate_per_s } = window {
-            let words =
-                format!("the exponential window adds {rate_per_s} 1/s to the decay of every mode");
-            warnings.push(
-                Finding::caution("window-adds-damping", words)
-                    .value("decay_per_s", rate_per_s)
-                    .help(format!(
-                        "a fit of the set takes it off; where a file does not carry it, say \
-                         `exponential_window {rate_per_s}`"
-                    )),
-            );
+            warnings.push(adds_damping(rate_per_s));
         }
         Ok(Self {
             estimator,
@@ -274,6 +265,17 @@ impl BlockSetting {
             warnings,
         })
     }
+}
+
+/// The warning about an exponential window.
+fn adds_damping(rate_per_s: f64) -> Finding {
+    let words = format!("the exponential window adds {rate_per_s} 1/s to the decay of every mode");
+    Finding::caution("window-adds-damping", words)
+        .value("decay_per_s", rate_per_s)
+        .help(format!(
+            "a fit of the set takes it off; where a file does not carry it, say \
+             `exponential_window {rate_per_s}`"
+        ))
 }
 
 /// Runs with the same references.

@@ -1,12 +1,13 @@
 //! Records into the array of a set: one axis, one kind, every pair once.
 
 use super::super::Duplicates;
+use super::axis::common_axis;
 use super::record::{Line, Record};
 use crate::limits::{LANES, NAMES_LISTED, SPARSE_BYTES, SPARSE_FACTOR};
 use chladni_frf::{
     Dof, Error, Finding, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result,
 };
-use ndarray::{Array1, Array3};
+use ndarray::Array3;
 use num_complex::{Complex32, Complex64, ComplexFloat};
 use std::collections::HashMap;
 
@@ -71,6 +72,17 @@ pub(super) fn build(
         estimation,
         geometry: Geometry::default(),
     };
+    fill(&mut set, pairs, duplicates, warnings)?;
+    set.checked()
+}
+
+/// Stores the records of every pair, in the order of the pairs.
+fn fill(
+    set: &mut FrfSet,
+    pairs: HashMap<(usize, usize), Vec<Record>>,
+    duplicates: Duplicates,
+    warnings: &mut Vec<Finding>,
+) -> Result<()> {
     let mut at: Vec<_> = pairs.into_iter().collect();
     at.sort_by_key(|(pair, _)| *pair);
     let mut doubled = Vec::new();
@@ -80,7 +92,7 @@ pub(super) fn build(
             records.retain(|record| !record.line.is_zero());
         }
         if records.len() > 1 {
-            let name = pair_name(&set, pair);
+            let name = pair_name(set, pair);
             if duplicates == Duplicates::Error {
                 return Err(doubled_pair(&name, &records));
             }
@@ -92,13 +104,13 @@ pub(super) fn build(
             _ => records.into_iter().next(),
         };
         if let Some(record) = record {
-            store(&mut set, pair, record);
+            store(set, pair, record);
         }
     }
     if !doubled.is_empty() {
         warnings.push(doubled_pairs(doubled, duplicates));
     }
-    set.checked()
+    Ok(())
 }
 
 fn doubled_pair(name: &str, records: &[Record]) -> Error {
@@ -126,110 +138,6 @@ fn doubled_pairs(names: Vec<String>, duplicates: Duplicates) -> Finding {
         listed(names.into_iter())
     );
     Finding::note("pairs-doubled", words)
-}
-
-/// The axis of the first record; the others must lie within half a line of it.
-fn common_axis(records: &[Record], warnings: &mut Vec<Finding>) -> Result<Array1<f64>> {
-    let Some(first) = records.first() else {
-        return Ok(Array1::zeros(0));
-    };
-    let axis = first.frequency_hz.clone();
-    let rises = axis.windows(2).all(|pair| pair[0] < pair[1])
-        && axis.iter().all(|f| f.is_finite() && *f >= 0.0);
-    if !rises {
-        return Err(Error::bad_data(
-            "the frequency axis must be finite, not negative and strictly rising",
-        )
-        .field(format!("frequency axis of {}", first.place))
-        .found(describe_axis(&axis))
-        .help("export the data again; `chladni info` lists every dataset"));
-    }
-    let mut largest: Option<(f64, &Record)> = None;
-    let mut last = first;
-    for record in records {
-        if std::rc::Rc::ptr_eq(&record.frequency_hz, &last.frequency_hz) {
-            continue;
-        }
-        last = record;
-        match distance_in_lines(&axis, &record.frequency_hz) {
-            Some(lines) if lines < 0.5 => {
-                if lines > largest.map_or(0.0, |(found, _)| found) {
-                    largest = Some((lines, record));
-                }
-            }
-            _ => {
-                return Err(
-                    Error::bad_data("FRFs of one set must share their frequency axis")
-                        .field("frequency axis")
-                        .found(format!(
-                            "{} in {}",
-                            describe_axis(&record.frequency_hz),
-                            record.place
-                        ))
-                        .expected(format!(
-                            "within half a line of {} in {}",
-                            describe_axis(&axis),
-                            first.place
-                        ))
-                        .help(
-                            "convert and fit the files separately, or measure them with the same \
-                           analyser settings",
-                        ),
-                )
-            }
-        }
-    }
-    // one part in a thousand of a line moves no pole that anyone could see
-    if let Some((lines, record)) = largest.filter(|(lines, _)| *lines > 1e-3) {
-        warnings.push(Finding::note(
-            "axes-differ",
-            format!(
-                "frequency axes differ by up to {lines:.3} of a line ({} against {}); that of the \
-             first is used",
-                record.place, first.place
-            ),
-        ));
-    }
-    Ok(Array1::from(axis.to_vec()))
-}
-
-/// Largest distance of two axes, in units of the smaller spacing beside the line; `None`
-/// for different lengths.
-fn distance_in_lines(a: &[f64], b: &[f64]) -> Option<f64> {
-    if a.len() != b.len() {
-        return None;
-    }
-    let spacing = |k: usize| {
-        let before = if k > 0 {
-            a[k] - a[k - 1]
-        } else {
-            f64::INFINITY
-        };
-        let after = if k + 1 < a.len() {
-            a[k + 1] - a[k]
-        } else {
-            f64::INFINITY
-        };
-        before.min(after)
-    };
-    let distance = |k: usize| match (a[k] - b[k]).abs() {
-        0.0 => 0.0,
-        // a single line has no spacing: it must be the same to the digits of a text file
-        difference if a.len() == 1 => difference / (1e-5 * a[0].abs()),
-        difference => difference / spacing(k),
-    };
-    let worst = (0..a.len()).map(distance);
-    worst
-        .reduce(|x, y| if y > x || y.is_nan() { y } else { x })
-        .or(Some(0.0))
-}
-
-fn describe_axis(axis: &[f64]) -> String {
-    match axis {
-        [] => "no lines".into(),
-        [one] => format!("one line at {one} Hz"),
-        [first, .., last] => format!("{} lines {first}..{last} Hz", axis.len()),
-    }
 }
 
 fn common_kind(records: &[Record]) -> Result<Option<FrfKind>> {

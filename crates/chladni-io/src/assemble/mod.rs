@@ -5,6 +5,8 @@
 //! unknown, missing pairs are listed, what is no FRF goes along in
 //! [`Contents::functions`].
 
+mod assembly;
+mod axis;
 mod geometry;
 mod grid;
 mod record;
@@ -12,17 +14,13 @@ mod side;
 
 pub(crate) use record::clean_coherence;
 
-use super::{
-    Contents, DeclaredDofs, Document, Duplicates, FileFormat, Function, Ordinate, ReadOptions,
-};
-use chladni_frf::{Dof, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, TimeSign};
-use chladni_text::file_name;
+use super::{Contents, Document, Duplicates, FileFormat, Function, ReadOptions};
+use assembly::Assembly;
+use chladni_frf::{Dof, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result};
 use grid::DofList;
 use num_complex::Complex64;
-use record::{axis_of, from_function, from_set, place_of, Line, Record};
+use record::{place_of, Line, Record};
 use side::{node_for, override_node, Side};
-use std::collections::HashMap;
-use std::path::Path;
 use std::rc::Rc;
 
 /// Function types of dataset 58.
@@ -40,17 +38,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
     let mut contents = Contents::default();
     let mut geometry = Geometry::default();
     let mut assembly = Assembly::default();
-    let (results, documents): (Vec<_>, Vec<_>) = documents
-        .into_iter()
-        .partition(|document| matches!(document.format, FileFormat::Model | FileFormat::Weights));
-    let left_out = |document: Document| {
-        let words = format!(
-            "{}: left out, a result and no measurement",
-            document.file.display()
-        );
-        Finding::caution("not-read", words)
-    };
-    contents.warnings.extend(results.into_iter().map(left_out));
+    let documents = without_results(documents, &mut contents.warnings);
     let count = documents.len();
     let as_in_files = options.dofs.rows.is_empty();
     let is_one_set = as_in_files
@@ -71,32 +59,18 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
             std::mem::take(&mut document.geometry),
             &document.file,
         )?;
-        if let Some(mut set) = document.frf.take_if(|_| is_one_set) {
+        if let Some(set) = document.frf.take_if(|_| is_one_set) {
             // nothing to merge: the array stays where it is
-            geometry::merge(
-                &mut geometry,
-                std::mem::take(&mut set.geometry),
-                &document.file,
-            )?;
-            let file = document.file.display().to_string();
-            set.kind = known_kind(set.kind, options.frf_kind, &file, &mut contents.warnings);
-            grid::clean(&mut set, &file, &mut contents.warnings);
-            geometry::note_nodes_without_place(&geometry, &set, &mut contents.warnings);
-            set.geometry = geometry;
-            contents.functions = document.functions;
-            contents.shapes = document.shapes;
-            contents.frf = Some(set.checked()?);
+            keep(set, document, geometry, options.frf_kind, &mut contents)?;
             return Ok(contents);
         }
         assembly.take(document, number, options, &mut geometry, &mut contents)?;
     }
     if assembly.records.is_empty() && assembly.responses.dofs.is_empty() {
-        contents.functions.extend(
-            assembly
-                .left_coherence()
-                .into_iter()
-                .map(|(function, _)| function),
-        );
+        let coherence = assembly.left_coherence().into_iter();
+        contents
+            .functions
+            .extend(coherence.map(|(function, _)| function));
         contents.other_geometry = geometry;
         return Ok(contents);
     }
@@ -105,27 +79,49 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
         assembly.declare(&options.dofs)?;
     }
     assembly.apply_kind(options.frf_kind, &mut contents.warnings);
-    let Assembly {
-        mut records,
-        responses,
-        references,
-        ..
-    } = assembly;
-    if options.lenient {
-        record::lengthen(&mut records, &mut contents.warnings);
-    }
-    let mut set = grid::build(
-        records,
-        responses,
-        references,
-        options.duplicates,
-        &mut contents.warnings,
-    )?;
-    grid::clean(&mut set, "", &mut contents.warnings);
+    let mut set = assembly.into_set(options, &mut contents.warnings)?;
     geometry::note_nodes_without_place(&geometry, &set, &mut contents.warnings);
     set.geometry = geometry;
     contents.frf = Some(set);
     Ok(contents)
+}
+
+/// The documents that are measurements; results are named in `warnings` and left out.
+fn without_results(documents: Vec<Document>, warnings: &mut Vec<Finding>) -> Vec<Document> {
+    let (results, documents): (Vec<_>, Vec<_>) = documents
+        .into_iter()
+        .partition(|document| matches!(document.format, FileFormat::Model | FileFormat::Weights));
+    let left_out = |document: Document| {
+        let words = format!(
+            "{}: left out, a result and no measurement",
+            document.file.display()
+        );
+        Finding::caution("not-read", words)
+    };
+    warnings.extend(results.into_iter().map(left_out));
+    documents
+}
+
+/// Takes the set of the only document as it is, and what else that document holds.
+fn keep(
+    mut set: FrfSet,
+    document: Document,
+    mut geometry: Geometry,
+    told: Option<FrfKind>,
+    contents: &mut Contents,
+) -> Result<()> {
+    let warnings = &mut contents.warnings;
+    let own_geometry = std::mem::take(&mut set.geometry);
+    geometry::merge(&mut geometry, own_geometry, &document.file)?;
+    let file = document.file.display().to_string();
+    set.kind = known_kind(set.kind, told, &file, warnings);
+    grid::clean(&mut set, &file, warnings);
+    geometry::note_nodes_without_place(&geometry, &set, warnings);
+    set.geometry = geometry;
+    contents.functions = document.functions;
+    contents.shapes = document.shapes;
+    contents.frf = Some(set.checked()?);
+    Ok(())
 }
 
 /// Errors of damaged datasets stop here; warnings are passed on, equal ones once.
@@ -193,180 +189,6 @@ fn known_kind(
     told.or(said)
 }
 
-/// Everything on its way into the set.
-#[derive(Default)]
-struct Assembly {
-    records: Vec<Record>,
-    responses: DofList,
-    references: DofList,
-    coherence: HashMap<(Dof, Dof), Vec<(Function, String)>>,
-    /// Names of the documents, for messages.
-    files: Vec<String>,
-}
-
-impl Assembly {
-    fn take(
-        &mut self,
-        mut document: Document,
-        number: usize,
-        options: &ReadOptions,
-        geometry: &mut Geometry,
-        contents: &mut Contents,
-    ) -> Result<()> {
-        self.files.push(document.file.display().to_string());
-        contents.shapes.append(&mut document.shapes);
-        if let Some(mut set) = document.frf.take() {
-            geometry::merge(geometry, std::mem::take(&mut set.geometry), &document.file)?;
-            set.responses
-                .iter()
-                .for_each(|&dof| _ = self.responses.index_of(dof));
-            set.references
-                .iter()
-                .for_each(|&dof| _ = self.references.index_of(dof));
-            let place = document.file.display().to_string();
-            self.records
-                .extend(from_set(&set, number, &place, &mut contents.warnings));
-        }
-        let mut axis: Option<Rc<[f64]>> = None;
-        for function in std::mem::take(&mut document.functions) {
-            let place = place_of(&document, function.line);
-            match function.function_type {
-                FRF => {
-                    let axis = axis_of(&function, &mut axis);
-                    let conjugate = options.time_sign == TimeSign::Minus;
-                    self.responses.index_of(function.response);
-                    self.references.index_of(function.reference);
-                    self.records.push(from_function(
-                        function,
-                        axis,
-                        number,
-                        place,
-                        conjugate,
-                        &mut contents.warnings,
-                    )?);
-                }
-                COHERENCE => {
-                    self.coherence
-                        .entry((function.response, function.reference))
-                        .or_default()
-                        .push((function, place));
-                }
-                _ => contents.functions.push(function),
-            }
-        }
-        Ok(())
-    }
-
-    /// Coherence beside the FRF of its pair; what fits no FRF goes along with the other
-    /// functions.
-    fn attach_coherence(&mut self, contents: &mut Contents) {
-        for record in &mut self.records {
-            let Some(found) = self.coherence.get_mut(&(record.response, record.reference)) else {
-                continue;
-            };
-            // of several, the one from the same file, in the order of the file
-            let same_file = |(_, place): &(Function, String)| {
-                place.starts_with(self.files[record.document].as_str())
-            };
-            let at = found.iter().position(same_file).unwrap_or(0);
-            let fits = found.get(at).is_some_and(|(function, _)| {
-                let axis = axis_of(function, &mut None);
-                axis.len() == record.frequency_hz.len()
-                    && axis
-                        .iter()
-                        .zip(&*record.frequency_hz)
-                        .all(|(a, b)| (a - b).abs() <= 1e-3 * b.abs())
-            });
-            if !fits {
-                continue;
-            }
-            let (function, place) = found.remove(at);
-            let (values, outside) = clean_coherence(real_part(&function.ordinate));
-            if outside > 0 {
-                contents.warnings.push(Finding::caution(
-                    "coherence-invalid",
-                    format!(
-                        "{place}: coherence outside 0 to 1 on {outside} \
-                                                lines; taken as not given there"
-                    ),
-                ));
-            }
-            record.coherence = Some(values);
-        }
-        let unmatched = self.left_coherence();
-        if let Some((function, place)) = unmatched.first() {
-            contents.warnings.push(Finding::note(
-                "coherence-unmatched",
-                format!(
-                "{} coherence functions belong to no FRF, the first is ({}, {}) in {place}; not \
-                 used as weights",
-                unmatched.len(),
-                function.response,
-                function.reference
-            ),
-            ));
-        }
-        contents
-            .functions
-            .extend(unmatched.into_iter().map(|(function, _)| function));
-    }
-
-    /// Gives every FRF the DOFs of a list.
-    fn declare(&mut self, list: &DeclaredDofs) -> Result<()> {
-        let (mut at, mut names) = (0, Vec::new());
-        (self.responses, self.references) = Default::default();
-        for records in self.records.chunk_by_mut(|a, b| a.document == b.document) {
-            let file = &self.files[records[0].document];
-            let name = file_name(Path::new(file));
-            let dofs = list.of_file(&name, records.len(), &mut at)?;
-            names.push(name);
-            for (record, (response, reference)) in records.iter_mut().zip(dofs) {
-                (record.response, record.reference) = (response, reference);
-                self.responses.index_of(response);
-                self.references.index_of(reference);
-            }
-        }
-        list.refuse_rest(&names, at)
-    }
-
-    /// Takes the coherence that belongs to no FRF, in an order that does not depend on
-    /// hashing.
-    fn left_coherence(&mut self) -> Vec<(Function, String)> {
-        let mut left: Vec<(Function, String)> = std::mem::take(&mut self.coherence)
-            .into_values()
-            .flatten()
-            .collect();
-        left.sort_by(|(a, a_place), (b, b_place)| {
-            (a_place, a.line, a.response, a.reference).cmp(&(
-                b_place,
-                b.line,
-                b.response,
-                b.reference,
-            ))
-        });
-        left
-    }
-
-    fn apply_kind(&mut self, told: Option<FrfKind>, warnings: &mut Vec<Finding>) {
-        let mut named = None;
-        for record in &mut self.records {
-            let mut unheard = Vec::new();
-            // one warning for each file
-            let said_already = named == Some(record.document);
-            let heard = if said_already {
-                &mut unheard
-            } else {
-                &mut *warnings
-            };
-            let before = heard.len();
-            record.kind = known_kind(record.kind, told, &self.files[record.document], heard);
-            if !said_already && heard.len() > before {
-                named = Some(record.document);
-            }
-        }
-    }
-}
-
 /// One FRF of a table, in SI units, with its DOFs.
 pub(super) struct TracedFrf {
     pub(super) response: Dof,
@@ -407,13 +229,4 @@ pub(super) fn build_set(
         duplicates,
         warnings,
     )
-}
-
-fn real_part(ordinate: &Ordinate) -> Vec<f64> {
-    match ordinate {
-        Ordinate::Real32(values) => values.iter().map(|&value| value.into()).collect(),
-        Ordinate::Real64(values) => values.clone(),
-        Ordinate::Complex32(values) => values.iter().map(|value| value.re.into()).collect(),
-        Ordinate::Complex64(values) => values.iter().map(|value| value.re).collect(),
-    }
 }

@@ -148,30 +148,7 @@ pub(super) fn from_function(
             format!("{place}: an FRF of real values; the imaginary parts are taken as zero"),
         ));
     }
-    let scale = function.scale_to_si;
-    let sign = if conjugate { -1.0 } else { 1.0 };
-    let double = |re: f64, im: f64| Complex64::new(re * scale, im * scale * sign);
-    let narrow = |value: Complex64| Complex32::new(value.re as f32, value.im as f32);
-    let mut line = match function.ordinate {
-        Ordinate::Real32(values) => Line::Single(
-            values
-                .into_iter()
-                .map(|re| narrow(double(re.into(), 0.0)))
-                .collect(),
-        ),
-        Ordinate::Real64(values) => {
-            Line::Double(values.into_iter().map(|re| double(re, 0.0)).collect())
-        }
-        Ordinate::Complex32(values) => Line::Single(
-            values
-                .into_iter()
-                .map(|v| narrow(double(v.re.into(), v.im.into())))
-                .collect(),
-        ),
-        Ordinate::Complex64(values) => {
-            Line::Double(values.into_iter().map(|v| double(v.re, v.im)).collect())
-        }
-    };
+    let mut line = line_of(function.ordinate, function.scale_to_si, conjugate);
     let masked = line.mask();
     if masked > 0 {
         warnings.push(Finding::caution(
@@ -192,6 +169,30 @@ pub(super) fn from_function(
         document,
         place,
     })
+}
+
+/// The values times `scale`, conjugated where `conjugate`.
+fn line_of(ordinate: Ordinate, scale: f64, conjugate: bool) -> Line {
+    let sign = if conjugate { -1.0 } else { 1.0 };
+    let double = |re: f64, im: f64| Complex64::new(re * scale, im * scale * sign);
+    let single = |re: f32, im: f32| {
+        let value = double(re.into(), im.into());
+        Complex32::new(value.re as f32, value.im as f32)
+    };
+    match ordinate {
+        Ordinate::Real32(values) => {
+            Line::Single(values.into_iter().map(|re| single(re, 0.0)).collect())
+        }
+        Ordinate::Real64(values) => {
+            Line::Double(values.into_iter().map(|re| double(re, 0.0)).collect())
+        }
+        Ordinate::Complex32(values) => {
+            Line::Single(values.into_iter().map(|v| single(v.re, v.im)).collect())
+        }
+        Ordinate::Complex64(values) => {
+            Line::Double(values.into_iter().map(|v| double(v.re, v.im)).collect())
+        }
+    }
 }
 
 /// Characters of an ID line: one that fills it may have lost its end.

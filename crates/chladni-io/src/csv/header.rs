@@ -71,7 +71,12 @@ impl Table {
             return self.refuse_header_that_does_not_fit(header);
         };
         self.names = names;
-        // DOFs or parts in a row of their own above the names
+        self.add_rows_above(&candidates);
+        Ok(())
+    }
+
+    /// Adds DOFs or parts that stand in rows of their own above the names.
+    fn add_rows_above(&mut self, candidates: &[Vec<String>]) {
         for above in candidates.iter().rev() {
             let speaks = |cell: &String| {
                 let head = Head::parse(cell, "");
@@ -87,7 +92,6 @@ impl Table {
                 }
             }
         }
-        Ok(())
     }
 
     /// Takes the row of units out of the rows above the data; what is left ends with the

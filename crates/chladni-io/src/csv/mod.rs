@@ -88,10 +88,8 @@ fn read_text(
     let (first_line, (frequency_hz, traces)) = match long::find(&lines) {
         Some(table) => {
             said.header_text = table.text_above();
-            (
-                table.first_line(),
-                table.traces(&said, options.lenient, &mut warnings)?,
-            )
+            let traces = table.traces(&said, options.lenient, &mut warnings)?;
+            (table.first_line(), traces)
         }
         None => {
             let table = table::Table::read(&lines, options.lenient, &mut warnings)?;
@@ -104,29 +102,17 @@ fn read_text(
     };
     let units = Units::of(&said, &traces, options.frf_kind, &mut warnings)?;
     let dofs = name_dofs(&said, &traces, options, next_node, &mut warnings);
-    let mut datasets = Vec::new();
-    let mut records = Vec::new();
+    let (mut datasets, mut records) = (Vec::new(), Vec::new());
+    let (line_count, at_zero) = (frequency_hz.len(), frequency_hz.first() == Some(&0.0));
     for (trace, (response, reference)) in traces.into_iter().zip(dofs) {
-        datasets.push(dataset_info(
-            first_line,
-            response,
-            reference,
-            frequency_hz.len(),
-        ));
+        datasets.push(dataset_info(first_line, response, reference, line_count));
         let factor = units.factor(&trace);
-        let coherence = trace.coherence.map(|values| {
-            let at_zero = frequency_hz.first() == Some(&0.0);
-            checked_coherence(values, at_zero, &mut warnings)
-        });
-        let values = trace
-            .values
-            .into_iter()
-            .map(|value| value * factor)
-            .collect();
+        let coherence = trace.coherence;
+        let coherence = coherence.map(|values| checked_coherence(values, at_zero, &mut warnings));
         records.push(TracedFrf {
             response,
             reference,
-            values,
+            values: trace.values.into_iter().map(|v| v * factor).collect(),
             coherence,
         });
     }
@@ -173,43 +159,31 @@ impl Units {
         let mut unknown = said.unit.clone().filter(|_| file.is_none());
         let mut unlabelled = file.is_none();
         for trace in traces {
-            match trace.unit {
-                None => {
-                    if !trace.unit_text.is_empty() && file.is_none() {
-                        unknown.get_or_insert_with(|| trace.unit_text.clone());
-                    }
+            let Some(unit) = trace.unit else {
+                if !trace.unit_text.is_empty() && file.is_none() {
+                    unknown.get_or_insert_with(|| trace.unit_text.clone());
                 }
-                Some(unit) => {
-                    unlabelled = false;
-                    match found {
-                        Some((known, label))
-                            if (known.kind, known.reference) != (unit.kind, unit.reference) =>
-                        {
-                            return Err(Error::bad_data("units of different kinds in one file")
-                                .field("unit")
-                                .found(format!(
-                                    "{} ({}) and {label} ({})",
-                                    trace.unit_text, unit.kind, known.kind
-                                ))
-                                .help("split the file by kind"));
-                        }
-                        Some(_) => {}
-                        None => found = Some((unit, &trace.unit_text)),
-                    }
-                }
+                continue;
+            };
+            unlabelled = false;
+            let (known, label) = *found.get_or_insert((unit, &trace.unit_text));
+            if (known.kind, known.reference) != (unit.kind, unit.reference) {
+                return Err(Error::bad_data("units of different kinds in one file")
+                    .field("unit")
+                    .found(format!(
+                        "{} ({}) and {label} ({})",
+                        trace.unit_text, unit.kind, known.kind
+                    ))
+                    .help("split the file by kind"));
             }
         }
-        if let Some(label) = unknown {
-            warnings.push(Finding::caution(
-                "unit-assumed",
-                format!("unit `{label}` is no motion per force or volt; values are taken as SI"),
-            ));
-        } else if unlabelled {
-            warnings.push(Finding::caution(
-                "unit-assumed",
-                "no unit in the file; values are taken as SI",
-            ));
-        }
+        let assumed = match unknown {
+            Some(label) => Some(format!(
+                "unit `{label}` is no motion per force or volt; values are taken as SI"
+            )),
+            None => unlabelled.then(|| "no unit in the file; values are taken as SI".into()),
+        };
+        warnings.extend(assumed.map(|words| Finding::caution("unit-assumed", words)));
         let by_unit = found.map(|(unit, _)| unit.kind);
         if let (Some(kind), Some(by_unit), None) = (said.kind, by_unit, told) {
             if kind != by_unit {
@@ -287,39 +261,43 @@ fn name_dofs(
             (response, reference)
         })
         .collect();
-    if !options.dofs.rows.is_empty() {
-        return dofs; // declared later
+    // else declared later
+    if options.dofs.rows.is_empty() {
+        warnings.extend(numbered_responses(&numbered));
+        if without_reference {
+            let advice = match options.references.as_slice() {
+                [] => "; say it with `reference N`",
+                _ => "",
+            };
+            warnings.push(Finding::caution(
+                "reference-assumed",
+                format!("the file names no reference DOF: taken as {fallback}{advice}"),
+            ));
+        }
     }
-    match numbered.as_slice() {
-        [] => {}
+    dofs
+}
+
+/// The warning about responses whose DOFs are numbers by position.
+fn numbered_responses(numbered: &[Dof]) -> Option<Finding> {
+    Some(match numbered {
+        [] => return None,
         // the only FRF so far: nothing that it could be taken for
-        [one] if one.node == FIRST_NODE => warnings.push(Finding::note(
+        [one] if one.node == FIRST_NODE => Finding::note(
             "dofs-assumed",
             format!("the file names no response DOF: taken as {one}"),
-        )),
-        [one] => warnings.push(Finding::caution(
+        ),
+        [one] => Finding::caution(
             "dofs-assumed",
             format!("the file names no response DOF: taken as {one}, by its place among the files"),
-        )),
-        [first, .., last] => warnings.push(Finding::caution(
+        ),
+        [first, .., last] => Finding::caution(
             "dofs-assumed",
             format!(
                 "the columns name no response DOFs: taken as {first} to {last}, in their order"
             ),
-        )),
-    }
-    if without_reference {
-        let advice = if options.references.is_empty() {
-            "; say it with `reference N`"
-        } else {
-            ""
-        };
-        warnings.push(Finding::caution(
-            "reference-assumed",
-            format!("the file names no reference DOF: taken as {fallback}{advice}"),
-        ));
-    }
-    dofs
+        ),
+    })
 }
 
 /// Coherence with NaN where it is impossible; at 0 Hz that is normal.

@@ -81,17 +81,7 @@ pub(super) fn document(
     mut warnings: Vec<Finding>,
     file: &Path,
 ) -> Result<Document> {
-    let (first_channel, abscissa, to_seconds) = match *times {
-        Times::FirstColumn(factor) => {
-            let times = table.column(0);
-            refuse_falling(table, &times)?;
-            (1, Abscissa::Uneven(times), factor)
-        }
-        Times::Rate(rate_hz) => {
-            let step = 1.0 / rate_hz;
-            (0, Abscissa::Even { start: 0.0, step }, 1.0)
-        }
-    };
+    let (first_channel, abscissa, to_seconds) = abscissa(table, times)?;
     if table.columns <= first_channel {
         return Err(Error::bad_data("a time axis without a channel")
             .at_line(table.lines[0])
@@ -102,14 +92,7 @@ pub(super) fn document(
     let mut numbered = 0;
     for column in first_channel..table.columns {
         let head = Head::parse(&table.names[column], &table.units[column]);
-        let samples = table.column(column);
-        if let Some(row) = samples.iter().position(|sample| sample.is_nan()) {
-            return Err(Error::bad_data("a sample is missing")
-                .at_line(table.lines[row])
-                .field(&table.names[column])
-                .found("an empty or masked cell")
-                .expected("a number in every row of a time record"));
-        }
+        let samples = samples(table, column)?;
         let response = head.dofs.map_or_else(
             || {
                 numbered += 1;
@@ -119,36 +102,24 @@ pub(super) fn document(
         );
         let (label, unit) = channel_unit(&table.names[column], &head);
         if unit.is_none() {
-            warnings.push(Finding::caution(
-                "unit-assumed",
-                format!(
-                    "column {}: no unit that is understood; values are taken as they are",
-                    column + 1
-                ),
-            ));
+            let words = format!(
+                "column {}: no unit that is understood; values are taken as they are",
+                column + 1
+            );
+            warnings.push(Finding::caution("unit-assumed", words));
         }
-        document.datasets.push(DatasetInfo {
-            name: "table".into(),
-            line: table.lines.first().copied(),
-            function: Some("time".into()),
-            response: Some(response.to_string()),
-            values: Some(samples.len()),
-            ..DatasetInfo::default()
-        });
+        let info = dataset_info(table, response, samples.len());
+        document.datasets.push(info);
         let channel = Axis {
             label: table.names[column].clone(),
             unit: label,
             ..Axis::default()
         };
+        let ordinate = Ordinate::Real64(samples);
         document.functions.push(Function {
             scale_to_si: unit.map_or(1.0, |unit| unit.factor),
             abscissa_to_si: to_seconds,
-            ..Function::time_record(
-                response,
-                abscissa.clone(),
-                channel,
-                Ordinate::Real64(samples),
-            )
+            ..Function::time_record(response, abscissa.clone(), channel, ordinate)
         });
     }
     if numbered > 0 {
@@ -161,6 +132,45 @@ pub(super) fn document(
         warnings,
         ..document
     })
+}
+
+/// The column of the first channel, the times, and their factor to seconds.
+fn abscissa(table: &Table, times: &Times) -> Result<(usize, Abscissa, f64)> {
+    Ok(match *times {
+        Times::FirstColumn(factor) => {
+            let times = table.column(0);
+            refuse_falling(table, &times)?;
+            (1, Abscissa::Uneven(times), factor)
+        }
+        Times::Rate(rate_hz) => {
+            let step = 1.0 / rate_hz;
+            (0, Abscissa::Even { start: 0.0, step }, 1.0)
+        }
+    })
+}
+
+/// The samples of a column, none of which may be missing.
+fn samples(table: &Table, column: usize) -> Result<Vec<f64>> {
+    let samples = table.column(column);
+    match samples.iter().position(|sample| sample.is_nan()) {
+        None => Ok(samples),
+        Some(row) => Err(Error::bad_data("a sample is missing")
+            .at_line(table.lines[row])
+            .field(&table.names[column])
+            .found("an empty or masked cell")
+            .expected("a number in every row of a time record")),
+    }
+}
+
+fn dataset_info(table: &Table, response: Dof, samples: usize) -> DatasetInfo {
+    DatasetInfo {
+        name: "table".into(),
+        line: table.lines.first().copied(),
+        function: Some("time".into()),
+        response: Some(response.to_string()),
+        values: Some(samples),
+        ..DatasetInfo::default()
+    }
 }
 
 fn refuse_falling(table: &Table, times: &[f64]) -> Result<()> {

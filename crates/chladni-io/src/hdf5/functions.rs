@@ -4,6 +4,7 @@
 //! Each is a group with `values` [n] in the units of the source, `abscissa` [n] where it
 //! is uneven, and the header of its dataset 58 as attributes.
 
+use super::attributes::{each, Required, ID_LINES};
 use super::own::Own;
 use crate::arrays::tree::{Attribute, Entry, Group, Values};
 use crate::arrays::values::{reals, wrong_type};
@@ -33,8 +34,8 @@ pub(super) fn functions_group(functions: &[Function]) -> Group<'_> {
 fn function_group(number: usize, function: &Function) -> Group<'_> {
     let mut group = Group::new(number.to_string());
     group.set("function_type", integer(function.function_type.into()));
-    for (k, line) in function.id_lines.iter().enumerate() {
-        group.set(&format!("id_line_{}", k + 1), text(line.as_str()));
+    for (name, line) in ID_LINES.iter().zip(&function.id_lines) {
+        group.set(name, text(line.as_str()));
     }
     for (name, &value) in IDS.iter().zip(&function.ids) {
         group.set(name, integer(value));
@@ -115,37 +116,14 @@ fn uneven(own: &Own<'_>, group: &Entry, count: usize) -> Result<Option<Vec<f64>>
 }
 
 fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
-    let missing = |name: &str| {
-        Error::bad_data("an attribute is missing")
-            .field(format!("{name} of {}", group.path))
-            .found("nothing")
-            .expected("every attribute of a function")
+    let said = Required {
+        group,
+        holds: "function",
     };
-    let text = |name: &str| {
-        group
-            .text(name)
-            .map(str::to_owned)
-            .ok_or_else(|| missing(name))
-    };
-    let whole = |name: &str| group.integer(name).ok_or_else(|| missing(name));
-    let real = |name: &str| group.real(name).ok_or_else(|| missing(name));
-    let small = |name: &str| whole(name).map(|value| i32::try_from(value).unwrap_or(0));
     let dof = |name: &str| {
-        text(name)?.parse().map_err(|message: String| {
-            Error::bad_word(&message, "a damaged DOF").field(format!("{name} of {}", group.path))
+        said.text(name)?.parse().map_err(|message: String| {
+            Error::bad_word(&message, "a damaged DOF").field(said.field(name))
         })
-    };
-    let axis = |name: &str| -> Result<Axis> {
-        let mut axis = Axis {
-            quantity: small(&format!("{name}_quantity"))?,
-            ..Axis::default()
-        };
-        for (exponent, value) in EXPONENTS.iter().zip(&mut axis.exponents) {
-            *value = small(&format!("{name}_{exponent}"))?;
-        }
-        axis.label = text(&format!("{name}_label"))?;
-        axis.unit = text(&format!("{name}_unit"))?;
-        Ok(axis)
     };
     let (entry, values) = own.dataset(&format!("{}/values", group.path))?;
     let ordinate = match values {
@@ -158,41 +136,39 @@ fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
     let abscissa = match uneven(own, group, ordinate.len())? {
         Some(values) => Abscissa::Uneven(values),
         None => Abscissa::Even {
-            start: real("abscissa_start")?,
-            step: real("abscissa_step")?,
+            start: said.real("abscissa_start")?,
+            step: said.real("abscissa_step")?,
         },
     };
     Ok(Function {
-        function_type: small("function_type")?,
-        id_lines: [
-            text("id_line_1")?,
-            text("id_line_2")?,
-            text("id_line_3")?,
-            text("id_line_4")?,
-            text("id_line_5")?,
-        ],
-        ids: [whole(IDS[0])?, whole(IDS[1])?, whole(IDS[2])?],
-        entity_names: [text(ENTITIES[0])?, text(ENTITIES[1])?],
+        function_type: said.small("function_type")?,
+        id_lines: each(ID_LINES, |name| said.text(name))?,
+        ids: each(IDS, |name| said.whole(name))?,
+        entity_names: each(ENTITIES, |name| said.text(name))?,
         response: dof("response")?,
         reference: dof("reference")?,
         abscissa,
-        z: real("z")?,
-        axes: [
-            axis(AXES[0])?,
-            axis(AXES[1])?,
-            axis(AXES[2])?,
-            axis(AXES[3])?,
-        ],
+        z: said.real("z")?,
+        axes: each(AXES, |name| axis(&said, name))?,
         ordinate,
         kind: group.text("frf_kind").and_then(|kind| kind.parse().ok()),
-        reference_unit: if group.text("reference_unit") == Some("V") {
-            ReferenceUnit::Volt
-        } else {
-            ReferenceUnit::Newton
+        reference_unit: match group.text("reference_unit") {
+            Some("V") => ReferenceUnit::Volt,
+            _ => ReferenceUnit::Newton,
         },
-        scale_to_si: real("scale_to_si")?,
-        abscissa_to_si: real("abscissa_to_si")?,
+        scale_to_si: said.real("scale_to_si")?,
+        abscissa_to_si: said.real("abscissa_to_si")?,
         line: 0,
         warnings: Vec::new(),
+    })
+}
+
+fn axis(said: &Required<'_>, name: &str) -> Result<Axis> {
+    let of_axis = |what: &str| format!("{name}_{what}");
+    Ok(Axis {
+        quantity: said.small(&of_axis("quantity"))?,
+        exponents: each(EXPONENTS, |exponent| said.small(&of_axis(exponent)))?,
+        label: said.text(&of_axis("label"))?,
+        unit: said.text(&of_axis("unit"))?,
     })
 }

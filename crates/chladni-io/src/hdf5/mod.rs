@@ -4,6 +4,7 @@
 //! library with the feature `system` (for files with filters or layouts that the built-in
 //! one refuses).
 
+mod attributes;
 #[cfg(not(feature = "system"))]
 #[path = "pure/mod.rs"]
 mod backend;

@@ -156,14 +156,8 @@ fn modes_group(model: &ModalModel) -> Group<'static> {
             .collect(),
     );
     if modes.iter().any(|mode| mode.scale_std.is_some()) {
-        group.add_reals(
-            "scale_std",
-            &[count],
-            modes
-                .iter()
-                .map(|mode| mode.scale_std.unwrap_or(f64::NAN))
-                .collect(),
-        );
+        let scale_std = modes.iter().map(|mode| mode.scale_std.unwrap_or(f64::NAN));
+        group.add_reals("scale_std", &[count], scale_std.collect());
     }
     group.add(
         "participation",

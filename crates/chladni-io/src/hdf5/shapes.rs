@@ -2,6 +2,7 @@
 //! `values` [node, component] in the units of the source, everything else as attributes
 //! named as in [`Shape`].
 
+use super::attributes::{each, Required, ID_LINES};
 use super::own::Own;
 use crate::arrays::tree::{Attribute, Entry, Group, Values};
 use crate::arrays::values::{integers, wrong_type, ComplexArray};
@@ -9,15 +10,6 @@ use crate::{Analysis, Shape, ShapeForm, ShapeNumbers};
 use chladni_frf::{Dof, Error, Result};
 use ndarray::{Array2, Ix2};
 use num_complex::Complex64;
-
-/// Names of the ID lines.
-const ID_LINES: [&str; 5] = [
-    "id_line_1",
-    "id_line_2",
-    "id_line_3",
-    "id_line_4",
-    "id_line_5",
-];
 
 /// Group `/shapes`.
 pub(super) fn shapes_group(shapes: &[Shape]) -> Group<'_> {
@@ -42,14 +34,11 @@ fn shape_group(number: usize, shape: &Shape) -> Group<'_> {
         values,
         ..
     } = shape;
-    group.set(
-        "dataset",
-        Attribute::Integer(if *form == ShapeForm::AtNodes55 {
-            55
-        } else {
-            2414
-        }),
-    );
+    let dataset = match form {
+        ShapeForm::AtNodes55 => 55,
+        ShapeForm::Analysis2414 => 2414,
+    };
+    group.set("dataset", Attribute::Integer(dataset));
     group.set("name", Attribute::FixedText(name.clone()));
     for (key, line) in ID_LINES.iter().zip(id_lines) {
         group.set(key, Attribute::FixedText(line.clone()));
@@ -103,27 +92,43 @@ pub(super) fn read_shapes(own: &Own<'_>) -> Result<Vec<Shape>> {
 }
 
 fn read_shape(own: &Own<'_>, group: &Entry) -> Result<Shape> {
-    let missing = |name: &str| {
-        let error =
-            Error::bad_data("an attribute is missing").field(format!("{name} of {}", group.path));
-        error
-            .found("nothing")
-            .expected("every attribute of a shape")
+    let said = Required {
+        group,
+        holds: "shape",
     };
-    let text = |name: &str| {
-        group
-            .text(name)
-            .map(str::to_owned)
-            .ok_or_else(|| missing(name))
+    let (nodes, values) = read_values(own, group)?;
+    let reference = match group.text("reference") {
+        None => None,
+        Some(text) => Some(text.parse::<Dof>().map_err(|message| {
+            Error::bad_data(message)
+                .field(said.field("reference"))
+                .found(text)
+                .expected("a DOF, as in 12:+Z")
+        })?),
     };
-    let whole = |name: &str| group.integer(name).ok_or_else(|| missing(name));
-    let real = |name: &str| group.real(name).ok_or_else(|| missing(name));
-    let complex = |name: &str| {
-        Ok::<_, Error>(Complex64::new(
-            real(&format!("{name}_re"))?,
-            real(&format!("{name}_im"))?,
-        ))
-    };
+    Ok(Shape {
+        form: match said.whole("dataset")? {
+            55 => ShapeForm::AtNodes55,
+            _ => ShapeForm::Analysis2414,
+        },
+        name: said.text("name")?,
+        id_lines: each(ID_LINES, |name| said.text(name))?,
+        model_type: said.whole("model_type")?,
+        analysis: Analysis::from_code(said.whole("analysis")?),
+        characteristic: said.whole("characteristic")?,
+        quantity: said.whole("quantity")?,
+        reference,
+        numbers: read_numbers(&said)?,
+        complex: said.whole("complex")? != 0,
+        nodes,
+        values,
+        scale_to_si: said.real("scale_to_si")?,
+        line: 0,
+        warnings: Vec::new(),
+    })
+}
+
+fn read_values(own: &Own<'_>, group: &Entry) -> Result<(Vec<u64>, Array2<Complex64>)> {
     let (entry, nodes) = own.dataset(&format!("{}/nodes", group.path))?;
     let nodes = integers(entry, nodes)?;
     let (entry, values) = own.dataset(&format!("{}/values", group.path))?;
@@ -141,51 +146,20 @@ fn read_shape(own: &Own<'_>, group: &Entry) -> Result<Shape> {
             .found(nodes.len())
             .expected(format!("{}, one per row of values", values.nrows())));
     }
-    let reference = match group.text("reference") {
-        None => None,
-        Some(text) => Some(text.parse::<Dof>().map_err(|message| {
-            Error::bad_data(message)
-                .field(format!("reference of {}", group.path))
-                .found(text)
-                .expected("a DOF, as in 12:+Z")
-        })?),
-    };
-    Ok(Shape {
-        form: if whole("dataset")? == 55 {
-            ShapeForm::AtNodes55
-        } else {
-            ShapeForm::Analysis2414
-        },
-        name: text("name")?,
-        id_lines: [
-            text(ID_LINES[0])?,
-            text(ID_LINES[1])?,
-            text(ID_LINES[2])?,
-            text(ID_LINES[3])?,
-            text(ID_LINES[4])?,
-        ],
-        model_type: whole("model_type")?,
-        analysis: Analysis::from_code(whole("analysis")?),
-        characteristic: whole("characteristic")?,
-        quantity: whole("quantity")?,
-        reference,
-        numbers: ShapeNumbers {
-            load_case: whole("load_case")?,
-            number: whole("number")?,
-            time_s: real("time_s")?,
-            frequency_hz: real("frequency_hz")?,
-            modal_mass: real("modal_mass")?,
-            viscous: real("viscous")?,
-            hysteretic: real("hysteretic")?,
-            eigenvalue: complex("eigenvalue")?,
-            modal_a: complex("modal_a")?,
-            modal_b: complex("modal_b")?,
-        },
-        complex: whole("complex")? != 0,
-        nodes,
-        values,
-        scale_to_si: real("scale_to_si")?,
-        line: 0,
-        warnings: Vec::new(),
+    Ok((nodes, values))
+}
+
+fn read_numbers(said: &Required<'_>) -> Result<ShapeNumbers> {
+    Ok(ShapeNumbers {
+        load_case: said.whole("load_case")?,
+        number: said.whole("number")?,
+        time_s: said.real("time_s")?,
+        frequency_hz: said.real("frequency_hz")?,
+        modal_mass: said.real("modal_mass")?,
+        viscous: said.real("viscous")?,
+        hysteretic: said.real("hysteretic")?,
+        eigenvalue: said.complex("eigenvalue")?,
+        modal_a: said.complex("modal_a")?,
+        modal_b: said.complex("modal_b")?,
     })
 }

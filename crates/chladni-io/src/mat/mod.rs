@@ -155,14 +155,8 @@ impl Walk {
         }
         let mut parts = Elements::new(element.bytes, element.byte, self.order);
         let mut part = |what: &str| -> Result<Element<'_>> {
-            parts.next().transpose()?.ok_or_else(|| {
-                let error = Error::bad_data("the array ends early")
-                    .at_byte(element.byte as u64)
-                    .field(what);
-                error
-                    .found("the end of the array")
-                    .expected("flags, dimensions, name and values")
-            })
+            let next = parts.next().transpose()?;
+            next.ok_or_else(|| ends_early(element, what))
         };
         let flags = part("array flags")?;
         let word = flags.unsigned(self.order)?.first().copied().unwrap_or(0) as u32;
@@ -184,50 +178,49 @@ impl Walk {
             }
             CELL => self.cells(parts.collect(), &path, depth),
             STRUCT => {
-                let width = part("length of field names")?
-                    .unsigned(self.order)?
-                    .first()
-                    .copied()
-                    .unwrap_or(0) as usize;
-                let names = part("field names")?.bytes;
-                let names: Vec<String> = names
-                    .chunks(width.max(1))
-                    .map(|name| trimmed(name).to_string())
-                    .collect();
+                let width = part("length of field names")?.unsigned(self.order)?;
+                let width = width.first().copied().unwrap_or(0) as usize;
+                let names = part("field names")?.bytes.chunks(width.max(1));
+                let names: Vec<String> = names.map(|name| trimmed(name).to_string()).collect();
                 let several = shape.iter().product::<usize>() > 1;
                 self.fields(parts, &names, several, &path, depth)
             }
             _ if NUMERIC.contains(&class) => {
                 let re = part("values")?;
-                let im = if complex {
-                    Some(part("imaginary parts")?)
-                } else {
-                    None
-                };
+                let im = complex.then(|| part("imaginary parts")).transpose()?;
                 let count = checked_count(&shape, element, &path)?;
                 let values = values(class, &re, im.as_ref(), self.order)?;
-                if values.1 != count {
-                    return Err(
-                        Error::bad_data("the count of values does not fit the dimensions")
-                            .at_byte(re.byte as u64)
-                            .field(&path)
-                            .found(format!("{} values", values.1))
-                            .expected(format!("{count} for dimensions {shape:?}")),
-                    );
-                }
-                // column-major in MATLAB's order of axes is row-major in the reverse
-                let shape = shape.into_iter().rev().collect();
-                self.arrays.add(&path, shape, values.0, true);
-                Ok(())
+                self.numbers(values, (shape, count), &re, &path)
             }
             _ => {
-                self.arrays.warnings.push(Finding::note(
-                    "not-read",
-                    format!("{path}: {} is not read", class_name(class)),
-                ));
+                let words = format!("{path}: {} is not read", class_name(class));
+                self.arrays.warnings.push(Finding::note("not-read", words));
                 Ok(())
             }
         }
+    }
+
+    /// Keeps values and their count, where it is that of the dimensions.
+    fn numbers(
+        &mut self,
+        (values, found): (Values<'static>, usize),
+        (shape, count): (Vec<usize>, usize),
+        re: &Element<'_>,
+        path: &str,
+    ) -> Result<()> {
+        if found != count {
+            return Err(
+                Error::bad_data("the count of values does not fit the dimensions")
+                    .at_byte(re.byte as u64)
+                    .field(path)
+                    .found(format!("{found} values"))
+                    .expected(format!("{count} for dimensions {shape:?}")),
+            );
+        }
+        // column-major in MATLAB's order of axes is row-major in the reverse
+        let shape = shape.into_iter().rev().collect();
+        self.arrays.add(path, shape, values, true);
+        Ok(())
     }
 
     /// The cells of an array: texts as one array, anything else each by itself.
@@ -266,6 +259,14 @@ impl Walk {
         }
         Ok(())
     }
+}
+
+fn ends_early(array: &Element<'_>, missing: &str) -> Error {
+    Error::bad_data("the array ends early")
+        .at_byte(array.byte as u64)
+        .field(missing)
+        .found("the end of the array")
+        .expected("flags, dimensions, name and values")
 }
 
 /// Values and their count.

@@ -92,83 +92,84 @@ pub(crate) fn write(path: &Path, set: &FrfSet, force: bool) -> Result<()> {
     })
 }
 
-fn write_to(mut archive: ZipWriter<BufWriter<File>>, set: &FrfSet) -> io::Result<()> {
+fn write_to(zip: ZipWriter<BufWriter<File>>, set: &FrfSet) -> io::Result<()> {
     let (responses, references, lines) = set.values.dim();
     let shape = [responses, references, lines];
-    // no time stamp: the same data give the same bytes
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Stored)
-        .large_file(true);
-    let mut member = |name: &str,
-                      code: &str,
-                      shape: &[usize],
-                      fill: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>| {
-        archive
-            .start_file(format!("{name}.npy"), options)
-            .map_err(io::Error::other)?;
-        archive.write_all(&npy::header(code, shape))?;
-        fill(&mut archive)
-    };
-    member("freq", "<f8", &[lines], &mut |out| {
-        set.frequency_hz
-            .iter()
-            .try_for_each(|f| out.write_all(&f.to_le_bytes()))
-    })?;
+    let mut archive = Archive { zip };
+    let frequencies = set.frequency_hz.iter();
+    archive.numbers(
+        "freq",
+        "<f8",
+        &[lines],
+        frequencies.map(|f| f.to_le_bytes()),
+    )?;
     match &set.values {
-        FrfValues::F64(values) => member("frf", "<c16", &shape, &mut |out| {
-            values.iter().try_for_each(|v| {
-                out.write_all(&v.re.to_le_bytes())
-                    .and_then(|()| out.write_all(&v.im.to_le_bytes()))
-            })
-        })?,
-        FrfValues::F32(values) => member("frf", "<c8", &shape, &mut |out| {
-            values.iter().try_for_each(|v| {
-                out.write_all(&v.re.to_le_bytes())
-                    .and_then(|()| out.write_all(&v.im.to_le_bytes()))
-            })
-        })?,
+        FrfValues::F64(values) => {
+            let parts = values.iter().flat_map(|v| [v.re, v.im]);
+            archive.numbers("frf", "<c16", &shape, parts.map(f64::to_le_bytes))?;
+        }
+        FrfValues::F32(values) => {
+            let parts = values.iter().flat_map(|v| [v.re, v.im]);
+            archive.numbers("frf", "<c8", &shape, parts.map(f32::to_le_bytes))?;
+        }
     }
     if let Some(coherence) = &set.coherence {
-        member("coherence", "<f4", &shape, &mut |out| {
-            coherence
-                .iter()
-                .try_for_each(|v| out.write_all(&v.to_le_bytes()))
-        })?;
+        let values = coherence.iter().map(|v| v.to_le_bytes());
+        archive.numbers("coherence", "<f4", &shape, values)?;
     }
-    let mut texts = |name: &str, texts: &[String], shape: &[usize]| {
-        let width = texts
-            .iter()
-            .map(|text| text.chars().count())
-            .max()
-            .unwrap_or(0)
-            .max(1);
-        member(name, &format!("<U{width}"), shape, &mut |out| {
-            texts.iter().try_for_each(|text| {
-                let padded = text
-                    .chars()
-                    .map(u32::from)
-                    .chain(std::iter::repeat(0))
-                    .take(width);
-                padded
-                    .into_iter()
-                    .try_for_each(|unit| out.write_all(&unit.to_le_bytes()))
-            })
-        })
-    };
     let dofs = |dofs: &[chladni_frf::Dof]| dofs.iter().map(ToString::to_string).collect::<Vec<_>>();
-    texts("response", &dofs(&set.responses), &[responses])?;
-    texts("reference", &dofs(&set.references), &[references])?;
-    texts("reference_unit", &[set.reference_unit.to_string()], &[])?;
-    texts("time_sign", &["+".to_owned()], &[])?;
-    texts("axes", &["response-reference-line".to_owned()], &[])?;
+    archive.texts("response", &dofs(&set.responses), &[responses])?;
+    archive.texts("reference", &dofs(&set.references), &[references])?;
+    archive.texts("reference_unit", &[set.reference_unit.to_string()], &[])?;
+    archive.texts("time_sign", &["+".to_owned()], &[])?;
+    archive.texts("axes", &["response-reference-line".to_owned()], &[])?;
     if let Some(kind) = set.kind {
-        texts("frf_kind", &[kind.to_string()], &[])?;
-        texts("unit", &[kind.unit(set.reference_unit)], &[])?;
+        archive.texts("frf_kind", &[kind.to_string()], &[])?;
+        archive.texts("unit", &[kind.unit(set.reference_unit)], &[])?;
     }
     archive
+        .zip
         .finish()
         .map_err(io::Error::other)?
         .into_inner()
         .map_err(io::IntoInnerError::into_error)?
         .sync_all()
+}
+
+/// An archive that is being written.
+struct Archive {
+    zip: ZipWriter<BufWriter<File>>,
+}
+
+impl Archive {
+    /// An array of numbers, as their bytes.
+    fn numbers<const N: usize>(
+        &mut self,
+        name: &str,
+        code: &str,
+        shape: &[usize],
+        mut numbers: impl Iterator<Item = [u8; N]>,
+    ) -> io::Result<()> {
+        // no time stamp: the same data give the same bytes
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .large_file(true);
+        self.zip
+            .start_file(format!("{name}.npy"), options)
+            .map_err(io::Error::other)?;
+        self.zip.write_all(&npy::header(code, shape))?;
+        numbers.try_for_each(|bytes| self.zip.write_all(&bytes))
+    }
+
+    /// An array of texts, each as long as the longest.
+    fn texts(&mut self, name: &str, texts: &[String], shape: &[usize]) -> io::Result<()> {
+        let lengths = texts.iter().map(|text| text.chars().count());
+        let width = lengths.max().unwrap_or(0).max(1);
+        let units = texts.iter().flat_map(|text| {
+            let padding = std::iter::repeat(0);
+            text.chars().map(u32::from).chain(padding).take(width)
+        });
+        let code = format!("<U{width}");
+        self.numbers(name, &code, shape, units.map(u32::to_le_bytes))
+    }
 }

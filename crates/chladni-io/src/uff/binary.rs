@@ -1,100 +1,14 @@
-//! Binary dataset 58 (`58b`): its identifier line, and where its payload lies.
-//!
-//! Identifier: I6 = 58, A1 = `b`, I6 byte order (1 little, 2 big), I6 float format (1 DEC
-//! VMS, 2 IEEE 754, 3 IBM 370), I12 count of text lines that follow, I12 count of bytes
-//! after them, then four zeros.
+//! Binary dataset 58 (`58b`): where its payload lies.
 //!
 //! The length of the payload comes from record 7, not from the identifier: common writers
 //! state it wrongly. A length counts as right when it lands on a closing `-1` line.
 
-use super::fields::{numbers, whole, Record};
+use super::fields::Record;
+use super::identifier::Identifier;
 use super::layout::{Layout, Record7};
-use super::lines::{is_marker, Lines, HEADER_RECORDS};
+use super::lines::{is_marker, Lines};
 use chladni_frf::{Error, Finding, Result};
 use std::borrow::Cow;
-
-/// The identifier line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Identifier {
-    pub big_endian: bool,
-    pub header_lines: usize,
-    /// Bytes of payload that the line states; 0 where it states none.
-    pub declared_bytes: u64,
-}
-
-impl Identifier {
-    /// Reads the number line of a binary dataset.
-    ///
-    /// # Errors
-    /// An unknown byte order, or floats that are not IEEE 754.
-    pub(super) fn read(record: Record<'_>, warnings: &mut Vec<Finding>) -> Result<Self> {
-        let after_b = record
-            .text
-            .iter()
-            .position(|b| matches!(b, b'b' | b'B'))
-            .map_or(record.text.len(), |k| k + 1);
-        let fields = Record {
-            text: &record.text[after_b..],
-            ..record
-        };
-        let columns = [
-            ("byte order", 6),
-            ("float format", 6),
-            ("count of header lines", 12),
-            ("count of bytes", 12),
-            ("unused 1", 6),
-            ("unused 2", 6),
-            ("unused 3", 12),
-            ("unused 4", 12),
-        ];
-        let [order, format, lines, bytes, ..] = numbers(fields, columns, warnings)?;
-        let refuse = |field: &str, found: f64, expected: &str| {
-            Error::bad_data("this binary form cannot be read")
-                .at_line(record.line)
-                .field(field)
-                .found(found)
-                .expected(expected)
-                .help("export the file again as text, or as IEEE binary")
-        };
-        let big_endian = match whole(record, "byte order", order)? {
-            1 => false,
-            2 => true,
-            _ => {
-                return Err(refuse(
-                    "byte order",
-                    order,
-                    "1 little endian or 2 big endian",
-                ))
-            }
-        };
-        match whole(record, "float format", format)? {
-            2 => {}
-            1 => return Err(refuse("float format", format, "2 IEEE 754; 1 is DEC VMS")),
-            3 => return Err(refuse("float format", format, "2 IEEE 754; 3 is IBM 370")),
-            _ => return Err(refuse("float format", format, "2 IEEE 754")),
-        }
-        let header_lines = match whole(record, "count of header lines", lines)? {
-            more if (HEADER_RECORDS as i64..100).contains(&more) => more as usize,
-            other => {
-                warnings.push(Finding::note(
-                    "loosely-written",
-                    format!(
-                        "line {}: the identifier states {other} header lines; \
-                                       {HEADER_RECORDS} are read",
-                        record.line
-                    ),
-                ));
-                HEADER_RECORDS
-            }
-        };
-        let declared_bytes = u64::try_from(whole(record, "count of bytes", bytes)?).unwrap_or(0);
-        Ok(Self {
-            big_endian,
-            header_lines,
-            declared_bytes,
-        })
-    }
-}
 
 /// The data of a binary 58, and how they are stored.
 #[derive(Debug, Clone, Copy)]
@@ -231,10 +145,17 @@ pub(super) struct Landed {
 /// Everything that is known about where a payload may end.
 struct Search<'a, R> {
     rest: &'a R,
+    /// Offset of `rest` in the file.
+    byte: u64,
     layout: Layout,
+    /// Line of record 7.
+    line: u64,
     /// Bytes stated by the identifier line.
     declared: u64,
+    lenient: bool,
 }
+
+const COUNT: &str = "record 7: number of values";
 
 impl<R: Rest> Search<'_, R> {
     /// The first of `forms` whose length lands; the declared length is tried first.
@@ -264,6 +185,103 @@ impl<R: Rest> Search<'_, R> {
             .into_iter()
             .find(|form| length > 0 && length.is_multiple_of(form.point_bytes() as u64))?;
         Some(Landed { form, length, end })
+    }
+
+    fn wrong(&self, message: &str, field: &str) -> Error {
+        Error::bad_data(message)
+            .at_line(self.line)
+            .at_byte(self.byte)
+            .field(field)
+    }
+
+    /// The payload that record 7 states.
+    fn as_stated(&self, warnings: &mut Vec<Finding>) -> Option<Landed> {
+        let forms = allowed(self.layout);
+        let at = self.any_of(&forms, &[Landing::Strict, Landing::Loose])?;
+        let (declared, length) = (self.declared, at.length);
+        if declared != length {
+            let words = format!(
+                "the identifier line states {declared} bytes of data, the header {length}; \
+                 {length} are there and are read"
+            );
+            warnings.push(Finding::note("loosely-written", words));
+        }
+        Some(at)
+    }
+
+    /// The payload in the precision that record 7 does not state: an error, where not
+    /// `lenient`.
+    fn in_other_precision(&self, warnings: &mut Vec<Finding>) -> Result<Option<Landed>> {
+        let layout = self.layout;
+        let forms = contradicting(layout);
+        let Some(at) = self.any_of(&forms, &[Landing::Strict, Landing::Loose]) else {
+            return Ok(None);
+        };
+        let precision = |is_double: bool| if is_double { "double" } else { "single" };
+        let [said, written] = [layout.double, at.form.y_bytes == 8].map(precision);
+        if !self.lenient {
+            let message = format!(
+                "the header says {said} precision, but the data are written in {written} precision"
+            );
+            let found = format!(
+                "{} and {} bytes of data for {} values",
+                layout.code(),
+                at.length,
+                layout.count
+            );
+            return Err(self
+                .wrong(&message, "record 7: ordinate type")
+                .found(found)
+                .expected(format!("data in {said} precision"))
+                .help("read it with `lenient`, which takes the data as they are written"));
+        }
+        let words = format!(
+            "the header says {said} precision, the data are in {written} precision and read so"
+        );
+        warnings.push(Finding::caution("loosely-written", words));
+        Ok(Some(at))
+    }
+
+    /// The payload of the declared length: an error about the number of values, where not
+    /// `lenient`.
+    fn with_other_count(&self, warnings: &mut Vec<Finding>) -> Result<Option<Landed>> {
+        let Some(at) = self.declared_length() else {
+            return Ok(None);
+        };
+        let declared = self.layout.count;
+        let present = at.length / at.form.point_bytes() as u64;
+        if !self.lenient {
+            return Err(self
+                .wrong("the declared number of values and the data disagree", COUNT)
+                .found(format!("{declared} declared, {present} present"))
+                .expected("equal numbers")
+                .help("export the file again, or read what is there with `lenient`"));
+        }
+        let words = format!(
+            "the header declares {declared} values, the data hold {present}; these are read"
+        );
+        warnings.push(Finding::caution("values-missing", words));
+        Ok(Some(at))
+    }
+
+    /// The payload with which the file ends: an error, where not `lenient`.
+    fn at_file_end(&self, warnings: &mut Vec<Finding>) -> Result<Landed> {
+        let forms = allowed(self.layout);
+        let found = self.any_of(&forms, &[Landing::FileEnd]);
+        let at = found.filter(|_| self.lenient).ok_or_else(|| {
+            self.wrong("the binary data do not end where their length says", COUNT)
+                .found(self.nowhere())
+                .expected("data of the declared length, then a line with -1")
+                .help(
+                    "the file is cut short or was changed by a text transfer; copy it again in \
+                     binary mode",
+                )
+        })?;
+        warnings.push(Finding::note(
+            "loosely-written",
+            "the file ends behind the data, without a closing -1 line",
+        ));
+        Ok(at)
     }
 
     /// No length lands anywhere.
@@ -304,142 +322,29 @@ pub(super) fn locate(
     lenient: bool,
     warnings: &mut Vec<Finding>,
 ) -> Result<Landed> {
-    let layout = Record7::read(record7, &mut Vec::new())?.layout;
     let search = Search {
         rest,
-        layout,
+        byte,
+        layout: Record7::read(record7, &mut Vec::new())?.layout,
+        line: record7.line,
         declared: identifier.declared_bytes,
+        lenient,
     };
-    let wrong = |message: &str, field: &str| {
-        Error::bad_data(message)
-            .at_line(record7.line)
-            .at_byte(byte)
-            .field(field)
-    };
-    const COUNT: &str = "record 7: number of values";
-
-    if let Some(at) = search.any_of(&allowed(layout), &[Landing::Strict, Landing::Loose]) {
-        let (declared, length) = (search.declared, at.length);
-        if declared != length {
-            warnings.push(Finding::note(
-                "loosely-written",
-                format!(
-                    "the identifier line states {declared} bytes of data, the header \
-                               {length}; {length} are there and are read"
-                ),
-            ));
-        }
+    if let Some(at) = search.as_stated(warnings) {
         return Ok(at);
     }
-    if let Some(at) = search.any_of(&contradicting(layout), &[Landing::Strict, Landing::Loose]) {
-        let precision = |is_double: bool| if is_double { "double" } else { "single" };
-        let [said, written] = [layout.double, at.form.y_bytes == 8].map(precision);
-        if !lenient {
-            let message = format!(
-                "the header says {said} precision, but the data are written in {written} precision"
-            );
-            let found = format!(
-                "{} and {} bytes of data for {} values",
-                layout.code(),
-                at.length,
-                layout.count
-            );
-            return Err(wrong(&message, "record 7: ordinate type")
-                .found(found)
-                .expected(format!("data in {said} precision"))
-                .help("read it with `lenient`, which takes the data as they are written"));
-        }
-        let words = format!(
-            "the header says {said} precision, the data are in {written} precision and read so"
-        );
-        warnings.push(Finding::caution("loosely-written", words));
+    if let Some(at) = search.in_other_precision(warnings)? {
         return Ok(at);
     }
-    if let Some(at) = search.declared_length() {
-        let (declared, present) = (layout.count, at.length / at.form.point_bytes() as u64);
-        if !lenient {
-            return Err(
-                wrong("the declared number of values and the data disagree", COUNT)
-                    .found(format!("{declared} declared, {present} present"))
-                    .expected("equal numbers")
-                    .help("export the file again, or read what is there with `lenient`"),
-            );
-        }
-        let words = format!(
-            "the header declares {declared} values, the data hold {present}; these are read"
-        );
-        warnings.push(Finding::caution("values-missing", words));
+    if let Some(at) = search.with_other_count(warnings)? {
         return Ok(at);
     }
-    if let Some(at) = search
-        .any_of(&allowed(layout), &[Landing::FileEnd])
-        .filter(|_| lenient)
-    {
-        warnings.push(Finding::note(
-            "loosely-written",
-            "the file ends behind the data, without a closing -1 line",
-        ));
-        return Ok(at);
-    }
-    Err(
-        wrong("the binary data do not end where their length says", COUNT)
-            .found(search.nowhere())
-            .expected("data of the declared length, then a line with -1")
-            .help(
-                "the file is cut short or was changed by a text transfer; copy it again in binary \
-               mode",
-            ),
-    )
+    search.at_file_end(warnings)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn identifier(text: &str) -> Result<Identifier> {
-        Identifier::read(
-            Record {
-                line: 2,
-                text: text.as_bytes(),
-            },
-            &mut Vec::new(),
-        )
-    }
-
-    #[test]
-    fn the_identifier_line_is_cut_by_column() {
-        let read = identifier(
-            "    58b     1     2          11        1600     0     0           0           0",
-        )
-        .unwrap();
-        assert_eq!(
-            read,
-            Identifier {
-                big_endian: false,
-                header_lines: 11,
-                declared_bytes: 1600
-            }
-        );
-        assert!(
-            identifier("    58b     2     2          11")
-                .unwrap()
-                .big_endian
-        );
-    }
-
-    #[test]
-    fn dec_and_ibm_floats_are_refused_by_name() {
-        for (text, name) in [
-            ("    58b     1     1          11", "DEC VMS"),
-            ("    58b     2     3          11", "IBM 370"),
-        ] {
-            assert!(identifier(text).unwrap_err().to_string().contains(name));
-        }
-        assert!(identifier("    58b     0     2          11")
-            .unwrap_err()
-            .to_string()
-            .contains("byte order"));
-    }
 
     #[test]
     fn a_payload_lands_on_a_marker_behind_any_line_end() {

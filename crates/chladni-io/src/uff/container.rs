@@ -7,6 +7,7 @@
 
 use super::binary::{self, Payload};
 use super::fields::Record;
+use super::identifier::Identifier;
 use super::lines::{is_marker, Lines, HEADER_RECORDS};
 use chladni_frf::{Error, Finding, Result};
 
@@ -198,45 +199,7 @@ fn binary_body<'a>(
     lenient: bool,
 ) -> Lines<'a> {
     let mut at = start;
-    let located = (|| -> Result<_> {
-        let identifier = binary::Identifier::read(number, &mut block.warnings)?;
-        let mut record7 = None;
-        for k in 1..=identifier.header_lines {
-            let before = at;
-            let record = at
-                .next()
-                .filter(|record| !is_marker(record.text))
-                .ok_or_else(|| {
-                    at = before;
-                    ends_in_header(before.line, k - 1, identifier.header_lines)
-                })?;
-            if k == 7 {
-                record7 = Some(record);
-            }
-            if k == HEADER_RECORDS {
-                block.records = start.until(at);
-            }
-        }
-        let byte = (file.bytes.len() - at.bytes.len()) as u64;
-        let landed = binary::locate(
-            &at.bytes,
-            byte,
-            identifier,
-            record7.unwrap_or(number),
-            lenient,
-            &mut block.warnings,
-        )?;
-        Ok((
-            Payload {
-                bytes: &at.bytes[..landed.length as usize],
-                byte,
-                form: landed.form,
-                big_endian: identifier.big_endian,
-            },
-            landed.end,
-        ))
-    })();
-    match located {
+    match payload(file.bytes.len(), &mut at, number, block, lenient) {
         Ok((payload, length)) => {
             block.payload = Some(payload);
             at.skip_bytes(length as usize)
@@ -251,6 +214,52 @@ fn binary_body<'a>(
             next_opening(at)
         }
     }
+}
+
+/// Reads past the header at `at` and finds the payload, and one past its closing marker,
+/// from `at` on.
+fn payload<'a>(
+    file_bytes: usize,
+    at: &mut Lines<'a>,
+    number: Record<'a>,
+    block: &mut Block<'a>,
+    lenient: bool,
+) -> Result<(Payload<'a>, u64)> {
+    let start = *at;
+    let identifier = Identifier::read(number, &mut block.warnings)?;
+    let mut record7 = None;
+    for k in 1..=identifier.header_lines {
+        let before = *at;
+        let record = at
+            .next()
+            .filter(|record| !is_marker(record.text))
+            .ok_or_else(|| {
+                *at = before;
+                ends_in_header(before.line, k - 1, identifier.header_lines)
+            })?;
+        if k == 7 {
+            record7 = Some(record);
+        }
+        if k == HEADER_RECORDS {
+            block.records = start.until(*at);
+        }
+    }
+    let byte = (file_bytes - at.bytes.len()) as u64;
+    let landed = binary::locate(
+        &at.bytes,
+        byte,
+        identifier,
+        record7.unwrap_or(number),
+        lenient,
+        &mut block.warnings,
+    )?;
+    let payload = Payload {
+        bytes: &at.bytes[..landed.length as usize],
+        byte,
+        form: landed.form,
+        big_endian: identifier.big_endian,
+    };
+    Ok((payload, landed.end))
 }
 
 /// The place where reading can go on behind a damaged binary dataset: the next closing

@@ -6,7 +6,7 @@ use super::header::Units;
 use super::header58::{entity_dof, Header};
 use super::layout::Record7;
 use super::scaling::scaling;
-use super::step;
+use super::step::{self, Printed};
 use super::values::{read_binary, read_text, Values};
 use crate::{Abscissa, Function, Ordinate, ReadOptions};
 use chladni_frf::{Error, Finding, Result};
@@ -180,10 +180,8 @@ fn abscissa(
         return match exact {
             Some((start, step)) if snap || tagged_step.is_some() => Abscissa::Even { start, step },
             Some((_, step)) => {
-                warnings.push(candidate_warning(
-                    step,
-                    "the abscissa is printed with 6 digits",
-                ));
+                let printed = "the abscissa is printed with 6 digits";
+                warnings.push(candidate_warning(step, printed));
                 Abscissa::Uneven(x)
             }
             None => Abscissa::Uneven(x),
@@ -198,7 +196,31 @@ fn abscissa(
             ),
         ));
     }
-    let exact = match tagged_step {
+    let exact_start = step::tagged(&header.id_lines[3], "start=")
+        .filter(|&tagged| tagged_step.is_some() && start.agrees(tagged));
+    match exact_step(step, tagged_step, count, snap, warnings) {
+        Some(exact) => Abscissa::Even {
+            start: exact_start
+                .unwrap_or_else(|| step::multiple_near(start.value, exact, start.half_unit)),
+            step: exact,
+        },
+        None => Abscissa::Even {
+            start: start.value,
+            step: step.value,
+        },
+    }
+}
+
+/// The exact step behind that of record 7: the one of ID line 4, or the only one that is
+/// printed so, where `snap`.
+fn exact_step(
+    step: Printed,
+    tagged: Option<f64>,
+    count: usize,
+    snap: bool,
+    warnings: &mut Vec<Finding>,
+) -> Option<f64> {
+    match tagged {
         Some(tagged) if step.agrees(tagged) => Some(tagged),
         Some(tagged) => {
             warnings.push(Finding::caution(
@@ -223,19 +245,6 @@ fn abscissa(
                 None
             }
             None => None,
-        },
-    };
-    let exact_start = step::tagged(&header.id_lines[3], "start=")
-        .filter(|&tagged| tagged_step.is_some() && start.agrees(tagged));
-    match exact {
-        Some(exact) => Abscissa::Even {
-            start: exact_start
-                .unwrap_or_else(|| step::multiple_near(start.value, exact, start.half_unit)),
-            step: exact,
-        },
-        None => Abscissa::Even {
-            start: start.value,
-            step: step.value,
         },
     }
 }

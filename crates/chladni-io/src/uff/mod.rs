@@ -2,13 +2,14 @@
 //! 2414, 2420.
 //!
 //! The way of the data: `container` cuts the file into datasets. `function58` reads one
-//! function: its header in `header58`, its layout in `layout`, its numbers in `values`,
-//! where a binary one has them in `binary`. `scaling` learns kind and units from codes,
-//! labels (`unit_label`) and dataset 164 (`header`); `step` finds the exact step of an
-//! axis. `nodes` and `mesh` collect the geometry, `shapes` mode shapes and fields, whose
-//! codes `shape_head` reads. `scan` lists a file without holding it: its lines come from
-//! `stream`, what is kept of a dataset is in `passed`. `write` goes the other way, with
-//! `write58`, `write_mesh` and `write_shape` for what their names say.
+//! function: its header in `header58`, its layout in `layout`, its numbers in `values`;
+//! `binary` finds those of a binary one, behind the line that `identifier` reads.
+//! `scaling` learns kind and units from codes, labels (`unit_label`) and dataset 164
+//! (`header`); `step` finds the exact step of an axis. `nodes` and `mesh` read what
+//! `geometry` puts together, `shapes` mode shapes and fields, whose codes `shape_head`
+//! reads. `scan` lists a file without holding it: its lines come from `stream`, what is
+//! kept of a dataset is in `passed`. `write` goes the other way, with `write58`,
+//! `write_mesh` and `write_shape` for what their names say.
 //!
 //! Definitions: universal file format pages of UC-SDRL; the binary 58 of the same. Field
 //! experience is written beside the code that needs it. A damaged dataset never hides the
@@ -19,8 +20,10 @@ mod container;
 mod decimal;
 mod fields;
 mod function58;
+mod geometry;
 mod header;
 mod header58;
+mod identifier;
 mod layout;
 mod lines;
 mod mesh;
@@ -128,7 +131,7 @@ impl Collector {
                 "the file has nodes and no units dataset (164): metres are assumed",
             ));
         }
-        document.geometry = nodes::geometry(&nodes, &systems, &mut document.warnings);
+        document.geometry = geometry::geometry(&nodes, &systems, &mut document.warnings);
         (document.geometry.lines, document.geometry.faces) = (mesh.lines, mesh.faces);
         note_lost_nodes(&mut document);
         Ok(document)
@@ -243,34 +246,49 @@ fn damaged_units(block: &Block<'_>) -> Error {
         .help("correct the dataset 164, or remove it where the file is in SI")
 }
 
-fn fill(
+fn fill_function(
     part: &mut Part,
     block: &Block<'_>,
     units: &UnitsInForce,
     options: &ReadOptions,
 ) -> Result<()> {
     let info = &mut part.info;
-    if block.number == Some(58) {
-        let read = function58::read(block, units.unwrap_or(None), options);
-        if let Some(header) = &read.header {
-            info.function = Some(super::function_name(header.function_type).to_string());
-            info.response = Some(header.response.to_string());
-            info.reference = Some(header.reference.to_string());
-        }
-        info.values = function58::value_count(block, &read.function);
-        info.frf_kind = read
-            .function
-            .as_ref()
-            .ok()
-            .and_then(|function| function.kind);
-        info.warnings = read.warnings;
-        let function = read.function?;
-        if units.is_err() {
-            return Err(damaged_units(block));
-        }
-        part.function = Some(function);
-        return Ok(());
+    let read = function58::read(block, units.unwrap_or(None), options);
+    if let Some(header) = &read.header {
+        info.function = Some(super::function_name(header.function_type).to_string());
+        info.response = Some(header.response.to_string());
+        info.reference = Some(header.reference.to_string());
     }
+    info.values = function58::value_count(block, &read.function);
+    let kind_of = |function: &Function| function.kind;
+    info.frf_kind = read.function.as_ref().ok().and_then(kind_of);
+    info.warnings = read.warnings;
+    let function = read.function?;
+    if units.is_err() {
+        return Err(damaged_units(block));
+    }
+    part.function = Some(function);
+    Ok(())
+}
+
+fn list_shape(info: &mut DatasetInfo, shape: &Shape) {
+    info.function = Some(shape.analysis.name().into());
+    info.reference = shape.reference.map(|dof| dof.to_string());
+    info.nodes = Some(shape.nodes.len());
+    info.frequency_hz = shape.frequency_hz();
+    info.damping_ratio = shape.damping_ratio();
+}
+
+fn fill(
+    part: &mut Part,
+    block: &Block<'_>,
+    units: &UnitsInForce,
+    options: &ReadOptions,
+) -> Result<()> {
+    if block.number == Some(58) {
+        return fill_function(part, block, units, options);
+    }
+    let info = &mut part.info;
     info.warnings = block.warnings.clone();
     if let Some(fault) = &block.fault {
         return Err(fault.clone());
@@ -288,12 +306,10 @@ fn fill(
             header::read_units(block.records, warnings)?;
         }
         Some(number @ (15 | 2411)) => {
-            let read = if number == 15 {
-                nodes::read_15(block.records, warnings)
-            } else {
-                nodes::read_2411(block.records, warnings)
+            let nodes = match number {
+                15 => nodes::read_15(block.records, warnings)?,
+                _ => nodes::read_2411(block.records, warnings)?,
             };
-            let nodes = read?;
             info.nodes = Some(nodes.len());
             let units = units.map_err(|()| damaged_units(block))?;
             part.nodes = Some((nodes, units.unwrap_or(Units::SI)));
@@ -316,11 +332,7 @@ fn fill(
             part.shape = shapes::read(number, block.line, block.records, units, warnings)?;
             info.left_behind = part.shape.is_none();
             if let Some(shape) = &part.shape {
-                info.function = Some(shape.analysis.name().into());
-                info.reference = shape.reference.map(|dof| dof.to_string());
-                info.nodes = Some(shape.nodes.len());
-                info.frequency_hz = shape.frequency_hz();
-                info.damping_ratio = shape.damping_ratio();
+                list_shape(info, shape);
             }
         }
         _ => {}

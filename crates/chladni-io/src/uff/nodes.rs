@@ -9,9 +9,7 @@
 //!   four records per system.
 
 use super::fields::{numbers, whole, Column, Record};
-use super::header::Units;
-use chladni_frf::{Error, Finding, Geometry, Node, Result};
-use std::collections::HashMap;
+use chladni_frf::{Error, Finding, Result};
 
 /// A node with the coordinate systems that it names.
 #[derive(Debug, Clone, PartialEq)]
@@ -204,126 +202,11 @@ pub(super) fn read_systems<'a>(
     Ok(systems)
 }
 
-/// Nodes of all datasets, in metres, labels unique; what is odd about them goes to
-/// `warnings`.
-pub(super) fn geometry(
-    datasets: &[(Vec<FileNode>, Units)],
-    systems: &[System],
-    warnings: &mut Vec<Finding>,
-) -> Geometry {
-    let mut geometry = Geometry::default();
-    let known: HashMap<i64, System> = systems
-        .iter()
-        .map(|system| (system.label, *system))
-        .collect();
-    let is_global = |label: i64| {
-        known
-            .get(&label)
-            .map_or(is_global(label), |system| system.is_global)
-    };
-    let mut index_of: HashMap<u64, usize> = HashMap::new();
-    let mut moved = Names::default();
-    let mut undefined = Names::default();
-    let mut local = Names::default();
-    let mut displaced = Names::default();
-    for (nodes, units) in datasets {
-        let length = units.factor([1, 0]);
-        for node in nodes {
-            let xyz_m = node.xyz.map(|x| x / length);
-            if let Some(&first) = index_of.get(&node.label) {
-                if geometry.nodes[first].xyz_m != xyz_m {
-                    moved.push(node.label);
-                }
-                continue;
-            }
-            index_of.insert(node.label, geometry.nodes.len());
-            geometry.nodes.push(Node {
-                label: node.label,
-                xyz_m,
-            });
-            if !is_global(node.displacement_system) {
-                let names = if known.contains_key(&node.displacement_system) {
-                    &mut local
-                } else {
-                    &mut undefined
-                };
-                names.push(node.label);
-            }
-            if !is_global(node.position_system) {
-                displaced.push(node.label);
-            }
-        }
-    }
-    moved.warn(
-        warnings,
-        Finding::caution(
-            "node-moved",
-            "occur twice with different positions; the first is kept",
-        ),
-    );
-    undefined.warn(
-        warnings,
-        Finding::caution(
-            "coordinate-systems",
-            "name a displacement coordinate system that no dataset 18 or 2420 defines; their \
-             directions cannot be trusted",
-        ),
-    );
-    local.warn(
-        warnings,
-        Finding::note(
-            "own-directions",
-            "measure along their own coordinate systems (18 or 2420); directions are kept as in \
-             the file, not turned to global axes",
-        ),
-    );
-    displaced.warn(
-        warnings,
-        Finding::caution(
-            "coordinate-systems",
-            "are placed in a coordinate system of their own; positions are kept as in the file, \
-             not turned to global axes",
-        ),
-    );
-    geometry
-}
-
-/// 0 is the global system, and 1 its usual other name.
-fn is_global(system: i64) -> bool {
-    matches!(system, 0 | 1)
-}
-
-/// Node labels for one message: the first few, and how many there are.
-#[derive(Default)]
-struct Names {
-    first: Vec<String>,
-    count: usize,
-}
-
-impl Names {
-    fn push(&mut self, label: u64) {
-        const SHOWN: usize = 5;
-        self.count += 1;
-        if self.first.len() < SHOWN {
-            self.first.push(label.to_string());
-        }
-    }
-    fn warn(&self, warnings: &mut Vec<Finding>, finding: Finding) {
-        if self.count > 0 {
-            let more = if self.count > self.first.len() {
-                format!(" and {} more", self.count - self.first.len())
-            } else {
-                String::new()
-            };
-            let text = format!("nodes {}{more} {}", self.first.join(", "), finding.text);
-            warnings.push(Finding { text, ..finding });
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::uff::geometry::geometry;
+    use crate::uff::header::Units;
 
     fn records(text: &'static str) -> impl Iterator<Item = Record<'static>> {
         text.lines().zip(1..).map(|(text, line)| Record {

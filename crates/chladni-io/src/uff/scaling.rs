@@ -172,6 +172,7 @@ pub(super) fn motion_code(kind: FrfKind) -> i32 {
     }
 }
 
+/// Reads kind, reference unit and factor of an FRF.
 fn frf(
     axes: &[Axis; 4],
     directions: [Direction; 2],
@@ -185,13 +186,12 @@ fn frf(
         unit_label::parse(&denominator.unit),
     );
     let volts = below.filter(|unit| unit.is_voltage());
-    let by_codes = match denominator.quantity {
-        EXCITATION_FORCE => motion(numerator.quantity).map(|kind| (kind, ReferenceUnit::Newton)),
-        0 | 1 if volts.is_some() => {
-            motion(numerator.quantity).map(|kind| (kind, ReferenceUnit::Volt))
-        }
+    let reference = match denominator.quantity {
+        EXCITATION_FORCE => Some(ReferenceUnit::Newton),
+        0 | 1 => volts.map(|_| ReferenceUnit::Volt),
         _ => None,
     };
+    let by_codes = motion(numerator.quantity).zip(reference);
     // The ratio: numerator label over denominator label, or all of it in the numerator's.
     let ratio = [
         above.zip(below).map(|(above, below)| above.per(below)),
@@ -211,19 +211,7 @@ fn frf(
         scaling.kind = Some(kind);
         scaling.reference_unit = reference;
     }
-    if let (Some(codes), Some(label)) = (by_codes, by_label) {
-        if codes != label {
-            let words = format!(
-                "the quantity codes say {} ({}), the unit label `{shown}` says {} ({}); the codes \
-                 are used",
-                codes.0,
-                codes.0.unit(codes.1),
-                label.0,
-                label.0.unit(label.1)
-            );
-            warnings.push(Finding::caution("unit-contradicted", words));
-        }
-    }
+    warnings.extend(kinds_contradict(by_codes, by_label, &shown));
     let label_factor = ratio
         .filter(|unit| by_codes.is_none_or(|codes| unit.frf_kind() == Some(codes)))
         .map(|unit| unit.factor);
@@ -235,27 +223,60 @@ fn frf(
         };
         Some(above / below)
     });
-    scaling.scale_to_si = match (dataset_factor, label_factor) {
-        (Some(used), Some(label)) => {
+    let sides = [(numerator, directions[0]), (denominator, directions[1])];
+    let factors = [dataset_factor, label_factor];
+    scaling.scale_to_si = frf_factor(factors, sides, &shown, units, warnings);
+    let codes = [numerator.quantity, denominator.quantity];
+    warnings.extend(swapped(codes, scaling.kind.is_none()));
+}
+
+/// The warning where codes and label name different kinds.
+fn kinds_contradict(
+    by_codes: Option<(FrfKind, ReferenceUnit)>,
+    by_label: Option<(FrfKind, ReferenceUnit)>,
+    shown: &str,
+) -> Option<Finding> {
+    let (codes, label) = by_codes.zip(by_label)?;
+    let words = format!(
+        "the quantity codes say {} ({}), the unit label `{shown}` says {} ({}); the codes are used",
+        codes.0,
+        codes.0.unit(codes.1),
+        label.0,
+        label.0.unit(label.1)
+    );
+    (codes != label).then(|| Finding::caution("unit-contradicted", words))
+}
+
+/// Factor to SI of an FRF by `factors` of dataset 164 and of the label; of two, that of
+/// the dataset.
+fn frf_factor(
+    factors: [Option<f64>; 2],
+    sides: [(&Axis, Direction); 2],
+    shown: &str,
+    units: Option<Units>,
+    warnings: &mut Vec<Finding>,
+) -> f64 {
+    match factors {
+        [Some(used), Some(label)] => {
             if differ(used, label) {
                 warnings.push(Finding::caution(
                     "unit-contradicted",
-                    contradiction(&shown, used, label),
+                    contradiction(shown, used, label),
                 ));
             }
             used
         }
-        (Some(used), None) => {
+        [Some(used), None] => {
             // one label alone may still contradict its own side
-            for (axis, direction) in [(numerator, directions[0]), (denominator, directions[1])] {
+            for (axis, direction) in sides {
                 if unit_label::parse(&axis.unit).is_some_and(|unit| unit.frf_kind().is_none()) {
                     side(axis, direction, units, warnings);
                 }
             }
             used
         }
-        (None, Some(label)) => label,
-        (None, None) => {
+        [None, Some(label)] => label,
+        [None, None] => {
             warnings.extend(units.is_none_or(|units| !units.is_si()).then(|| {
                 Finding::caution(
                     "unit-assumed",
@@ -264,9 +285,7 @@ fn frf(
             }));
             1.0
         }
-    };
-    let codes = [numerator.quantity, denominator.quantity];
-    warnings.extend(swapped(codes, scaling.kind.is_none()));
+    }
 }
 
 /// Quantity codes that no FRF has.

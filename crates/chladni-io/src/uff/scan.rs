@@ -9,6 +9,7 @@ use super::binary;
 use super::container::{ends_in_header, no_number, number_line};
 use super::fields::{count_fields, count_tokens, Record};
 use super::header::{self, Units};
+use super::identifier::Identifier;
 use super::layout::{Layout, Record7};
 use super::lines::{is_marker, HEADER_RECORDS};
 use super::passed::Passed;
@@ -282,24 +283,17 @@ impl Datasets {
                 ),
             ));
         }
+        let (count, found) = (layout.count, present / per_point);
         if present == declared || tokens == declared || is_cut {
-            passed.values = Some(layout.count);
+            passed.values = Some(count);
         } else if lenient {
             passed.values = Some(present.min(declared) / per_point);
-            passed.warnings.push(Finding::caution(
-                "values-missing",
-                format!(
-                    "the header declares {} values, the data hold {}",
-                    layout.count,
-                    present / per_point
-                ),
-            ));
+            let words = format!("the header declares {count} values, the data hold {found}");
+            passed
+                .warnings
+                .push(Finding::caution("values-missing", words));
         } else {
-            passed.fault = Some(counts_disagree(
-                first_line,
-                layout.count,
-                present / per_point,
-            ));
+            passed.fault = Some(counts_disagree(first_line, count, found));
         }
         Ok(())
     }
@@ -314,7 +308,7 @@ impl Datasets {
         passed: &mut Passed,
         lenient: bool,
     ) -> io::Result<()> {
-        let identifier = match binary::Identifier::read(number, &mut passed.warnings) {
+        let identifier = match Identifier::read(number, &mut passed.warnings) {
             Ok(identifier) => identifier,
             Err(error) => {
                 passed.fault = Some(error);

@@ -109,11 +109,7 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
                 0
             }
         };
-        let mut reals = Vec::new();
-        for _ in 0..(counts[1] + 5) / 6 {
-            let record = self.next("reals before the values")?;
-            reals.extend(numbers(record, SIX_REALS, self.warnings)?);
-        }
+        let mut reals = self.reals((counts[1] + 5) / 6)?;
         reals.truncate(counts[1] as usize);
         shape.numbers = numbers_of_55(shape.analysis, [stated(0), stated(1)], &reals);
         Ok(Head {
@@ -149,33 +145,8 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
         };
         let mut integers = self.integers()?;
         integers.extend(self.integers()?);
-        let mut reals = Vec::new();
-        for _ in 0..2 {
-            let record = self.next("reals before the values")?;
-            reals.extend(numbers(record, SIX_REALS, self.warnings)?);
-        }
-        let step = match shape.analysis {
-            Analysis::Transient => 6,
-            Analysis::FrequencyResponse => 7,
-            _ => 5,
-        };
-        let pair = |k: usize| Complex64::new(reals[k], reals[k + 1]);
-        shape.numbers = ShapeNumbers {
-            load_case: integers[4],
-            number: integers[step],
-            time_s: reals[0],
-            frequency_hz: reals[1],
-            modal_mass: reals[3],
-            viscous: reals[4],
-            hysteretic: reals[5],
-            eigenvalue: if shape.analysis == Analysis::Buckling {
-                Complex64::from(reals[2])
-            } else {
-                pair(6)
-            },
-            modal_a: pair(8),
-            modal_b: pair(10),
-        };
+        let reals = self.reals(2)?;
+        shape.numbers = numbers_of_2414(shape.analysis, &integers, &reals);
         if location != 1 {
             self.warnings.push(Finding::caution(
                 "not-read",
@@ -210,24 +181,18 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
             (_, 5) | (ShapeForm::Analysis2414, 6) => true,
             // outside of the definition of 55, and written all the same
             (ShapeForm::AtNodes55, 4 | 6) => {
-                self.warnings.push(Finding::note(
-                    "loosely-written",
-                    format!(
-                        "data type {data_type} is not of dataset 55; read as {}",
-                        if data_type == 4 { 2 } else { 5 }
-                    ),
-                ));
+                let read_as = if data_type == 4 { 2 } else { 5 };
+                let words =
+                    format!("data type {data_type} is not of dataset 55; read as {read_as}");
+                self.warnings.push(Finding::note("loosely-written", words));
                 data_type == 6
             }
-            (ShapeForm::AtNodes55, _) => {
-                return Err(unknown("data type", data_type, "2 real or 5 complex"))
-            }
-            (ShapeForm::Analysis2414, _) => {
-                return Err(unknown(
-                    "data type",
-                    data_type,
-                    "1 integer, 2 or 4 real, 5 or 6 complex",
-                ));
+            (form, _) => {
+                let expected = match form {
+                    ShapeForm::AtNodes55 => "2 real or 5 complex",
+                    ShapeForm::Analysis2414 => "1 integer, 2 or 4 real, 5 or 6 complex",
+                };
+                return Err(unknown("data type", data_type, expected));
             }
         };
         let components = usize::try_from(components)
@@ -252,6 +217,16 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
             warnings: Vec::new(),
         };
         Ok((shape, components))
+    }
+
+    /// The reals of `lines` records.
+    fn reals(&mut self, lines: i64) -> Result<Vec<f64>> {
+        let mut reals = Vec::new();
+        for _ in 0..lines {
+            let record = self.next("reals before the values")?;
+            reals.extend(numbers(record, SIX_REALS, self.warnings)?);
+        }
+        Ok(reals)
     }
 
     fn integers(&mut self) -> Result<Vec<i64>> {
@@ -279,6 +254,31 @@ fn reference_of(line: &str) -> Option<Dof> {
         node: u64::try_from(node).ok().filter(|&node| node > 0)?,
         direction: Direction::from_code(direction)?,
     })
+}
+
+/// Integers and reals of dataset 2414, sixteen and twelve.
+fn numbers_of_2414(analysis: Analysis, integers: &[i64], reals: &[f64]) -> ShapeNumbers {
+    let step = match analysis {
+        Analysis::Transient => 6,
+        Analysis::FrequencyResponse => 7,
+        _ => 5,
+    };
+    let pair = |k: usize| Complex64::new(reals[k], reals[k + 1]);
+    ShapeNumbers {
+        load_case: integers[4],
+        number: integers[step],
+        time_s: reals[0],
+        frequency_hz: reals[1],
+        modal_mass: reals[3],
+        viscous: reals[4],
+        hysteretic: reals[5],
+        eigenvalue: match analysis {
+            Analysis::Buckling => Complex64::from(reals[2]),
+            _ => pair(6),
+        },
+        modal_a: pair(8),
+        modal_b: pair(10),
+    }
 }
 
 /// Reals of dataset 55: analysis 2 frequency, mass, ζ, η; 3 and 7 λ, A, B as pairs; 4

@@ -89,8 +89,8 @@ impl<'a> Plan<'a> {
             plan.warnings.push(Finding::note(
                 "digits-lost",
                 format!(
-                    "{many_cornered} faces with more than four corners are \
-                                        written as closed trace lines (82)"
+                    "{many_cornered} faces with more than four corners are written as closed \
+                     trace lines (82)"
                 ),
             ));
         }
@@ -101,13 +101,18 @@ impl<'a> Plan<'a> {
             ));
         }
         plan.check_shapes()?;
+        plan.check_functions()?;
+        Ok(plan)
+    }
+
+    fn check_functions(&mut self) -> Result<()> {
         let mut count = 0;
         let mut lost: Vec<Finding> = Vec::new();
-        plan.each_function(|function| {
+        self.each_function(|function| {
             count += 1;
             check_node(function.response.node)?;
             check_node(function.reference.node)?;
-            for warning in write58::check(function, options)? {
+            for warning in write58::check(function, self.options)? {
                 // once, however many functions it concerns
                 if !lost.contains(&warning) {
                     lost.push(warning);
@@ -115,15 +120,15 @@ impl<'a> Plan<'a> {
             }
             Ok::<(), Error>(())
         })?;
-        plan.warnings.append(&mut lost);
-        if count > 0 && !options.binary {
-            plan.warnings.push(Finding::note(
+        self.warnings.append(&mut lost);
+        if count > 0 && !self.options.binary {
+            self.warnings.push(Finding::note(
                 "digits-lost",
-                "text keeps 13 digits of double and 6 of single precision; the \
-                                binary form and HDF5 are exact",
+                "text keeps 13 digits of double and 6 of single precision; the binary form and \
+                 HDF5 are exact",
             ));
         }
-        Ok(plan)
+        Ok(())
     }
 
     fn check_shapes(&mut self) -> Result<()> {

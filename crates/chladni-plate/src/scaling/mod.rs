@@ -80,25 +80,7 @@ pub fn scale_by_panel(model: &ModalModel, panel: &Panel, route: ScaleRoute) -> R
         true => coils,
         false => panel.references.mass_kg,
     };
-    let masses = places.references_m.iter().map(|&position_m| PointMass {
-        position_m,
-        mass_kg: coil_kg,
-    });
-    let top_hz = model
-        .in_band_modes()
-        .map(|mode| mode.frequency_hz)
-        .fold(0.0, f64::max);
-    let springs = places.references_m.iter().map(|&position_m| PointSpring {
-        position_m,
-        stiffness_n_per_m: panel.references.stiffness_n_per_m,
-    });
-    let ritz = PlateModes::held(
-        &panel.plate,
-        &masses.collect::<Vec<_>>(),
-        &springs.collect::<Vec<_>>(),
-        top_hz,
-        tolerances::MOST_SCALING_SHAPES,
-    )?;
+    let ritz = plate_modes(model, panel, &places, coil_kg)?;
     let nominal_kg = panel.plate.mass() + coil_kg * places.references_m.len() as f64;
     let mass_ratio = rigid.as_ref().map_or(1.0, |body| body.mass_kg / nominal_kg);
     let routes = Routes::new(&ritz, &places, rigid.as_ref(), mass_ratio)?;
@@ -129,6 +111,34 @@ pub fn scale_by_panel(model: &ModalModel, panel: &Panel, route: ScaleRoute) -> R
         disagreement,
         rigid,
     })
+}
+
+/// Modes of the plate up to those of the band, with coils of `coil_kg` at the references.
+fn plate_modes(
+    model: &ModalModel,
+    panel: &Panel,
+    places: &Places,
+    coil_kg: f64,
+) -> Result<PlateModes> {
+    let masses = places.references_m.iter().map(|&position_m| PointMass {
+        position_m,
+        mass_kg: coil_kg,
+    });
+    let top_hz = model
+        .in_band_modes()
+        .map(|mode| mode.frequency_hz)
+        .fold(0.0, f64::max);
+    let springs = places.references_m.iter().map(|&position_m| PointSpring {
+        position_m,
+        stiffness_n_per_m: panel.references.stiffness_n_per_m,
+    });
+    PlateModes::held(
+        &panel.plate,
+        &masses.collect::<Vec<_>>(),
+        &springs.collect::<Vec<_>>(),
+        top_hz,
+        tolerances::MOST_SCALING_SHAPES,
+    )
 }
 
 /// Rms of the references over the rms of the responses of a mode, squared: 1/t² of a shape

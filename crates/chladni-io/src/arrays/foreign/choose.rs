@@ -75,6 +75,26 @@ impl<'a> Source<'a> {
     }
 }
 
+fn not_clear(sources: &[Source<'_>], axes: &[&Entry]) -> Error {
+    let list = |entries: Vec<String>| match entries.as_slice() {
+        [] => "none".to_owned(),
+        entries => entries.join(", "),
+    };
+    Error::bad_data("it is not clear which datasets are the FRFs and their frequency axis")
+        .field("FRFs and frequency axis")
+        .found(format!(
+            "{} complex arrays and {} frequency axes that may belong together",
+            sources.len(),
+            axes.len()
+        ))
+        .expected("one of each")
+        .help(format!(
+            "name them with `map frf=PATH,freq=PATH`; complex arrays: {}; frequency axes: {}",
+            list(sources.iter().map(|source| source.describe()).collect()),
+            list(axes.iter().map(|axis| describe(axis)).collect()),
+        ))
+}
+
 impl<'a> Reader<'a> {
     /// The FRFs and their frequency axis; `None` where nothing looks like them.
     pub(super) fn choose(&self) -> Result<Option<(Source<'a>, &'a Entry)>> {
@@ -114,33 +134,7 @@ impl<'a> Reader<'a> {
             (&[pair], _) => Ok(Some(pair)),
             (_, &[pair]) if sources.len() == 1 => Ok(Some(pair)),
             ([], _) if self.map.is_empty() => Ok(None),
-            _ => {
-                let list = |entries: Vec<String>| {
-                    if entries.is_empty() {
-                        "none".to_owned()
-                    } else {
-                        entries.join(", ")
-                    }
-                };
-                Err(Error::bad_data(
-                    "it is not clear which datasets are the FRFs and their \
-                                     frequency axis",
-                )
-                .field("FRFs and frequency axis")
-                .found(format!(
-                    "{} complex arrays and {} frequency axes that may belong \
-                                    together",
-                    sources.len(),
-                    axes.len()
-                ))
-                .expected("one of each")
-                .help(format!(
-                    "name them with `map frf=PATH,freq=PATH`; complex arrays: {}; frequency \
-                         axes: {}",
-                    list(sources.iter().map(|source| source.describe()).collect()),
-                    list(axes.iter().map(|axis| describe(axis)).collect()),
-                )))
-            }
+            _ => Err(not_clear(&sources, &axes)),
         }
     }
 

@@ -6,9 +6,10 @@
 
 mod axes;
 mod choose;
+mod dofs;
 mod parts;
 
-use super::tree::{Element, Entry, Values};
+use super::tree::Entry;
 use super::values::{real_array, reals, wrong_type, ComplexArray};
 use super::ArrayFile;
 use crate::limits::DATASETS_LISTED;
@@ -17,27 +18,13 @@ use crate::unit_label::{frequency_unit, frf_unit};
 use crate::ReadOptions;
 use axes::Lengths;
 use chladni_frf::{
-    Direction, Dof, Error, ErrorKind, Finding, FrfSet, FrfValues, Geometry, ReferenceUnit, Result,
-    TimeSign,
+    Error, ErrorKind, Finding, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign,
 };
 use choose::Source;
-use ndarray::{Array1, Array3};
+use dofs::{REFERENCE, RESPONSE};
+use ndarray::Array3;
 use num_complex::Complex64;
 
-const RESPONSE_NAMES: [&str; 5] = [
-    "response",
-    "responses",
-    "response_dof",
-    "response_node",
-    "output",
-];
-const REFERENCE_NAMES: [&str; 5] = [
-    "reference",
-    "references",
-    "reference_dof",
-    "reference_node",
-    "input",
-];
 /// Keys of the caller's map.
 const MAP_KEYS: [&str; 9] = [
     "frf",
@@ -174,12 +161,10 @@ impl<'a> Reader<'a> {
             Source::Joined(_) => self.split_joined(freq, array, warnings)?,
             _ => (self.frequency_hz(freq, warnings)?, array),
         };
-        let frequency_hz = Array1::from(frequency_hz);
-        let shape = array.shape().to_vec();
-        let frf = source.first();
+        let (shape, frf) = (array.shape().to_vec(), source.first());
         let lengths = Lengths {
-            response: self.dof_list("response", &RESPONSE_NAMES, frf)?,
-            reference: self.dof_list("reference", &REFERENCE_NAMES, frf)?,
+            response: self.dof_list(&RESPONSE, frf)?,
+            reference: self.dof_list(&REFERENCE, frf)?,
             lines: frequency_hz.len(),
         };
         let ([response, reference, line], told) = self.axes(source, &shape, &lengths)?;
@@ -189,61 +174,38 @@ impl<'a> Reader<'a> {
         self.refuse_infinities(frf, &values)?;
         // with one reference a swap would show in the number of responses
         if shape.len() == 3 && values.dim().1 > 1 && !told {
-            warnings.push(Finding::note(
-                "layout-guessed",
-                format!(
-                    "{}: the other axes are taken in the order response, reference",
-                    source.first().path
-                ),
-            ));
+            warnings.push(axes_guessed(frf));
         }
         let (kind, reference_unit) = self.units(source, &mut values, warnings)?;
         let (response_count, reference_count, _) = values.dim();
-        let response_entry = self.dof_entry("response", &RESPONSE_NAMES, frf, response_count)?;
-        let reference_entry =
-            self.dof_entry("reference", &REFERENCE_NAMES, frf, reference_count)?;
-        let responses = self.dofs(
-            response_entry,
-            "response",
-            Direction::PLUS_Z,
-            response_count,
-            warnings,
-        )?;
-        let references = self.dofs(
-            reference_entry,
-            "reference",
-            Direction::SCALAR,
-            reference_count,
-            warnings,
-        )?;
-        let coherence = self.coherence_entry(frf);
+        let response_entry = self.dof_entry(&RESPONSE, frf, response_count)?;
+        let reference_entry = self.dof_entry(&REFERENCE, frf, reference_count)?;
+        let responses = self.dofs(&RESPONSE, response_entry, response_count, warnings)?;
+        let references = self.dofs(&REFERENCE, reference_entry, reference_count, warnings)?;
+        let coherence_entry = self.coherence_entry(frf);
+        let coherence = coherence_entry
+            .map(|entry| self.coherence(entry, [response, reference, Some(line)]))
+            .transpose()?;
         let set = FrfSet {
-            frequency_hz,
+            frequency_hz: frequency_hz.into(),
             values,
             responses,
             references,
             kind,
             reference_unit,
-            coherence: coherence
-                .map(|entry| self.coherence(entry, [response, reference, Some(line)]))
-                .transpose()?,
+            coherence,
             variance: None,
             estimation: None,
             geometry: Geometry::default(),
         };
-        let time_sign = self
-            .text_near(frf, "time_sign")
-            .and_then(|sign| sign.parse().ok());
-        let used = source
-            .datasets()
-            .chain([freq])
+        let used = (source.datasets().chain([freq]))
             .chain(response_entry)
             .chain(reference_entry)
-            .chain(coherence)
+            .chain(coherence_entry)
             .map(|entry| entry.path.clone());
         Ok(Found {
             set: set.checked()?,
-            time_sign,
+            time_sign: (self.text_near(frf, "time_sign")).and_then(|sign| sign.parse().ok()),
             used: used.collect(),
         })
     }
@@ -341,20 +303,6 @@ impl<'a> Reader<'a> {
         Ok((said.or(Some(unit.kind)), unit.reference))
     }
 
-    /// Number of DOFs in the list beside the FRFs, where there is one.
-    fn dof_list(&self, key: &str, names: &[&str], frf: &Entry) -> Result<Option<usize>> {
-        let is_list = |entry: &&Entry| {
-            entry.folder() == frf.folder()
-                && matches!(
-                    entry.element(),
-                    Some(Element::Text | Element::Dof | Element::Integer)
-                )
-                && (names.iter()).any(|name| entry.name().eq_ignore_ascii_case(name))
-        };
-        let mapped = self.mapped(key)?;
-        Ok(mapped.or_else(|| self.datasets().find(is_list)).map(length))
-    }
-
     /// Infinities are errors, as in every format.
     fn refuse_infinities(&self, frf: &Entry, values: &FrfValues) -> Result<()> {
         let found = match values {
@@ -381,93 +329,14 @@ impl<'a> Reader<'a> {
                 .help("export the data again, or read the file with `lenient`, which masks it")),
         }
     }
+}
 
-    /// The dataset of DOFs: the mapped one, else one of that name and length beside the
-    /// FRFs.
-    fn dof_entry(
-        &self,
-        key: &str,
-        names: &[&str],
-        frf: &Entry,
-        count: usize,
-    ) -> Result<Option<&'a Entry>> {
-        let beside = |entry: &&Entry| {
-            entry.folder() == frf.folder()
-                && names
-                    .iter()
-                    .any(|name| entry.name().eq_ignore_ascii_case(name))
-        };
-        let mapped = self.mapped(key)?;
-        Ok(mapped.or_else(|| {
-            self.datasets()
-                .filter(beside)
-                .find(|entry| length(entry) == count)
-        }))
-    }
-
-    /// DOFs of a dataset, else numbered by position; `direction` where nothing says it.
-    fn dofs(
-        &self,
-        entry: Option<&Entry>,
-        key: &str,
-        direction: Direction,
-        count: usize,
-        warnings: &mut Vec<Finding>,
-    ) -> Result<Vec<Dof>> {
-        let Some(entry) = entry else {
-            let named = if count == 1 {
-                format!("1:{direction}")
-            } else {
-                format!("1:{direction} ... {count}:{direction}")
-            };
-            if self.options.dofs.rows.is_empty() {
-                warnings.push(Finding::caution(
-                    "dofs-assumed",
-                    format!("the file names no {key} DOFs; they are numbered {named}"),
-                ));
-            }
-            return Ok((1..=count as u64)
-                .map(|node| Dof::new(node, direction))
-                .collect());
-        };
-        let dofs: Vec<Dof> = match self.file.read(entry)? {
-            Values::Dofs(dofs) => dofs,
-            Values::Unsigned(nodes) => {
-                warnings.push(Finding::caution(
-                    "dofs-assumed",
-                    format!(
-                        "{}: node numbers without a direction; {direction} is assumed",
-                        entry.path
-                    ),
-                ));
-                nodes
-                    .iter()
-                    .map(|&node| Dof::new(node, direction))
-                    .collect()
-            }
-            Values::Text(texts) => texts
-                .iter()
-                .map(|text| {
-                    text.parse().map_err(|message: String| {
-                        Error::bad_word(&message, text).field(&entry.path)
-                    })
-                })
-                .collect::<Result<_>>()?,
-            _ => {
-                return Err(wrong_type(
-                    entry,
-                    "DOF texts like 12:+Z, node numbers or records {node, dir}",
-                ))
-            }
-        };
-        if dofs.len() != count {
-            return Err(Error::bad_data("sizes disagree")
-                .field(&entry.path)
-                .found(dofs.len())
-                .expected(format!("{count}, as long as the {key} axis of the FRFs")));
-        }
-        Ok(dofs)
-    }
+fn axes_guessed(frf: &Entry) -> Finding {
+    let words = format!(
+        "{}: the other axes are taken in the order response, reference",
+        frf.path
+    );
+    Finding::note("layout-guessed", words)
 }
 
 fn length(entry: &Entry) -> usize {

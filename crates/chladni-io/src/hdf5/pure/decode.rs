@@ -4,13 +4,14 @@
 //! zeros. Large datasets are decoded row window by row window, so that the raw bytes of
 //! all never stand beside the values of all.
 
+use super::number::{Member, Number};
 use super::File;
 use crate::arrays::tree::{Element, Values};
 use crate::bulk::read_past_cache;
 use crate::Turn;
 use bytemuck::Pod;
 use chladni_frf::{Direction, Dof, Node};
-use hdf5_pure::{Dataset, Datatype, DatatypeByteOrder, Error, Layout};
+use hdf5_pure::{Dataset, Datatype, Error, Layout};
 use num_complex::{Complex32, Complex64};
 use std::borrow::Cow;
 use std::io::{Read, Seek, SeekFrom};
@@ -68,151 +69,6 @@ fn is_complex_pair(first: &str, second: &str) -> bool {
     [("r", "i"), ("real", "imag"), ("re", "im")].contains(&(first.as_str(), second.as_str()))
 }
 
-/// A number of a file: width, kind and byte order.
-#[derive(Clone, Copy)]
-enum Number {
-    Float32 {
-        big: bool,
-    },
-    Float64 {
-        big: bool,
-    },
-    Integer {
-        size: usize,
-        signed: bool,
-        big: bool,
-    },
-}
-
-impl Number {
-    fn of(datatype: &Datatype) -> Option<Self> {
-        let is_big = |order: &DatatypeByteOrder| match order {
-            DatatypeByteOrder::LittleEndian => Some(false),
-            DatatypeByteOrder::BigEndian => Some(true),
-            DatatypeByteOrder::Vax => None,
-        };
-        match datatype {
-            Datatype::FloatingPoint {
-                size: 4,
-                byte_order,
-                layout,
-            } if *layout == hdf5_pure::FloatingPointLayout::IEEE754_BINARY32 => {
-                Some(Self::Float32 {
-                    big: is_big(byte_order)?,
-                })
-            }
-            Datatype::FloatingPoint {
-                size: 8,
-                byte_order,
-                layout,
-            } if *layout == hdf5_pure::FloatingPointLayout::IEEE754_BINARY64 => {
-                Some(Self::Float64 {
-                    big: is_big(byte_order)?,
-                })
-            }
-            Datatype::FixedPoint {
-                size,
-                byte_order,
-                layout,
-            } if matches!(size, 1 | 2 | 4 | 8)
-                && layout.bit_offset == 0
-                && u32::from(layout.bit_precision) == 8 * size =>
-            {
-                Some(Self::Integer {
-                    size: *size as usize,
-                    signed: layout.signed,
-                    big: is_big(byte_order)?,
-                })
-            }
-            Datatype::Enumeration { base_type, .. } => Self::of(base_type),
-            _ => None,
-        }
-    }
-
-    fn integer(self, bytes: &[u8]) -> Option<i128> {
-        let Self::Integer { size, signed, big } = self else {
-            return None;
-        };
-        let mut word = [0_u8; 8];
-        for (k, &byte) in bytes.get(..size)?.iter().enumerate() {
-            word[if big { size - 1 - k } else { k }] = byte;
-        }
-        let unused = 64 - 8 * size as u32;
-        let value = u64::from_le_bytes(word);
-        Some(if signed {
-            i128::from(((value << unused) as i64) >> unused)
-        } else {
-            i128::from(value)
-        })
-    }
-
-    fn real(self, bytes: &[u8]) -> Option<f64> {
-        match self {
-            Self::Float32 { .. } => self.single(bytes).map(f64::from),
-            Self::Float64 { big } => {
-                let word = bytes.get(..8)?.try_into().ok()?;
-                Some(if big {
-                    f64::from_be_bytes(word)
-                } else {
-                    f64::from_le_bytes(word)
-                })
-            }
-            Self::Integer { .. } => self.integer(bytes).map(|value| value as f64),
-        }
-    }
-
-    fn single(self, bytes: &[u8]) -> Option<f32> {
-        let Self::Float32 { big } = self else {
-            return None;
-        };
-        let word = bytes.get(..4)?.try_into().ok()?;
-        Some(if big {
-            f32::from_be_bytes(word)
-        } else {
-            f32::from_le_bytes(word)
-        })
-    }
-}
-
-/// A number inside a record.
-#[derive(Clone, Copy)]
-struct Member {
-    offset: usize,
-    number: Number,
-}
-
-impl Member {
-    fn of(datatype: &Datatype, index: usize) -> Option<Self> {
-        let Datatype::Compound { members, .. } = datatype else {
-            return None;
-        };
-        let member = members.get(index)?;
-        Some(Self {
-            offset: usize::try_from(member.byte_offset).ok()?,
-            number: Number::of(&member.datatype)?,
-        })
-    }
-    fn real(self, record: &[u8]) -> Option<f64> {
-        self.number.real(record.get(self.offset..)?)
-    }
-    /// True for a little-endian float of 4 (`single`) or 8 bytes at `offset`, half of its
-    /// record.
-    fn is_plain(self, offset: usize, single: bool) -> bool {
-        let kind = if single {
-            matches!(self.number, Number::Float32 { big: false })
-        } else {
-            matches!(self.number, Number::Float64 { big: false })
-        };
-        kind && self.offset == offset
-    }
-    fn single(self, record: &[u8]) -> Option<f32> {
-        self.number.single(record.get(self.offset..)?)
-    }
-    fn integer(self, record: &[u8]) -> Option<i128> {
-        self.number.integer(record.get(self.offset..)?)
-    }
-}
-
 /// The values of some rows (along the first axis) of a dataset, in `spare` memory where
 /// it is of their kind; `None` for types that are not understood.
 pub(super) fn values_of(
@@ -250,27 +106,13 @@ pub(super) fn values_of(
             if is_plain(datatype, single) {
                 return plain_complex(&windows, file, single, turn, spare).map(Some);
             }
-            if single {
-                let values = windows
-                    .collect(|bytes| Some(Complex32::new(re.single(bytes)?, im.single(bytes)?)))?;
-                values.map(|values| Values::Complex32(values.into()))
-            } else {
-                let values = windows
-                    .collect(|bytes| Some(Complex64::new(re.real(bytes)?, im.real(bytes)?)))?;
-                values.map(|values| Values::Complex64(values.into()))
-            }
+            complex(&windows, re, im, single)?
         }
         (Element::Dof, _) => {
             let (Some(node), Some(direction)) = (member(0), member(1)) else {
                 return Ok(None);
             };
-            let dof = |bytes: &[u8]| {
-                let code = i64::try_from(direction.integer(bytes)?).ok()?;
-                Some(Dof::new(
-                    u64::try_from(node.integer(bytes)?).ok()?,
-                    Direction::from_code(code)?,
-                ))
-            };
+            let dof = |bytes: &[u8]| dof_of(bytes, node, direction);
             windows.collect(dof)?.map(Values::Dofs)
         }
         (Element::Node, _) => {
@@ -279,15 +121,40 @@ pub(super) fn values_of(
             else {
                 return Ok(None);
             };
-            let node = |bytes: &[u8]| {
-                Some(Node {
-                    label: u64::try_from(label.integer(bytes)?).ok()?,
-                    xyz_m: [x.real(bytes)?, y.real(bytes)?, z.real(bytes)?],
-                })
-            };
+            let node = |bytes: &[u8]| node_of(bytes, label, [x, y, z]);
             windows.collect(node)?.map(Values::Nodes)
         }
         _ => None,
+    })
+}
+
+fn complex(
+    windows: &Windows<'_>,
+    re: Member,
+    im: Member,
+    single: bool,
+) -> Result<Option<Values<'static>>, Error> {
+    Ok(if single {
+        let values =
+            windows.collect(|bytes| Some(Complex32::new(re.single(bytes)?, im.single(bytes)?)))?;
+        values.map(|values| Values::Complex32(values.into()))
+    } else {
+        let values =
+            windows.collect(|bytes| Some(Complex64::new(re.real(bytes)?, im.real(bytes)?)))?;
+        values.map(|values| Values::Complex64(values.into()))
+    })
+}
+
+fn dof_of(record: &[u8], node: Member, direction: Member) -> Option<Dof> {
+    let code = i64::try_from(direction.integer(record)?).ok()?;
+    let node = u64::try_from(node.integer(record)?).ok()?;
+    Some(Dof::new(node, Direction::from_code(code)?))
+}
+
+fn node_of(record: &[u8], label: Member, [x, y, z]: [Member; 3]) -> Option<Node> {
+    Some(Node {
+        label: u64::try_from(label.integer(record)?).ok()?,
+        xyz_m: [x.real(record)?, y.real(record)?, z.real(record)?],
     })
 }
 

@@ -1,6 +1,7 @@
 //! Back end in pure Rust: no library to install.
 
 mod decode;
+mod number;
 mod write;
 
 pub(super) use write::write;

@@ -84,42 +84,38 @@ fn fill(
             builder.with_vlen_strings(&texts.iter().map(String::as_str).collect::<Vec<_>>())
         }
         Values::Dofs(dofs) => {
-            let record = |dof: &Dof| {
-                [
-                    &dof.node.to_le_bytes()[..],
-                    &dof.direction.code().to_le_bytes(),
-                ]
-                .concat()
-            };
             let datatype = CompoundTypeBuilder::new()
                 .u64_field("node")
                 .i8_field("dir")
                 .build()?;
-            builder.with_compound_data(datatype, dofs.iter().flat_map(record).collect(), count)
+            let records = dofs.iter().flat_map(dof_record).collect();
+            builder.with_compound_data(datatype, records, count)
         }
         Values::Nodes(nodes) => {
-            let record = |node: &Node| {
-                [
-                    node.label.to_le_bytes(),
-                    node.xyz_m[0].to_le_bytes(),
-                    node.xyz_m[1].to_le_bytes(),
-                    node.xyz_m[2].to_le_bytes(),
-                ]
-                .concat()
-            };
             let datatype = CompoundTypeBuilder::new()
                 .u64_field("label")
                 .f64_field("x")
                 .f64_field("y")
                 .f64_field("z")
                 .build()?;
-            builder.with_compound_data(datatype, nodes.iter().flat_map(record).collect(), count)
+            let records = nodes.iter().flat_map(node_record).collect();
+            builder.with_compound_data(datatype, records, count)
         }
     };
     for (name, value) in &dataset.attributes {
         builder.set_attr(name, attribute_value(value));
     }
     Ok(())
+}
+
+fn dof_record(dof: &Dof) -> Vec<u8> {
+    let code = dof.direction.code().to_le_bytes();
+    [&dof.node.to_le_bytes()[..], &code].concat()
+}
+
+fn node_record(node: &Node) -> Vec<u8> {
+    let [x, y, z] = node.xyz_m.map(f64::to_le_bytes);
+    [node.label.to_le_bytes(), x, y, z].concat()
 }
 
 /// Real part, imaginary part, real part, ...

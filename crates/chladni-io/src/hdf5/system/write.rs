@@ -1,6 +1,6 @@
 //! HDF5 written by the C library.
 
-use super::{DofRecord, NodeRecord};
+use super::values::{DofRecord, NodeRecord};
 use crate::arrays::tree::{Attribute, Attributes, Dataset, Group, Values};
 use chladni_frf::{Error, ErrorKind, Node, Result};
 use hdf5::types::VarLenUnicode;

@@ -1,0 +1,145 @@
+//! DOFs of a foreign file: the lists of them beside the FRFs, else by position.
+
+use super::super::tree::{Element, Entry, Values};
+use super::super::values::wrong_type;
+use super::{length, Reader};
+use chladni_frf::{Direction, Dof, Error, Finding, Result};
+
+/// The words about the DOFs of one side of the FRFs.
+pub(super) struct SideWords {
+    /// In the caller's map, and in messages.
+    key: &'static str,
+    /// Names that the list of DOFs goes by.
+    names: [&'static str; 5],
+    /// Where nothing says it.
+    direction: Direction,
+}
+
+pub(super) const RESPONSE: SideWords = SideWords {
+    key: "response",
+    names: [
+        "response",
+        "responses",
+        "response_dof",
+        "response_node",
+        "output",
+    ],
+    direction: Direction::PLUS_Z,
+};
+pub(super) const REFERENCE: SideWords = SideWords {
+    key: "reference",
+    names: [
+        "reference",
+        "references",
+        "reference_dof",
+        "reference_node",
+        "input",
+    ],
+    direction: Direction::SCALAR,
+};
+
+impl SideWords {
+    /// True for an entry beside the FRFs that goes by one of the names.
+    fn is_beside(&self, entry: &Entry, frf: &Entry) -> bool {
+        entry.folder() == frf.folder()
+            && (self.names.iter()).any(|name| entry.name().eq_ignore_ascii_case(name))
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// Number of DOFs in the list beside the FRFs, where there is one.
+    pub(super) fn dof_list(&self, side: &SideWords, frf: &Entry) -> Result<Option<usize>> {
+        let is_list = |entry: &&Entry| {
+            let element = entry.element();
+            side.is_beside(entry, frf)
+                && matches!(
+                    element,
+                    Some(Element::Text | Element::Dof | Element::Integer)
+                )
+        };
+        let mapped = self.mapped(side.key)?;
+        Ok(mapped.or_else(|| self.datasets().find(is_list)).map(length))
+    }
+
+    /// The dataset of DOFs: the mapped one, else one of that name and length beside the
+    /// FRFs.
+    pub(super) fn dof_entry(
+        &self,
+        side: &SideWords,
+        frf: &Entry,
+        count: usize,
+    ) -> Result<Option<&'a Entry>> {
+        let fits = |entry: &&Entry| side.is_beside(entry, frf) && length(entry) == count;
+        let mapped = self.mapped(side.key)?;
+        Ok(mapped.or_else(|| self.datasets().find(fits)))
+    }
+
+    /// DOFs of a dataset, else numbered by position.
+    pub(super) fn dofs(
+        &self,
+        side: &SideWords,
+        entry: Option<&Entry>,
+        count: usize,
+        warnings: &mut Vec<Finding>,
+    ) -> Result<Vec<Dof>> {
+        let (key, direction) = (side.key, side.direction);
+        let Some(entry) = entry else {
+            if self.options.dofs.rows.is_empty() {
+                let named = match count {
+                    1 => format!("1:{direction}"),
+                    _ => format!("1:{direction} ... {count}:{direction}"),
+                };
+                warnings.push(Finding::caution(
+                    "dofs-assumed",
+                    format!("the file names no {key} DOFs; they are numbered {named}"),
+                ));
+            }
+            let nodes = 1..=count as u64;
+            return Ok(nodes.map(|node| Dof::new(node, direction)).collect());
+        };
+        let dofs = self.read_dofs(entry, direction, warnings)?;
+        if dofs.len() != count {
+            return Err(Error::bad_data("sizes disagree")
+                .field(&entry.path)
+                .found(dofs.len())
+                .expected(format!("{count}, as long as the {key} axis of the FRFs")));
+        }
+        Ok(dofs)
+    }
+
+    /// DOFs of a dataset; of node numbers, in `direction`.
+    fn read_dofs(
+        &self,
+        entry: &Entry,
+        direction: Direction,
+        warnings: &mut Vec<Finding>,
+    ) -> Result<Vec<Dof>> {
+        match self.file.read(entry)? {
+            Values::Dofs(dofs) => Ok(dofs),
+            Values::Unsigned(nodes) => {
+                warnings.push(Finding::caution(
+                    "dofs-assumed",
+                    format!(
+                        "{}: node numbers without a direction; {direction} is assumed",
+                        entry.path
+                    ),
+                ));
+                Ok((nodes.iter())
+                    .map(|&node| Dof::new(node, direction))
+                    .collect())
+            }
+            Values::Text(texts) => {
+                let dof = |text: &String| {
+                    text.parse().map_err(|message: String| {
+                        Error::bad_word(&message, text).field(&entry.path)
+                    })
+                };
+                texts.iter().map(dof).collect()
+            }
+            _ => Err(wrong_type(
+                entry,
+                "DOF texts like 12:+Z, node numbers or records {node, dir}",
+            )),
+        }
+    }
+}
