@@ -55,6 +55,15 @@ pub fn shape_set(contents: &Contents) -> Result<ShapeSet> {
         return Err(no_mode_shape(contents));
     };
     let axes = components(first).unwrap_or_default();
+    if let Some(other) = shapes
+        .iter()
+        .find(|shape| components(shape).as_ref() != Some(&axes))
+    {
+        let count = |shape| components(shape).map_or(0, |axes| axes.len());
+        return Err(Error::bad_data("mode shapes have different components")
+            .found(format!("{} components and {}", count(first), count(other)))
+            .expected("the same directions in every mode shape"));
+    }
     let rows: Vec<HashMap<u64, usize>> = shapes
         .iter()
         .map(|shape| (0..).zip(&shape.nodes).map(|(row, &node)| (node, row)))

@@ -43,9 +43,15 @@ impl Required<'_> {
         self.required(name, self.group.integer(name))
     }
 
-    /// A whole number of 32 bits; 0 for one that has more.
+    /// A whole number of 32 bits.
     pub(super) fn small(&self, name: &str) -> Result<i32> {
-        Ok(i32::try_from(self.whole(name)?).unwrap_or(0))
+        let found = self.whole(name)?;
+        i32::try_from(found).map_err(|_| {
+            Error::bad_data("a number of 32 bits is needed")
+                .field(self.field(name))
+                .found(found)
+                .expected(format!("{} to {}", i32::MIN, i32::MAX))
+        })
     }
 
     pub(super) fn real(&self, name: &str) -> Result<f64> {

@@ -121,9 +121,9 @@ fn read_function(own: &Own<'_>, group: &Entry) -> Result<Function> {
         holds: "function",
     };
     let dof = |name: &str| {
-        said.text(name)?.parse().map_err(|message: String| {
-            Error::bad_word(&message, "a damaged DOF").field(said.field(name))
-        })
+        let text = said.text(name)?;
+        text.parse()
+            .map_err(|message: String| Error::bad_word(&message, &text).field(said.field(name)))
     };
     let (entry, values) = own.dataset(&format!("{}/values", group.path))?;
     let ordinate = match values {

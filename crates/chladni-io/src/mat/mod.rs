@@ -171,9 +171,9 @@ impl Walk {
         let path = format!("{folder}/{}", safe_name(name.unwrap_or(&own_name)));
         match class {
             CHAR => {
-                let text = part("characters")?.text(self.order)?;
+                let texts = rows(part("characters")?.text(self.order)?, &shape);
                 self.arrays
-                    .add(&path, vec![1], Values::Text(vec![text]), false);
+                    .add(&path, vec![texts.len()], Values::Text(texts), false);
                 Ok(())
             }
             CELL => self.cells(parts.collect(), &path, depth),
@@ -335,6 +335,20 @@ fn checked_count(shape: &[usize], element: &Element<'_>, path: &str) -> Result<u
 /// Text up to the first zero byte.
 fn trimmed(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(bytes.split(|&byte| byte == 0).next().unwrap_or_default())
+}
+
+/// The texts of a matrix of characters: one for each row, without the blanks that fill it.
+/// The first index runs fastest.
+fn rows(text: String, shape: &[usize]) -> Vec<String> {
+    let (Some(&count), characters) = (shape.first(), text.chars().count()) else {
+        return vec![text];
+    };
+    if count < 2 || !characters.is_multiple_of(count) {
+        return vec![text];
+    }
+    let row = |k: usize| text.chars().skip(k).step_by(count).collect::<String>();
+    let trimmed = |k: usize| row(k).trim_end().to_owned();
+    (0..count).map(trimmed).collect()
 }
 
 /// A name that cannot be taken for a path.

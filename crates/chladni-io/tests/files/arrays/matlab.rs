@@ -73,12 +73,18 @@ fn matlab_arrays_are_read_in_every_order_and_packing() {
             &[(1..=LINES as u8).collect()],
         );
         let unit = file.array("unit", &[1, 6], 4, 16, &[b"mm/s/V".to_vec()]);
-        for element in [&frf, &freq, &unit] {
+        // a matrix of characters: a row for each text, column by column, filled with blanks
+        let rows = ["4:+Z ", "17:-X", "2:+Y "];
+        let columns = (0..5).flat_map(|k| rows.map(|row| row.as_bytes()[k]));
+        let response = file.array("response", &[3, 5], 4, 16, &[columns.collect()]);
+        for element in [&frf, &freq, &unit, &response] {
             file.push(element, packed);
         }
         let (document, contents) = read(&file.bytes, "a.mat", &[]);
-        assert_eq!(document.datasets.len(), 3);
+        assert_eq!(document.datasets.len(), 4);
         let set = contents.frf.unwrap();
+        let named: Vec<String> = set.responses.iter().map(|dof| dof.to_string()).collect();
+        assert_eq!(named, rows.map(str::trim_end));
         assert_eq!(
             (set.values.dim(), set.kind, set.reference_unit),
             ((3, 2, LINES), Some(FrfKind::Mobility), ReferenceUnit::Volt)
