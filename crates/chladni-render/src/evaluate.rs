@@ -6,10 +6,10 @@ use crate::field::{AreaField, Field};
 use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::operator::Operator;
 use crate::problem::Drive;
-use crate::render::strength;
 use crate::rig::{gain_of, Calibrated};
 use crate::scene::{Limits, Scene};
 use crate::setup::{lay_zones, scene_findings};
+use crate::shortcomings::strength;
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
 use chladni_frf::{Dof, Error, Finding, FrfSet, ModalModel, Result};
@@ -127,28 +127,7 @@ pub(crate) struct Laid {
 /// As [`evaluate`].
 pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     let frequency_hz = weights.frequency_hz;
-    let (scene, other_frequency) = match scene.tone_at(frequency_hz) {
-        Some(tone) => (tone, None),
-        None => {
-            let frequencies: Vec<String> = scene
-                .tones()
-                .iter()
-                .map(|tone| tone.frequency_hz.to_string())
-                .collect();
-            let asked = frequencies.join(", ");
-            let words = format!(
-                "the weights are for {frequency_hz} Hz and are judged there, not \
-                                 at the scene's {asked} Hz"
-            );
-            (
-                Scene {
-                    frequency_hz,
-                    ..scene.clone()
-                },
-                Some(Finding::caution("judged-elsewhere", words)),
-            )
-        }
-    };
+    let (scene, other_frequency) = tone_at(scene, frequency_hz);
     let driven: Vec<Dof> = weights
         .weights
         .iter()
@@ -188,6 +167,28 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
         zones,
         findings,
     })
+}
+
+/// The tone of a scene at a frequency; where it has none, the scene as it would be there, and
+/// the finding that says so.
+fn tone_at(scene: &Scene, frequency_hz: f64) -> (Scene, Option<Finding>) {
+    if let Some(tone) = scene.tone_at(frequency_hz) {
+        return (tone, None);
+    }
+    let tones = scene.tones();
+    let asked: Vec<String> = tones
+        .iter()
+        .map(|tone| tone.frequency_hz.to_string())
+        .collect();
+    let words = format!(
+        "the weights are for {frequency_hz} Hz and are judged there, not at the scene's {} Hz",
+        asked.join(", ")
+    );
+    let there = Scene {
+        frequency_hz,
+        ..scene.clone()
+    };
+    (there, Some(Finding::caution("judged-elsewhere", words)))
 }
 
 /// The weights in the order of the operator's columns; a reference of the opposite sense

@@ -35,22 +35,19 @@ pub(crate) struct Choice {
 /// Those of the kernels: a broken promise.
 pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
     let all = setups[0].problem.rows.mobility.ncols();
+    let every = |finding: Option<Finding>| {
+        Ok(Choice {
+            columns: (0..all).collect(),
+            finding,
+        })
+    };
     let target = match count {
-        Count::All => {
-            return Ok(Choice {
-                columns: (0..all).collect(),
-                finding: None,
-            })
-        }
+        Count::All => return every(None),
         Count::Number(number) if number >= all => {
-            let finding = (number > all).then(|| {
+            return every((number > all).then(|| {
                 let words = format!("{number} actuators were asked for, {all} may be used");
                 Finding::note("fewer-actuators", words)
-            });
-            return Ok(Choice {
-                columns: (0..all).collect(),
-                finding,
-            });
+            }));
         }
         Count::Number(number) => number,
         Count::Auto => 1,
@@ -61,17 +58,7 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
         .collect::<Result<Vec<_>>>()?;
     let possible = stages.iter().all(|stage| stage.kappa > 0.0);
     if !possible && count == Count::Auto {
-        let which = if setups.len() == 1 {
-            "the scene"
-        } else {
-            "every scene"
-        };
-        let words =
-            format!("all actuators are used: not even all of them serve every response of {which}");
-        return Ok(Choice {
-            columns: (0..all).collect(),
-            finding: Some(Finding::caution("all-actuators-needed", words)),
-        });
+        return every(Some(all_needed(setups.len())));
     }
     if possible {
         reweighted(&mut stages)?;
@@ -99,6 +86,18 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
         columns: subset.columns,
         finding,
     })
+}
+
+/// The finding of scenes that not even all actuators serve.
+fn all_needed(scenes: usize) -> Finding {
+    let which = if scenes == 1 {
+        "the scene"
+    } else {
+        "every scene"
+    };
+    let words =
+        format!("all actuators are used: not even all of them serve every response of {which}");
+    Finding::caution("all-actuators-needed", words)
 }
 
 /// A scene on its way to few actuators.

@@ -16,7 +16,7 @@ use crate::options::RenderOptions;
 use crate::problem::{Drive, Problem, Rows};
 use crate::setup::Setup;
 use crate::tolerances;
-use chladni_frf::{Error, Finding, FrfSet, ModalModel, Result};
+use chladni_frf::{Dof, Error, Finding, FrfSet, ModalModel, Result};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -69,44 +69,24 @@ impl Judge {
                     )),
             );
         }
-        let columns: Vec<(usize, f64)> = operator
-            .references
-            .iter()
-            .filter_map(|dof| {
-                let column = line
-                    .references
-                    .iter()
-                    .position(|other| other.same_axis(*dof))?;
-                Some((
-                    column,
-                    dof.direction.sign() * line.references[column].direction.sign(),
-                ))
-            })
-            .collect();
-        let pairs: Vec<(usize, usize)> = (0..setup.judged.len())
-            .filter_map(|k| {
-                let dof = operator.responses[setup.judged[k]];
-                Some((
-                    k,
-                    line.responses
-                        .iter()
-                        .position(|other| other.same_axis(dof))?,
-                ))
-            })
-            .collect();
+        let place = |known: &[Dof], dof: Dof| known.iter().position(|other| other.same_axis(dof));
+        let column = |&dof: &Dof| {
+            let column = place(&line.references, dof)?;
+            let sign = dof.direction.sign() * line.references[column].direction.sign();
+            Some((column, sign))
+        };
+        let columns: Vec<(usize, f64)> = operator.references.iter().filter_map(column).collect();
+        let row = |k: usize| {
+            let dof = operator.responses[setup.judged[k]];
+            Some((k, place(&line.responses, dof)?))
+        };
+        let pairs: Vec<(usize, usize)> = (0..setup.judged.len()).filter_map(row).collect();
         let hot = pairs
             .iter()
             .filter(|(k, _)| *k < setup.problem.rows.hot)
             .count();
         if hot == 0 || hot == pairs.len() {
-            return Err(Error::bad_data("the measured FRFs cannot judge this scene")
-                .field("measured")
-                .found(format!(
-                    "{hot} hot and {} cold responses of the scene among the measured ones",
-                    pairs.len() - hot
-                ))
-                .expected("at least one of each")
-                .help("give the FRFs that the model was fitted to"));
+            return Err(cannot_judge(hot, pairs.len() - hot));
         }
         let mobility = Array2::from_shape_fn((pairs.len(), columns.len()), |(i, j)| {
             let (column, sign) = columns[j];
@@ -164,6 +144,17 @@ impl Judge {
     }
 }
 
+/// The error of a measured line without hot or without cold responses.
+fn cannot_judge(hot: usize, cold: usize) -> Error {
+    Error::bad_data("the measured FRFs cannot judge this scene")
+        .field("measured")
+        .found(format!(
+            "{hot} hot and {cold} cold responses of the scene among the measured ones"
+        ))
+        .expected("at least one of each")
+        .help("give the FRFs that the model was fitted to")
+}
+
 /// A setup whose model sums so many modes explicitly.
 pub(crate) struct Reduced {
     pub(crate) setup: Setup,
@@ -180,14 +171,13 @@ pub(crate) fn choose(
     judge: &Judge,
     options: &RenderOptions,
 ) -> Result<Reduced> {
-    let ranked = || folding::ranked(model, &setup.operator);
     match options.modes {
         Count::All => Ok(Reduced {
             setup,
             finding: None,
         }),
         Count::Number(number) => {
-            let ranked = ranked();
+            let ranked = folding::ranked(model, &setup.operator);
             let finding = (number > ranked.len()).then(|| {
                 let words = format!(
                     "{number} modes were asked for, the model has {}",
@@ -200,42 +190,48 @@ pub(crate) fn choose(
                 finding,
             })
         }
-        Count::Auto => {
-            let solve = |setup: &Setup| -> Result<Drive> {
-                let Decision { method, effort, .. } =
-                    options.method.decide(&setup.problem, options.effort);
-                Ok(method.solve(setup, model, effort, options.cut)?.drive)
-            };
-            let (ranked, whole) = (ranked(), solve(&setup)?);
-            let wanted = judge.served(&whole);
-            for explicit in 0..ranked.len() {
-                let smaller = reduced(&setup, model, &ranked, explicit);
-                // the whole model's own drive tells cheaply where the search cannot end
-                // yet
-                if wanted[0] == 1.0 && !judge.error_fits(&smaller.problem, &whole) {
-                    continue;
-                }
-                let drive = solve(&smaller)?;
-                let served = judge.served(&drive);
-                let as_good = served[0] >= wanted[0]
-                    && served[1] >= wanted[1]
-                    && served[2] >= wanted[2] - tolerances::LOSS_OF_GROUND;
-                if as_good && (wanted[0] < 1.0 || judge.error_fits(&smaller.problem, &drive)) {
-                    return Ok(Reduced {
-                        setup: smaller,
-                        finding: None,
-                    });
-                }
-            }
-            Ok(Reduced {
-                setup,
-                finding: Some(Finding::note(
-                    "all-modes-needed",
-                    "no smaller number of modes serves the scene as well: all are used",
-                )),
-            })
+        Count::Auto => fewest(setup, model, judge, options),
+    }
+}
+
+/// The fewest modes with which the scene of `setup` is served as well.
+fn fewest(
+    setup: Setup,
+    model: &ModalModel,
+    judge: &Judge,
+    options: &RenderOptions,
+) -> Result<Reduced> {
+    let solve = |setup: &Setup| -> Result<Drive> {
+        let Decision { method, effort, .. } = options.method.decide(&setup.problem, options.effort);
+        Ok(method.solve(setup, model, effort, options.cut)?.drive)
+    };
+    let (ranked, whole) = (folding::ranked(model, &setup.operator), solve(&setup)?);
+    let wanted = judge.served(&whole);
+    for explicit in 0..ranked.len() {
+        let smaller = reduced(&setup, model, &ranked, explicit);
+        // the whole model's own drive tells cheaply where the search cannot end yet
+        if wanted[0] == 1.0 && !judge.error_fits(&smaller.problem, &whole) {
+            continue;
+        }
+        let drive = solve(&smaller)?;
+        let served = judge.served(&drive);
+        let as_good = served[0] >= wanted[0]
+            && served[1] >= wanted[1]
+            && served[2] >= wanted[2] - tolerances::LOSS_OF_GROUND;
+        if as_good && (wanted[0] < 1.0 || judge.error_fits(&smaller.problem, &drive)) {
+            return Ok(Reduced {
+                setup: smaller,
+                finding: None,
+            });
         }
     }
+    Ok(Reduced {
+        setup,
+        finding: Some(Finding::note(
+            "all-modes-needed",
+            "no smaller number of modes serves the scene as well: all are used",
+        )),
+    })
 }
 
 /// The setup with the first `explicit` modes of `ranked` summed, the others folded.

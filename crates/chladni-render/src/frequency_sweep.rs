@@ -91,6 +91,14 @@ pub fn sweep(
         .into_par_iter()
         .map(|frequency_hz| at(model, scene, options, frequency_hz))
         .collect::<Result<Vec<_>>>()?;
+    Ok(FrequencySweep {
+        suggested_hz: suggested_hz(&frequencies),
+        frequencies,
+    })
+}
+
+/// The best of some frequencies: see [`FrequencySweep::suggested_hz`].
+fn suggested_hz(frequencies: &[SweptFrequency]) -> Option<f64> {
     let key = |f: &SweptFrequency| {
         if let Some(kappa) = f.touched_kappa {
             return [kappa, f.success_ratio, f.kappa.unwrap_or(f64::INFINITY)];
@@ -112,13 +120,8 @@ pub fn sweep(
             Some(best) if !better(best, f) => Some(best),
             _ => Some(f),
         });
-    let suggested_hz = best
-        .filter(|best| best.success_ratio > 0.0)
-        .map(|best| best.frequency_hz);
-    Ok(FrequencySweep {
-        frequencies,
-        suggested_hz,
-    })
+    best.filter(|best| best.success_ratio > 0.0)
+        .map(|best| best.frequency_hz)
 }
 
 fn at(

@@ -7,19 +7,18 @@ use crate::fewest_actuators;
 use crate::fewest_modes::{self, Judge, Reduced};
 use crate::field::{AreaField, Field};
 use crate::frequency_sweep::{bearing_frequency, mode_near};
-use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::methods::{Method, MethodChoice, Solution};
 use crate::options::RenderOptions;
+use crate::outcome::Outcome;
 use crate::problem::Drive;
 use crate::rig::{Calibrated, Calibration};
 use crate::scene::{Limits, Scene};
 use crate::setup::Setup;
-use crate::tolerances;
+use crate::shortcomings::{ground_lost, replayed_worse, shortfall, strength};
 use crate::touch::{findings as touch_findings, judged, TouchIndices, TouchPlan};
-use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
+use crate::weights::Weights;
 use crate::zones::ZoneMap;
-use chladni_frf::{numbered, Error, Finding, FrfSet, ModalModel, Result, CREATED_BY};
-use std::borrow::Cow;
+use chladni_frf::{numbered, Error, Finding, FrfSet, ModalModel, Result};
 
 /// Weights, and the field that they make in the model.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,7 +100,7 @@ pub fn render_with_others(
     Ok(first.with_tones(other_tones))
 }
 
-/// A scene with one tone.
+/// Renders a scene with one tone.
 fn render_tone(
     model: &ModalModel,
     scene: &Scene,
@@ -115,138 +114,146 @@ fn render_tone(
     let Calibrated {
         model,
         scene,
-        findings: of_rig,
+        mut findings,
     } = Calibrated::new(model, scene, Some(scene.frequency_hz), &options.drift)?;
     let (model, scene) = (&*model, &*scene);
-    let whole = Setup::new(model, scene, &options.drift)?;
-    check_actuators(&whole, &others)?;
-    let judge = match measured {
-        Some(frf) => Judge::of_line(&whole, frf)?,
-        None => Judge::of_model(&whole, options.modes == Count::Auto),
-    };
-    let Reduced {
-        setup,
-        finding: of_modes,
-    } = fewest_modes::choose(whole, model, &judge, options)?;
-    let chosen = fewest_actuators::choose(
-        &std::iter::once(&setup).chain(&others).collect::<Vec<_>>(),
-        options.actuators,
-    )?;
-    let used = match chosen.columns.len() < setup.operator.references.len() {
-        true => Cow::Owned(setup.with_actuators(&chosen.columns)),
-        false => Cow::Borrowed(&setup),
-    };
-    let decision = options.method.decide(&used.problem, options.effort);
-    let (method, solution) = decision.run(&used, model, options.cut)?;
-    let Solution {
-        drive,
-        findings: said,
-        modal,
-        touched_db,
-    } = solution;
-    let sparse = drive;
-    let drive = spread(&sparse, &chosen.columns, setup.operator.references.len());
-    let Setup {
-        limits,
-        operator,
-        zones,
-        problem,
-        ..
-    } = &setup;
-    let mut findings = [
-        of_rig,
-        setup.findings.clone(),
-        Vec::from_iter(of_modes),
-        Vec::from_iter(chosen.finding),
-        said,
-    ]
-    .concat();
-
-    let field = Field::new(operator, zones, &drive);
-    let area = setup
-        .nodes()
-        .and_then(|nodes| field.area_from(nodes, zones));
-    let points = PointIndices::of_field(&field, zones, limits, &drive, operator.unit)?;
-    let indices = Indices {
-        points,
-        area: area
-            .as_ref()
-            .map(|area| AreaIndices::of_area(area, zones, limits)),
-    };
-    let feasible = points.min_ratio == 1.0;
-    // a proof takes as long as a conic program: who asked for less does not wait for it
-    let proves = options.method == MethodChoice::Best
-        || (!feasible && matches!(method, Method::Robust | Method::MinEffort));
-    let thorough = options.method == MethodChoice::Best && !feasible;
-    let ceiling = if proves {
-        Ceiling::of(&used.problem, &sparse, thorough)?
-    } else {
-        None
-    };
-    if !feasible {
-        findings.push(shortfall(&points, ceiling.as_ref(), limits, method));
-    }
+    let mut found = Found::new(model, scene, &others, options, measured)?;
+    findings.append(&mut found.findings);
+    let outcome = Outcome::of(&found.setup, &found.drive)?;
+    let feasible = outcome.is_feasible();
+    let ceiling = found.ceiling(feasible, options)?;
     let through = match measured {
         Some(_) => "measured line",
         None => "whole model",
     };
-    let [_, replayed, _] = judge.served(&drive);
-    findings.extend(replayed_worse(
-        replayed,
-        &points,
-        setup.modes.len(),
-        through,
-    ));
-    findings.extend(
-        indices
-            .area
-            .filter(|_| feasible && options.actuators != Count::All)
-            .and_then(|area| ground_lost(&area, chosen.columns.len())),
-    );
+    let counted = options.actuators != Count::All;
+    findings.extend(found.shortcomings(&outcome, ceiling.as_ref(), counted, through));
+    let (setup, drive, method) = (&found.setup, &found.drive, found.method);
     // what is quick must stay so, and what is not met needs no limit of what it endures
     let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
-    let endurance = endures.then(|| Endurance::of(&setup, model, &drive, gain_error));
+    let endurance = endures.then(|| Endurance::of(setup, model, drive, gain_error));
     findings.extend(endurance.iter().filter_map(Endurance::finding));
-    let touch = under_fingers(model, scene, &setup, &drive);
+    let touch = under_fingers(model, scene, setup, drive);
     if let Some(told) = &touch {
-        findings.extend(of_fingers(told, model, scene, &setup, touched_db, options)?);
+        let touched_db = found.solution.touched_db;
+        findings.extend(of_fingers(told, model, scene, setup, touched_db, options)?);
     }
-    findings.extend(judge.findings);
-    findings.extend(strength(&field, limits));
+    findings.extend(found.judge.findings);
+    findings.extend(strength(&outcome.field, &setup.limits));
     numbered(&mut findings, &in_band_hz(model));
     let weights = Weights {
-        format: WEIGHTS_FORMAT.into(),
-        version: WEIGHTS_VERSION,
-        created_by: CREATED_BY.into(),
-        source: Vec::new(),
         options: options.to_json(scene.drift.as_ref().unwrap_or(&options.drift)),
-        frequency_hz: scene.frequency_hz,
-        method: method.to_string(),
-        scene: scene.name(),
-        weights: weight_list(&operator.references, &drive, operator.unit),
-        modes_used: setup.modes.len(),
-        actuators_used: drive.iter().filter(|weight| weight.norm() > 0.0).count(),
-        feasible,
         ceiling,
-        kappa: Some(problem.score(&drive).kappa).filter(|kappa| kappa.is_finite()),
         endurance,
-        modal,
-        indices,
-        stress: None,
+        modal: found.solution.modal,
         touch,
-        sweep: None,
-        correction: None,
         findings: findings.into(),
-        other_tones: Vec::new(),
+        ..outcome.weights(setup, scene, drive, method)
     };
     Ok(Rendering {
         weights,
-        field,
-        area,
-        zones: zones.clone(),
-        limits: *limits,
+        field: outcome.field,
+        area: outcome.area,
+        limits: setup.limits,
+        zones: found.setup.zones,
         other_tones: Vec::new(),
     })
+}
+
+/// A drive, and what it was found on.
+struct Found {
+    setup: Setup,
+    judge: Judge,
+    /// With the actuators chosen, where these are not all.
+    fewer: Option<Setup>,
+    /// Number of the actuators chosen.
+    actuators: usize,
+    method: Method,
+    /// The drive of the actuators chosen.
+    solution: Solution,
+    /// The drive of all actuators, the others still.
+    drive: Drive,
+    findings: Vec<Finding>,
+}
+
+impl Found {
+    /// Chooses modes and actuators, and solves.
+    fn new(
+        model: &ModalModel,
+        scene: &Scene,
+        others: &[Setup],
+        options: &RenderOptions,
+        measured: Option<&FrfSet>,
+    ) -> Result<Self> {
+        let whole = Setup::new(model, scene, &options.drift)?;
+        check_actuators(&whole, others)?;
+        let judge = match measured {
+            Some(frf) => Judge::of_line(&whole, frf)?,
+            None => Judge::of_model(&whole, options.modes == Count::Auto),
+        };
+        let Reduced {
+            setup,
+            finding: of_modes,
+        } = fewest_modes::choose(whole, model, &judge, options)?;
+        let setups: Vec<&Setup> = std::iter::once(&setup).chain(others).collect();
+        let chosen = fewest_actuators::choose(&setups, options.actuators)?;
+        let all = setup.operator.references.len();
+        let fewer = (chosen.columns.len() < all).then(|| setup.with_actuators(&chosen.columns));
+        let used = fewer.as_ref().unwrap_or(&setup);
+        let decision = options.method.decide(&used.problem, options.effort);
+        let (method, mut solution) = decision.run(used, model, options.cut)?;
+        let mut findings = setup.findings.clone();
+        findings.extend(of_modes);
+        findings.extend(chosen.finding);
+        findings.append(&mut solution.findings);
+        Ok(Self {
+            drive: spread(&solution.drive, &chosen.columns, all),
+            actuators: chosen.columns.len(),
+            setup,
+            judge,
+            fewer,
+            method,
+            solution,
+            findings,
+        })
+    }
+
+    /// A proof of what no drive can do. It takes as long as a conic program: who asked for
+    /// less does not wait for it.
+    fn ceiling(&self, feasible: bool, options: &RenderOptions) -> Result<Option<Ceiling>> {
+        let best = options.method == MethodChoice::Best;
+        let thorough = best && !feasible;
+        match best || (!feasible && matches!(self.method, Method::Robust | Method::MinEffort)) {
+            true => {
+                let used = self.fewer.as_ref().unwrap_or(&self.setup);
+                Ceiling::of(&used.problem, &self.solution.drive, thorough)
+            }
+            false => Ok(None),
+        }
+    }
+
+    /// What the drive does not serve: in this model, replayed `through` what judges it, and
+    /// between the responses, where actuators are `counted`.
+    fn shortcomings(
+        &self,
+        outcome: &Outcome,
+        ceiling: Option<&Ceiling>,
+        counted: bool,
+        through: &str,
+    ) -> Vec<Finding> {
+        let (setup, points) = (&self.setup, &outcome.indices.points);
+        let feasible = outcome.is_feasible();
+        let mut findings = Vec::new();
+        if !feasible {
+            findings.push(shortfall(points, ceiling, &setup.limits, self.method));
+        }
+        let [_, replayed, _] = self.judge.served(&self.drive);
+        let modes = setup.modes.len();
+        findings.extend(replayed_worse(replayed, points, modes, through));
+        let area = outcome.indices.area.filter(|_| feasible && counted);
+        findings.extend(area.and_then(|area| ground_lost(&area, self.actuators)));
+        findings
+    }
 }
 
 /// The other scenes, set up as their own renderings do.
@@ -273,26 +280,6 @@ fn check_actuators(whole: &Setup, others: &[Setup]) -> Result<()> {
                 other.operator.references.len()
             ))
             .expected("the same actuators in every scene"))
-    })
-}
-
-/// Tells where a drive serves fewer responses than in the model with fewer `modes`.
-fn replayed_worse(
-    replayed: f64,
-    points: &PointIndices,
-    modes: usize,
-    through: &str,
-) -> Option<Finding> {
-    (replayed < points.success_ratio).then(|| {
-        let words = format!(
-            "replayed through the {through}, {:.1} % of the responses keep their limit, where \
-             {:.1} % do in the model with {modes} modes",
-            100.0 * replayed,
-            100.0 * points.success_ratio,
-        );
-        Finding::caution("replayed-worse", words)
-            .value("replayed_ratio", replayed)
-            .help("sum more modes")
     })
 }
 
@@ -383,94 +370,4 @@ fn in_band_hz(model: &ModalModel) -> Vec<f64> {
         .in_band_modes()
         .map(|mode| mode.frequency_hz)
         .collect()
-}
-
-/// Tells what an infeasible scene got instead, what physics would allow, and what could
-/// help.
-fn shortfall(
-    points: &PointIndices,
-    ceiling: Option<&Ceiling>,
-    limits: &Limits,
-    method: Method,
-) -> Finding {
-    let contrast = points.contrast_db.map_or("no contrast".into(), |db| {
-        format!("a contrast of {db:.1} dB")
-    });
-    let served = format!(
-        "{:.1} % of the hot and {:.1} % of the cold responses keep their limit",
-        100.0 * points.hot_ratio,
-        100.0 * points.cold_ratio
-    );
-    let help = "widen transition_m, use more actuators, or another frequency";
-    let of_ceiling = |finding: Finding, ceiling: &Ceiling| {
-        finding
-            .value("possible_db", ceiling.possible_db)
-            .value("asked_db", ceiling.asked_db)
-    };
-    let finding = match ceiling {
-        Some(ceiling) if ceiling.forbids() => {
-            let [possible, asked] = ceiling.in_words();
-            let words = format!(
-                "the scene is impossible: possible {possible} dB, asked {asked} dB (certified: no \
-                 drive within the limits of the actuators gives more in this model); {served}, \
-                 with {contrast}"
-            );
-            of_ceiling(Finding::fault("scene-impossible", words), ceiling)
-        }
-        Some(ceiling) => {
-            let words = format!(
-                "the scene is not met: possible at most {:.1} dB, asked {:.1} dB, found {:.1} dB; \
-                 {served}, with {contrast}",
-                ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
-            );
-            of_ceiling(Finding::fault("scene-not-met", words), ceiling)
-        }
-        None => {
-            let words = format!(
-                "the scene is not met: {served}, with {contrast} where {:.1} dB are needed",
-                limits.apart_db()
-            );
-            Finding::fault("scene-not-met", words)
-        }
-    };
-    match (ceiling, method) {
-        (None, Method::Mls | Method::PressureMatching) => {
-            finding.help(format!("{help}; method `robust` says what is possible"))
-        }
-        _ => finding.help(help),
-    }
-}
-
-/// Warns where few actuators serve every response and not the ground between them.
-fn ground_lost(area: &AreaIndices, actuators: usize) -> Option<Finding> {
-    let least = [area.hot_ratio, area.cold_ratio]
-        .into_iter()
-        .flatten()
-        .fold(1.0, f64::min);
-    (least < tolerances::SERVES).then(|| {
-        let words = format!(
-            "{actuators} actuators serve every response, but between the responses only {:.0} % of \
-             the hot or of the cold ground",
-            100.0 * least
-        );
-        Finding::caution("ground-between", words)
-            .value("least_area_ratio", least)
-            .help("use a few more actuators")
-    })
-}
-
-/// Warns of motion far above the threshold.
-pub(crate) fn strength(field: &Field, limits: &Limits) -> Option<Finding> {
-    let largest = field
-        .velocity_m_per_s
-        .iter()
-        .map(|v| v.norm())
-        .fold(0.0, f64::max);
-    let level = 20.0 * (largest / limits.threshold_m_per_s).log10();
-    (level > tolerances::STRONG_DB).then(|| {
-        let words = format!("the panel moves {level:.0} dB above the threshold somewhere");
-        Finding::caution("strong-motion", words)
-            .value("level_db", level)
-            .help("check the limits of exposure and of the actuators")
-    })
 }

@@ -5,11 +5,13 @@ use crate::field::Field;
 use crate::finger::{finger_rows, Finger};
 use crate::indices::PointIndices;
 use crate::modal_field::ModalField;
+use crate::operator::Operator;
 use crate::problem::Drive;
 use crate::rig::Calibrated;
 use crate::rig_draw::{Draw, StressOptions};
-use crate::scene::Scene;
+use crate::scene::{Limits, Scene};
 use crate::weights::{StressRow, Weights};
+use crate::zones::ZoneMap;
 use chladni_frf::{Finding, ModalModel, Result};
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -39,76 +41,118 @@ pub fn stress(
     } = laid(weights, scene, On::Model(model))?;
     let field = Field::new(&operator, &zones, &drive);
     let modal = ModalField::new(model, &operator, &drive);
-    let judge = |velocity: Array1<Complex64>| -> Result<[f64; 2]> {
-        let other = Field {
-            velocity_m_per_s: velocity.to_vec(),
-            ..field.clone()
-        };
-        let points = PointIndices::of_field(&other, &zones, &limits, &drive, operator.unit)?;
-        Ok([points.success_ratio, points.min_ratio])
+    let mut table = Table {
+        operator: &operator,
+        drive: &drive,
+        zones: &zones,
+        limits,
+        field,
+        rows: Vec::new(),
     };
-    let mut rows = Vec::new();
-    let mut add = |trial: &str, fields: Vec<Array1<Complex64>>| -> Result<()> {
-        let judged = fields
-            .into_iter()
-            .map(judge)
-            .collect::<Result<Vec<[f64; 2]>>>()?;
-        rows.extend(StressRow::of(trial, &judged));
-        Ok(())
-    };
-
-    add("none", vec![modal.free.clone()])?;
+    table.add("none", vec![modal.free.clone()])?;
     let mut draw = Draw::new(options.seed);
-    add(
-        "errors of the fit",
-        (0..options.draws)
-            .map(|_| modal.with_modes(|mode| draw.fit_error(mode)))
-            .collect(),
-    )?;
-    add(
-        "drift",
-        (0..options.draws)
-            .map(|_| modal.with_modes(|mode| draw.drift(mode, &options.drift)))
-            .collect(),
-    )?;
-    let shifted = [-1.0, 1.0].map(|sign| {
-        modal.with_modes(|mode| mode.frequency_hz *= 1.0 + sign * options.common_shift)
-    });
-    add(
-        &format!(
-            "all frequencies {} % lower or higher",
-            100.0 * options.common_shift
-        ),
-        shifted.to_vec(),
-    )?;
+    table.add_panels(&modal, &mut draw, options)?;
+    let findings = table.add_fingers(&modal, options)?;
+    table.add_drives(&mut draw, options)?;
+    Ok((table.rows, findings))
+}
 
-    let mut findings = Vec::new();
-    let mass = Finger::of_mass(options.added_mass_kg);
-    for (trial, finger) in [
-        ("a finger in the hot zone", options.finger),
-        ("an added mass in the hot zone", mass),
-    ] {
-        let rows = finger_rows(&field).into_iter();
-        let touched: Option<Vec<_>> = rows.map(|row| modal.touched(&finger, row)).collect();
-        match touched {
-            Some(fields) => add(trial, fields)?,
-            None => findings.push(unscaled(trial)),
-        }
+/// The stress table of a drive.
+struct Table<'a> {
+    operator: &'a Operator,
+    drive: &'a Drive,
+    zones: &'a ZoneMap,
+    limits: Limits,
+    /// In the model.
+    field: Field,
+    rows: Vec<StressRow>,
+}
+
+impl Table<'_> {
+    /// Adds the row of a trial that makes such velocities.
+    fn add(&mut self, trial: &str, fields: Vec<Array1<Complex64>>) -> Result<()> {
+        let judge = |velocity: Array1<Complex64>| -> Result<[f64; 2]> {
+            let other = Field {
+                velocity_m_per_s: velocity.to_vec(),
+                ..self.field.clone()
+            };
+            let points = PointIndices::of_field(
+                &other,
+                self.zones,
+                &self.limits,
+                self.drive,
+                self.operator.unit,
+            )?;
+            Ok([points.success_ratio, points.min_ratio])
+        };
+        let judged = fields.into_iter().map(judge).collect::<Result<Vec<_>>>()?;
+        self.rows.extend(StressRow::of(trial, &judged));
+        Ok(())
     }
 
-    let of_drive = |drive: &Drive| operator.mobility.dot(drive);
-    add(
-        "one dead actuator",
-        one_dead(&drive).map(|drive| of_drive(&drive)).collect(),
-    )?;
-    let wrong =
-        (0..options.draws).map(|_| of_drive(&drive.mapv(|weight| weight * draw.gain(options))));
-    add("amplitudes and phases of the drives", wrong.collect())?;
-    add(
-        &format!("a converter of {} bits", options.converter_bits),
-        vec![of_drive(&quantised(&drive, options.converter_bits))],
-    )?;
-    Ok((rows, findings))
+    /// Modes that are not where the model has them.
+    fn add_panels(
+        &mut self,
+        modal: &ModalField,
+        draw: &mut Draw,
+        options: &StressOptions,
+    ) -> Result<()> {
+        self.add(
+            "errors of the fit",
+            (0..options.draws)
+                .map(|_| modal.with_modes(|mode| draw.fit_error(mode)))
+                .collect(),
+        )?;
+        self.add(
+            "drift",
+            (0..options.draws)
+                .map(|_| modal.with_modes(|mode| draw.drift(mode, &options.drift)))
+                .collect(),
+        )?;
+        let shifted = [-1.0, 1.0].map(|sign| {
+            modal.with_modes(|mode| mode.frequency_hz *= 1.0 + sign * options.common_shift)
+        });
+        let shift = format!(
+            "all frequencies {} % lower or higher",
+            100.0 * options.common_shift
+        );
+        self.add(&shift, shifted.to_vec())
+    }
+
+    /// What touches the hot zone; the findings name what cannot be tried.
+    fn add_fingers(&mut self, modal: &ModalField, options: &StressOptions) -> Result<Vec<Finding>> {
+        let mut findings = Vec::new();
+        let mass = Finger::of_mass(options.added_mass_kg);
+        for (trial, finger) in [
+            ("a finger in the hot zone", options.finger),
+            ("an added mass in the hot zone", mass),
+        ] {
+            let rows = finger_rows(&self.field).into_iter();
+            let touched: Option<Vec<_>> = rows.map(|row| modal.touched(&finger, row)).collect();
+            match touched {
+                Some(fields) => self.add(trial, fields)?,
+                None => findings.push(unscaled(trial)),
+            }
+        }
+        Ok(findings)
+    }
+
+    /// Drives that are not what was asked for.
+    fn add_drives(&mut self, draw: &mut Draw, options: &StressOptions) -> Result<()> {
+        let (operator, drive) = (self.operator, self.drive);
+        let of_drive = |drive: &Drive| operator.mobility.dot(drive);
+        self.add(
+            "one dead actuator",
+            one_dead(drive).map(|drive| of_drive(&drive)).collect(),
+        )?;
+        let wrong =
+            (0..options.draws).map(|_| of_drive(&drive.mapv(|weight| weight * draw.gain(options))));
+        self.add("amplitudes and phases of the drives", wrong.collect())?;
+        self.add(
+            &format!("a converter of {} bits", options.converter_bits),
+            vec![of_drive(&quantised(drive, options.converter_bits))],
+        )
+    }
 }
 
 fn unscaled(trial: &str) -> Finding {

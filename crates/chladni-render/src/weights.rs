@@ -179,6 +179,18 @@ impl Weights {
                 .found(self.frequency_hz)
                 .expected("a frequency in Hz"));
         }
+        self.check_list()?;
+        self.check_tones()?;
+        self.other_tones = self
+            .other_tones
+            .into_iter()
+            .map(Self::checked)
+            .collect::<Result<_>>()?;
+        Ok(self)
+    }
+
+    /// Checks that every actuator stands once, in one unit.
+    fn check_list(&self) -> Result<()> {
         let mut seen = std::collections::HashSet::new();
         for weight in &self.weights {
             if !seen.insert((weight.reference.node, weight.reference.direction.axis())) {
@@ -197,6 +209,11 @@ impl Weights {
                     )));
             }
         }
+        Ok(())
+    }
+
+    /// Checks that the other tones can sound beside this one.
+    fn check_tones(&self) -> Result<()> {
         let mut known = vec![self.frequency_hz];
         for tone in &self.other_tones {
             let references = |weights: &Self| {
@@ -210,7 +227,7 @@ impl Weights {
             if twice
                 || !tone.other_tones.is_empty()
                 || tone.unit() != self.unit()
-                || references(tone) != references(&self)
+                || references(tone) != references(self)
             {
                 return Err(Error::bad_data("tones that cannot sound together")
                     .field("other_tones")
@@ -227,12 +244,7 @@ impl Weights {
             }
             known.push(tone.frequency_hz);
         }
-        self.other_tones = self
-            .other_tones
-            .into_iter()
-            .map(Self::checked)
-            .collect::<Result<_>>()?;
-        Ok(self)
+        Ok(())
     }
 
     /// The weights of every frequency that is driven.

@@ -184,17 +184,28 @@ pub(crate) fn walk<S: Source>(
         }
         (None, None) => {}
     }
-    fit.model.quality.findings.extend(outliers::words(&fitted));
-    let noise = noise_variance(&fitted, &seen, error);
-    let values = fitted.values();
-    examine(&fitted, values, options, white, noise, &mut fit.model);
+    checked(&fitted, &seen, options, white, &mut fit.model);
+    Ok(fit)
+}
+
+/// Asks what is wrong with the data; `seen`: what is left of each FRF. Then takes an
+/// exponential window off.
+fn checked<S: Source>(
+    fitted: &S,
+    seen: &[f64],
+    options: &FitOptions,
+    white: bool,
+    model: &mut ModalModel,
+) {
+    model.quality.findings.extend(outliers::words(fitted));
+    let noise = noise_variance(fitted, seen, model.quality.relative_error);
+    examine(fitted, fitted.values(), options, white, noise, model);
     if fitted.values().is_none() {
-        fit.model.quality.findings.push(not_checked());
+        model.quality.findings.push(not_checked());
     }
     if let Some(alpha) = options.exponential_window_per_s {
-        exponential::undo(&mut fit.model, alpha);
+        exponential::undo(model, alpha);
     }
-    Ok(fit)
 }
 
 /// Noise variance of one work value, where what is left of FRFs is noise and known; else

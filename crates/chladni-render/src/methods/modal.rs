@@ -73,19 +73,7 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel, cut: Option<f64>) -> Resu
             .expected("at least one in-band mode for the method `modal`")
             .help("take another method, or fit a band that holds modes"));
     }
-    let omega = TAU * operator.frequency_hz;
-    let gammas: Vec<Complex64> = modes
-        .iter()
-        .map(|mode| gamma(mode, model.damping, omega))
-        .collect();
-    let gamma = Array2::from_shape_fn((judged.len(), modes.len()), |(k, n)| {
-        let row = operator.response_rows[judged[k]];
-        gammas[n] * modes[n].shape.0[row] * operator.responses[judged[k]].direction.sign()
-    });
-    let psi = Array2::from_shape_fn((modes.len(), operator.references.len()), |(n, j)| {
-        modes[n].participation.0[operator.reference_columns[j]]
-    });
-
+    let [gamma, psi] = matrices(setup, &modes, model.damping);
     let target = one_phase_target(problem);
     let whole = gamma.dot(&psi);
     let (gamma, asked) = pseudo_inverse_times(&gamma, &target, None)?;
@@ -123,6 +111,26 @@ pub(crate) fn solve(setup: &Setup, model: &ModalModel, cut: Option<f64>) -> Resu
         findings,
         modal: Some(modal),
     })
+}
+
+/// Γ and Ψ of the modes.
+fn matrices(setup: &Setup, modes: &[&Mode], damping: Damping) -> [Array2<Complex64>; 2] {
+    let Setup {
+        operator, judged, ..
+    } = setup;
+    let omega = TAU * operator.frequency_hz;
+    let gammas: Vec<Complex64> = modes
+        .iter()
+        .map(|mode| gamma(mode, damping, omega))
+        .collect();
+    let gamma = Array2::from_shape_fn((judged.len(), modes.len()), |(k, n)| {
+        let row = operator.response_rows[judged[k]];
+        gammas[n] * modes[n].shape.0[row] * operator.responses[judged[k]].direction.sign()
+    });
+    let psi = Array2::from_shape_fn((modes.len(), operator.references.len()), |(n, j)| {
+        modes[n].participation.0[operator.reference_columns[j]]
+    });
+    [gamma, psi]
 }
 
 /// γ_n = jω/(ω_n²(1+jη_n) − ω²), (m/s)/N·kg; in the viscous law, for real shapes,

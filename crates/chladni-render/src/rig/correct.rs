@@ -4,21 +4,19 @@
 use super::calibrated::{dead_of, Calibrated};
 use super::calibration::{scan_due, Calibration, ChannelGain};
 use super::correction::{Correction, TakenField};
-use super::given::{best_of, measured_ratio, Count};
+use super::given::{best_of, measured_ratio, Count, Given};
 use super::learned::Learned;
 use super::prior::prior_drift;
-use super::seen::see;
+use super::seen::{see, Seen};
 use super::structured::Structured;
-use crate::field::Field;
-use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::methods::Method;
 use crate::options::RenderOptions;
-use crate::problem::Drive;
+use crate::outcome::Outcome;
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
-use crate::weights::{weight_list, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
-use chladni_frf::{Dof, Error, MeasuredField, ModalModel, Result, CREATED_BY};
+use crate::weights::Weights;
+use chladni_frf::{Dof, Error, MeasuredField, ModalModel, Result};
 
 /// A drive for `scene`, corrected by the fields that were measured under earlier weights,
 /// oldest first.
@@ -84,75 +82,41 @@ pub fn calibrate(
     let corrected = setup.with_operator(operator.mobility.clone(), covariance)?;
     let solution = Method::Robust.solve(&corrected, model, options.effort, None)?;
     findings.extend(solution.findings);
-    let measured: Vec<Option<f64>> = seen
-        .iter()
-        .map(|seen| measured_ratio(&setup, seen, Count::Plain))
-        .collect();
     let given = best_of(&corrected, solution.drive, &seen);
+    let correction = corrected_by(&setup, &seen, &learned, &given);
+    findings.retain(|finding| finding.code != "scan-due");
+    findings.extend(correction.scan_reason.as_deref().map(scan_due));
+    let calibration = learned.calibration([own, model], &corrected, before, &correction);
+    let outcome = Outcome::of(&corrected, &given.drive)?;
+    let weights = Weights {
+        options: options.to_json(&drift),
+        correction: Some(correction),
+        findings: findings.into(),
+        ..outcome.weights(&corrected, scene, &given.drive, Method::Robust)
+    };
+    Ok((weights, calibration))
+}
+
+/// What the fields `seen` have led to.
+fn corrected_by(setup: &Setup, seen: &[Seen], learned: &Learned, given: &Given) -> Correction {
     let structured = &learned.estimators.structured;
     let scan_reason = scan(&learned.nis, structured);
-    findings.retain(|finding| finding.code != "scan-due");
-    findings.extend(scan_reason.as_deref().map(scan_due));
-    let fields = learned.nis.iter().zip(&measured);
-    let correction = Correction {
+    let taken = |(&nis, seen): (&f64, &Seen)| TakenField {
+        nis,
+        min_ratio: measured_ratio(setup, seen, Count::Plain),
+    };
+    Correction {
         iteration: seen.len(),
         estimator: learned.chosen,
         predicted: given.predicted,
         scan_due: scan_reason.is_some(),
         scan_reason,
-        fields: fields
-            .map(|(&nis, &min_ratio)| TakenField { nis, min_ratio })
-            .collect(),
+        fields: learned.nis.iter().zip(seen).map(taken).collect(),
         best_measured: given.best_measured.map(|best| best + 1),
         kept: given.kept,
-        gains: gains(&setup, structured),
+        gains: gains(setup, structured),
         common_shift: structured.common,
-    };
-    let calibration = learned.calibration([own, model], &corrected, before, &correction);
-    let weights = weights_of(&corrected, scene, &given.drive)?;
-    let weights = Weights {
-        options: options.to_json(&drift),
-        correction: Some(correction),
-        findings: findings.into(),
-        ..weights
-    };
-    Ok((weights, calibration))
-}
-
-/// The weights file of a drive that keeps `setup`.
-fn weights_of(setup: &Setup, scene: &Scene, drive: &Drive) -> Result<Weights> {
-    let unit = setup.operator.unit;
-    let field = Field::new(&setup.operator, &setup.zones, drive);
-    let points = PointIndices::of_field(&field, &setup.zones, &setup.limits, drive, unit)?;
-    let area = setup
-        .nodes()
-        .and_then(|nodes| field.area_from(nodes, &setup.zones))
-        .map(|area| AreaIndices::of_area(&area, &setup.zones, &setup.limits));
-    Ok(Weights {
-        format: WEIGHTS_FORMAT.into(),
-        version: WEIGHTS_VERSION,
-        created_by: CREATED_BY.into(),
-        source: Vec::new(),
-        options: Default::default(),
-        frequency_hz: scene.frequency_hz,
-        method: "robust".into(),
-        scene: scene.name(),
-        weights: weight_list(&setup.operator.references, drive, unit),
-        modes_used: setup.modes.len(),
-        actuators_used: drive.iter().filter(|weight| weight.norm() > 0.0).count(),
-        feasible: points.min_ratio == 1.0,
-        ceiling: None,
-        kappa: Some(setup.problem.score(drive).kappa).filter(|kappa| kappa.is_finite()),
-        endurance: None,
-        modal: None,
-        indices: Indices { points, area },
-        stress: None,
-        touch: None,
-        sweep: None,
-        correction: None,
-        findings: Default::default(),
-        other_tones: Vec::new(),
-    })
+    }
 }
 
 /// The reason that a new scan is due; `None` where it is not.

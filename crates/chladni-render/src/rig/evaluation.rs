@@ -8,7 +8,7 @@ use super::prior::{design, prior_drift};
 use crate::drift::Drift;
 use crate::evaluate::{laid, Laid, On};
 use crate::field::Field;
-use crate::indices::{Indices, PointIndices};
+use crate::indices::{AreaIndices, Indices, PointIndices};
 use crate::scene::{Limits, Scene};
 use crate::weights::Weights;
 use crate::zones::ZoneMap;
@@ -83,12 +83,7 @@ pub fn evaluate_field(
     };
     let points = PointIndices::of_field(&measured, &zones, &limits, &drive, operator.unit)?;
     if laid_field.rows.len() < operator.responses.len() {
-        let words = format!(
-            "the field holds {} of the {} responses; only these are judged",
-            laid_field.rows.len(),
-            operator.responses.len()
-        );
-        findings.push(Finding::note("field-of-some-responses", words));
+        findings.push(of_some(laid_field.rows.len(), operator.responses.len()));
     }
     if laid_field.noise_assumed {
         findings.push(noise_assumed());
@@ -98,7 +93,7 @@ pub fn evaluate_field(
     let area = (laid_field.rows.len() == operator.responses.len())
         .then(|| measured.area(&zones))
         .flatten()
-        .map(|area| crate::indices::AreaIndices::of_area(&area, &zones, &limits));
+        .map(|area| AreaIndices::of_area(&area, &zones, &limits));
     Ok(FieldEvaluation {
         indices: Indices { points, area },
         agreement,
@@ -108,6 +103,12 @@ pub fn evaluate_field(
         limits,
         findings,
     })
+}
+
+/// The finding of a field that holds only so many responses.
+fn of_some(held: usize, all: usize) -> Finding {
+    let words = format!("the field holds {held} of the {all} responses; only these are judged");
+    Finding::note("field-of-some-responses", words)
 }
 
 /// The field at some of its responses.

@@ -40,25 +40,7 @@ impl LaidField {
         operator: &crate::operator::Operator,
         sha256: Option<&str>,
     ) -> Result<Self> {
-        let asked = operator.frequency_hz;
-        if (field.frequency_hz - asked).abs() > tolerances::SAME_FREQUENCY * asked {
-            return Err(
-                Error::bad_data("the field was measured at another frequency")
-                    .field("frequency_hz")
-                    .found(format!("{} Hz", field.frequency_hz))
-                    .expected(format!("{asked} Hz, as the weights"))
-                    .help("give the field that these weights make"),
-            );
-        }
-        if let (Some(stated), Some(sha256)) = (&field.weights_sha256, sha256) {
-            if stated != sha256 {
-                return Err(Error::bad_data("the field is of other weights")
-                    .field("weights_sha256")
-                    .found(stated)
-                    .expected(sha256)
-                    .help("give the weights that were played when the field was measured"));
-            }
-        }
+        check_weights(field, operator.frequency_hz, sha256)?;
         let mut points = Vec::with_capacity(field.points.len());
         for point in &field.points {
             let row = operator
@@ -114,6 +96,29 @@ impl LaidField {
             })
             .collect()
     }
+}
+
+/// Checks that `field` is that of weights with this `sha256`, made for `asked` Hz.
+fn check_weights(field: &MeasuredField, asked: f64, sha256: Option<&str>) -> Result<()> {
+    if (field.frequency_hz - asked).abs() > tolerances::SAME_FREQUENCY * asked {
+        return Err(
+            Error::bad_data("the field was measured at another frequency")
+                .field("frequency_hz")
+                .found(format!("{} Hz", field.frequency_hz))
+                .expected(format!("{asked} Hz, as the weights"))
+                .help("give the field that these weights make"),
+        );
+    }
+    if let (Some(stated), Some(sha256)) = (&field.weights_sha256, sha256) {
+        if stated != sha256 {
+            return Err(Error::bad_data("the field is of other weights")
+                .field("weights_sha256")
+                .found(stated)
+                .expected(sha256)
+                .help("give the weights that were played when the field was measured"));
+        }
+    }
+    Ok(())
 }
 
 /// Root of the mean square.

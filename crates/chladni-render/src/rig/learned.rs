@@ -103,69 +103,10 @@ impl Learned {
         before: Option<&Calibration>,
         told: &Correction,
     ) -> Calibration {
-        let frequency_hz = corrected.operator.frequency_hz;
-        let structured = &self.estimators.structured;
-        let holds = self.chosen == Estimator::Structured;
-        let gain_before = |dof| before.map_or(Complex64::ONE, |known| known.gain_of(dof));
-        let mut gains: Vec<ChannelGain> = Vec::new();
-        for gain in &told.gains {
-            let known = gain_before(gain.reference);
-            let factor = match holds || gain.odd {
-                true => known * Complex64::new(gain.re, gain.im),
-                false => known,
-            };
-            gains.push(ChannelGain {
-                re: factor.re,
-                im: factor.im,
-                ..*gain
-            });
-        }
+        let gains = self.gains(before, told);
         let mut dead: Vec<Dof> = before.map_or(Vec::new(), |known| known.dead.clone());
-        dead.extend(
-            gains
-                .iter()
-                .filter(|gain| gain.is_dead())
-                .map(|gain| gain.reference),
-        );
-        let at = |n: usize| [&own.modes[n], &model.modes[n]];
-        let modes = movable_modes(own).into_iter().enumerate().map(|(k, n)| {
-            let [fitted, known] = at(n);
-            let (frequency_hz, loss_factor) = match holds {
-                true => structured.moved_pole(k, known, model.damping, frequency_hz),
-                false => (known.frequency_hz, known.loss_factor),
-            };
-            CalibratedMode {
-                model_hz: fitted.frequency_hz,
-                frequency_hz,
-                loss_factor,
-                std: structured.shift_std[k],
-            }
-        });
-        let operator = CalibratedOperator {
-            frequency_hz,
-            fields: told.iteration
-                + before
-                    .and_then(|known| known.at(frequency_hz))
-                    .map_or(0, |known| known.fields),
-            estimator: self.chosen,
-            responses: corrected.operator.responses.clone(),
-            references: corrected.operator.references.clone(),
-            mobility: ComplexMatrix(corrected.operator.mobility.clone()),
-            covariance: ComplexMatrix(corrected.problem.covariance.gram().clone()),
-        };
-        let mut operators = vec![operator];
-        let elsewhere = |known: &&CalibratedOperator| {
-            let distance = (known.frequency_hz - frequency_hz).abs();
-            distance > tolerances::SAME_FREQUENCY * frequency_hz
-        };
-        operators.extend(
-            before
-                .iter()
-                .flat_map(|known| &known.operators)
-                .filter(elsewhere)
-                .cloned(),
-        );
-        operators.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        let died = gains.iter().filter(|gain| gain.is_dead());
+        dead.extend(died.map(|gain| gain.reference));
         Calibration {
             format: CALIBRATION_FORMAT.into(),
             version: CALIBRATION_VERSION,
@@ -177,8 +118,82 @@ impl Learned {
             scan_reason: told.scan_reason.clone(),
             gains,
             dead,
-            modes: modes.collect(),
-            operators,
+            modes: self.modes([own, model], corrected.operator.frequency_hz),
+            operators: self.operators(corrected, before, told),
         }
+    }
+
+    fn holds_structured(&self) -> bool {
+        self.chosen == Estimator::Structured
+    }
+
+    /// The gain of every channel: that from before, and where it counts what was told now.
+    fn gains(&self, before: Option<&Calibration>, told: &Correction) -> Vec<ChannelGain> {
+        let gain = |gain: &ChannelGain| {
+            let known = before.map_or(Complex64::ONE, |known| known.gain_of(gain.reference));
+            let factor = match self.holds_structured() || gain.odd {
+                true => known * Complex64::new(gain.re, gain.im),
+                false => known,
+            };
+            ChannelGain {
+                re: factor.re,
+                im: factor.im,
+                ..*gain
+            }
+        };
+        told.gains.iter().map(gain).collect()
+    }
+
+    /// The modes that may move, as they stand now at a drive frequency.
+    fn modes(&self, [own, model]: [&ModalModel; 2], frequency_hz: f64) -> Vec<CalibratedMode> {
+        let structured = &self.estimators.structured;
+        let mode = |(k, n): (usize, usize)| {
+            let [fitted, known] = [&own.modes[n], &model.modes[n]];
+            let (frequency_hz, loss_factor) = match self.holds_structured() {
+                true => structured.moved_pole(k, known, model.damping, frequency_hz),
+                false => (known.frequency_hz, known.loss_factor),
+            };
+            CalibratedMode {
+                model_hz: fitted.frequency_hz,
+                frequency_hz,
+                loss_factor,
+                std: structured.shift_std[k],
+            }
+        };
+        movable_modes(own)
+            .into_iter()
+            .enumerate()
+            .map(mode)
+            .collect()
+    }
+
+    /// The operator at the drive frequency, and those from before elsewhere, rising in
+    /// frequency.
+    fn operators(
+        &self,
+        corrected: &Setup,
+        before: Option<&Calibration>,
+        told: &Correction,
+    ) -> Vec<CalibratedOperator> {
+        let operator = &corrected.operator;
+        let frequency_hz = operator.frequency_hz;
+        let here = before.and_then(|known| known.at(frequency_hz));
+        let mut operators = vec![CalibratedOperator {
+            frequency_hz,
+            fields: told.iteration + here.map_or(0, |known| known.fields),
+            estimator: self.chosen,
+            responses: operator.responses.clone(),
+            references: operator.references.clone(),
+            mobility: ComplexMatrix(operator.mobility.clone()),
+            covariance: ComplexMatrix(corrected.problem.covariance.gram().clone()),
+        }];
+        let elsewhere = |known: &&CalibratedOperator| {
+            let distance = (known.frequency_hz - frequency_hz).abs();
+            distance > tolerances::SAME_FREQUENCY * frequency_hz
+        };
+        let before = before.iter().flat_map(|known| &known.operators);
+        operators.extend(before.filter(elsewhere).cloned());
+        operators.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        operators
     }
 }

@@ -129,68 +129,67 @@ pub(crate) fn is_met(indices: &TimeIndices, table: &TimeTable) -> bool {
 
 /// Findings on the outcome.
 pub(crate) fn said(indices: &TimeIndices, table: &TimeTable) -> Vec<Finding> {
-    let mut said = Vec::new();
-    let measure = indices.by(table.measure);
-    if let Some(over) = measure
+    [
+        cold_over(indices.by(table.measure), table.measure),
+        cold_instants(&indices.peak, table.measure),
+        hot_not_held(&indices.peak, table.level),
+        burst_short(&indices.summed, table),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn cold_over(judged: &TimeMeasure, measure: Measure) -> Option<Finding> {
+    let over = judged
         .worst_cold_db
-        .filter(|_| measure.ever_over_ratio > 0.0)
-    {
-        said.push(
-            Finding::caution(
-                "time-cold-over",
-                format!(
-                    "cold ground is over its limit by up to {over:.1} dB ({}), {:.0} ms in all",
-                    table.measure.as_str(),
-                    1e3 * measure.over_s
-                ),
-            )
-            .value("worst_cold_db", over)
-            .value("over_s", measure.over_s)
-            .help("take longer ramps, or ramps = \"modal\""),
+        .filter(|_| judged.ever_over_ratio > 0.0)?;
+    let words = format!(
+        "cold ground is over its limit by up to {over:.1} dB ({}), {:.0} ms in all",
+        measure.as_str(),
+        1e3 * judged.over_s
+    );
+    let finding = Finding::caution("time-cold-over", words)
+        .value("worst_cold_db", over)
+        .value("over_s", judged.over_s)
+        .help("take longer ramps, or ramps = \"modal\"");
+    Some(finding)
+}
+
+fn cold_instants(peak: &TimeMeasure, measure: Measure) -> Option<Finding> {
+    (measure != Measure::Peak && peak.ever_over_ratio > 0.0).then(|| {
+        let over = peak.worst_cold_db.unwrap_or(0.0);
+        let words = format!(
+            "at some instants cold ground is over its limit by up to {over:.1} dB; summed over \
+             time it may not be felt"
         );
-    }
-    if table.measure != Measure::Peak && indices.peak.ever_over_ratio > 0.0 {
-        let over = indices.peak.worst_cold_db.unwrap_or(0.0);
-        said.push(
-            Finding::caution(
-                "time-cold-instants",
-                format!(
-                    "at some instants cold ground is over its limit by up to {over:.1} dB; summed \
-                     over time it may not be felt"
-                ),
-            )
+        Finding::caution("time-cold-instants", words)
             .value("worst_cold_db", over)
-            .help("ask for it by measure = \"peak\""),
-        );
-    }
-    if indices.peak.hot_held_ratio < 1.0 && table.level == Level::Steady {
-        let under = -indices.peak.worst_hot_db.unwrap_or(f64::NEG_INFINITY);
-        said.push(
-            Finding::caution(
-                "time-hot-not-held",
-                format!(
-                    "hot ground is not held: at some instant it is {under:.1} dB below its limit"
-                ),
-            )
+            .help("ask for it by measure = \"peak\"")
+    })
+}
+
+fn hot_not_held(peak: &TimeMeasure, level: Level) -> Option<Finding> {
+    (peak.hot_held_ratio < 1.0 && level == Level::Steady).then(|| {
+        let under = -peak.worst_hot_db.unwrap_or(f64::NEG_INFINITY);
+        let words =
+            format!("hot ground is not held: at some instant it is {under:.1} dB below its limit");
+        Finding::caution("time-hot-not-held", words)
             .value("worst_hot_db", -under)
-            .help("take longer ramps, or a steady drive with more margin"),
+            .help("take longer ramps, or a steady drive with more margin")
+    })
+}
+
+fn burst_short(summed: &TimeMeasure, table: &TimeTable) -> Option<Finding> {
+    let level = summed.worst_hot_db.filter(|&level| level < 0.0)?;
+    (table.level == Level::Steady && table.measure == Measure::Summed).then(|| {
+        let words = format!(
+            "the events are short for the sense of touch, which sums over {} s: hot ground stays \
+             {:.1} dB below its limit",
+            table.summation_s, -level
         );
-    }
-    if let Some(level) = indices.summed.worst_hot_db.filter(|&level| level < 0.0) {
-        if table.level == Level::Steady && table.measure == Measure::Summed {
-            said.push(
-                Finding::caution(
-                    "time-burst-short",
-                    format!(
-                        "the events are short for the sense of touch, which sums over {} s: hot \
-                         ground stays {:.1} dB below its limit",
-                        table.summation_s, -level
-                    ),
-                )
-                .value("worst_hot_db", level)
-                .help("level = \"compensated\" makes up for it"),
-            );
-        }
-    }
-    said
+        Finding::caution("time-burst-short", words)
+            .value("worst_hot_db", level)
+            .help("level = \"compensated\" makes up for it")
+    })
 }

@@ -303,18 +303,6 @@ impl<'a> Judge<'a> {
                 Some(_) => None,
             })
             .collect();
-        let largest = |all: Vec<f64>| {
-            all.into_iter().fold(None, |most: Option<f64>, value| {
-                Some(most.map_or(value, |most| most.max(value)))
-            })
-        };
-        let ratio = |part: usize, all: usize| {
-            if all == 0 {
-                0.0
-            } else {
-                part as f64 / all as f64
-            }
-        };
         let apart = self.limits.hot / self.limits.cold;
         let loudest = worst.map_or(0.0, |row| row.worst);
         TimeMeasure {
@@ -364,6 +352,22 @@ impl<'a> Judge<'a> {
                     })
             })
             .collect()
+    }
+}
+
+/// The largest value; `None` where there is none.
+fn largest(all: Vec<f64>) -> Option<f64> {
+    all.into_iter().fold(None, |most: Option<f64>, value| {
+        Some(most.map_or(value, |most| most.max(value)))
+    })
+}
+
+/// Share of `all`; 0 of none.
+fn ratio(part: usize, all: usize) -> f64 {
+    if all == 0 {
+        0.0
+    } else {
+        part as f64 / all as f64
     }
 }
 

@@ -177,28 +177,18 @@ impl Listener {
             count,
         );
         let limits = EnergyLimits::of(&self.limits[0].limits, &self.limits[0].share);
-        let mut judges: Vec<Judge> = measures
-            .iter()
-            .map(|&measure| {
-                Judge::new(
-                    measure,
-                    judging.summation_s,
-                    step_s,
-                    limits,
-                    &timeline.segments,
-                    &timeline.grounds,
-                )
-            })
-            .collect();
-        let mut motions: Vec<Motion> = self.models.iter().map(Motion::new).collect();
-        let mut last = vec![Array1::zeros(self.positions_m.len()); self.models.len()];
-        let mut contacts: Vec<Contact> = match &self.touch {
-            None => Vec::new(),
-            Some(touch) => {
-                let of = |model| Contact::new(model, touch);
-                self.models.iter().map(of).collect()
-            }
+        let judge = |&measure: &Measure| {
+            Judge::new(
+                measure,
+                judging.summation_s,
+                step_s,
+                limits,
+                &timeline.segments,
+                &timeline.grounds,
+            )
         };
+        let mut judges: Vec<Judge> = measures.iter().map(judge).collect();
+        let mut panel = Panel::at_rest(self);
         let mut peaks = vec![0.0; voices.len()];
         let mut largest = Vec::with_capacity(count);
         for first in (0..count).step_by(tolerances::JUDGE_BLOCK) {
@@ -207,27 +197,8 @@ impl Listener {
                 .iter()
                 .map(|voice| voice.block(step_s, first, length))
                 .collect();
-            let mut sums = vec![0.0; length];
-            for (peak, drive) in peaks.iter_mut().zip(&drives) {
-                for (sum, size) in sums.iter_mut().zip(drive.amplitudes()) {
-                    *peak = f64::max(*peak, size);
-                    *sum += size;
-                }
-            }
-            largest.extend(sums);
-            let mut moved: Vec<Array2<Complex64>> = motions
-                .iter_mut()
-                .zip(&drives)
-                .map(|(motion, drive)| motion.under(drive))
-                .collect();
-            for (contact, moved) in contacts.iter_mut().zip(&mut moved) {
-                contact.lay_over(moved, first, step_s);
-            }
-            for (k, moved) in moved.iter_mut().enumerate() {
-                let carrier = self.models[k].carrier_rad_per_s;
-                self.limits[k].weigh(moved, &mut last[k], carrier, step_s);
-            }
-            let energies = self.energies(&moved);
+            largest.extend(amplitudes(&drives, length, &mut peaks));
+            let energies = self.energies(&panel.under(&drives, first, step_s));
             judges
                 .par_iter_mut()
                 .for_each(|judge| judge.feed(first, &energies));
@@ -298,6 +269,67 @@ impl Listener {
         }
         energies
     }
+}
+
+/// The panel of a listener while it moves, block after block.
+struct Panel<'a> {
+    listener: &'a Listener,
+    /// Of each tone, as the next two.
+    motions: Vec<Motion<'a>>,
+    /// None where no finger is there.
+    contacts: Vec<Contact<'a>>,
+    /// The last sample of the block before.
+    last: Vec<Array1<Complex64>>,
+}
+
+impl<'a> Panel<'a> {
+    fn at_rest(listener: &'a Listener) -> Self {
+        let Listener { models, touch, .. } = listener;
+        let contact = |touch| models.iter().map(move |model| Contact::new(model, touch));
+        Self {
+            listener,
+            motions: models.iter().map(Motion::new).collect(),
+            contacts: touch.iter().flat_map(contact).collect(),
+            last: vec![Array1::zeros(listener.positions_m.len()); models.len()],
+        }
+    }
+
+    /// Velocities under a block of drives that begins at the sample `first`, weighed by the
+    /// thresholds beside each carrier.
+    fn under(
+        &mut self,
+        drives: &[SampledDrive],
+        first: usize,
+        step_s: f64,
+    ) -> Vec<Array2<Complex64>> {
+        let mut moved: Vec<Array2<Complex64>> = self
+            .motions
+            .iter_mut()
+            .zip(drives)
+            .map(|(motion, drive)| motion.under(drive))
+            .collect();
+        for (contact, moved) in self.contacts.iter_mut().zip(&mut moved) {
+            contact.lay_over(moved, first, step_s);
+        }
+        for (k, moved) in moved.iter_mut().enumerate() {
+            let carrier = self.listener.models[k].carrier_rad_per_s;
+            self.listener.limits[k].weigh(moved, &mut self.last[k], carrier, step_s);
+        }
+        moved
+    }
+}
+
+/// Amplitudes of all tones together at each sample of a block; raises the `peaks` of each
+/// tone.
+fn amplitudes(drives: &[SampledDrive], length: usize, peaks: &mut [f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; length];
+    for (peak, drive) in peaks.iter_mut().zip(drives) {
+        for (sum, size) in sums.iter_mut().zip(drive.amplitudes()) {
+            *peak = f64::max(*peak, size);
+            *sum += size;
+        }
+    }
+    sums
 }
 
 impl SampledDrive {

@@ -3,7 +3,7 @@
 use crate::time::envelope::{Edge, Envelope, Travel};
 use crate::time::plan::Chain;
 use crate::time::program_ramp::program_ends;
-use crate::time::table::Ramps;
+use crate::time::table::{Move, Ramps};
 use crate::time::tracks::{Track, Tracks};
 use crate::time::voice::Voice;
 use crate::zones::ZoneMap;
@@ -30,22 +30,10 @@ impl Voice {
             }
         };
         let last = chain.stops.len() - 1;
+        let corrected = ramps != Ramps::Plain;
         if let Some(moving) = &chain.moving {
-            let travel = Travel {
-                start_s: chain.ramps[0].end_s(),
-                duration_s: moving.travel_s(),
-                last,
-            };
-            let keyframe = |k: usize| Track {
-                envelope: Envelope::Keyframe {
-                    number: k,
-                    travel,
-                    rise: Edge::Cosine(chain.ramps[0]),
-                    fall: Edge::Cosine(chain.ramps[last + 1]),
-                },
-                ..track(k, Edge::NEVER, Edge::NEVER, 1.0, ramps != Ramps::Plain)
-            };
-            return (0..=last).map(keyframe).collect();
+            let still = |k: usize| track(k, Edge::NEVER, Edge::NEVER, 1.0, corrected);
+            return keyframes(chain, moving, still);
         }
         let ends = (ramps == Ramps::Program).then(|| {
             let end = |k: usize| (chain.stops[k], turns[k], &maps[chain.stops[k]]);
@@ -53,19 +41,14 @@ impl Voice {
         });
         let mut tracks = Vec::new();
         for k in 0..=last {
-            let (mut rise, mut fall) = (
-                Edge::Cosine(chain.ramps[k]),
-                Edge::Cosine(chain.ramps[k + 1]),
-            );
-            if let Some(ends) = &ends {
-                if k == 0 {
-                    rise = ends.rise;
-                }
-                if k == last {
-                    fall = ends.fall;
-                }
-            }
-            let corrected = ramps != Ramps::Plain;
+            let rise = match &ends {
+                Some(ends) if k == 0 => ends.rise,
+                _ => Edge::Cosine(chain.ramps[k]),
+            };
+            let fall = match &ends {
+                Some(ends) if k == last => ends.fall,
+                _ => Edge::Cosine(chain.ramps[k + 1]),
+            };
             match (rise, fall) {
                 (Edge::Splines { .. }, Edge::Splines { .. }) => {
                     tracks.push(track(k, rise, fall, 1.0, false))
@@ -107,4 +90,25 @@ impl Voice {
             tracks,
         }
     }
+}
+
+/// The drive of a moving spot; `still`: the track of each keyframe before it has an
+/// envelope.
+fn keyframes(chain: &Chain, moving: &Move, still: impl Fn(usize) -> Track) -> Vec<Track> {
+    let last = chain.stops.len() - 1;
+    let travel = Travel {
+        start_s: chain.ramps[0].end_s(),
+        duration_s: moving.travel_s(),
+        last,
+    };
+    let keyframe = |k: usize| Track {
+        envelope: Envelope::Keyframe {
+            number: k,
+            travel,
+            rise: Edge::Cosine(chain.ramps[0]),
+            fall: Edge::Cosine(chain.ramps[last + 1]),
+        },
+        ..still(k)
+    };
+    (0..=last).map(keyframe).collect()
 }

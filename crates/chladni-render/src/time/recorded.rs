@@ -233,13 +233,7 @@ pub fn evaluate_signal(
     let AreaMeasures { summed, peak, rms } = AreaMeasures::of(&heard.measures);
     let end_s = chains.iter().map(Chain::end_s).fold(0.0, f64::max);
     if recorded.drive.nrows() as f64 / recorded.rate_hz < end_s - step_s {
-        findings.push(
-            Finding::caution(
-                "time-signal-short",
-                "the signal ends before the last event of the scene",
-            )
-            .help("play the scene again"),
-        );
+        findings.push(ends_early());
     }
     let indices = TimeIndices {
         summed,
@@ -279,6 +273,12 @@ fn chains(plan: &Plan, events: &[TimeEvent], findings: &mut Vec<Finding>) -> Res
             .map_or(tolerances::GUESSED_RAMP_S, |known| known.ramp_s)
             .min(event.longest_ramp_s()),
     })
+}
+
+/// The finding of a signal that lacks the end of the scene.
+fn ends_early() -> Finding {
+    let words = "the signal ends before the last event of the scene";
+    Finding::caution("time-signal-short", words).help("play the scene again")
 }
 
 /// Tones whose ramps reach into each other's bands.

@@ -117,37 +117,7 @@ impl Played {
         options: &SignalOptions,
         scene: &str,
     ) -> Result<Signal> {
-        let peak_of = |mapped: &Mapped| {
-            let column = drive.column(mapped.channel - 1);
-            column
-                .iter()
-                .fold(0.0, |most: f64, value| most.max(value.abs()))
-                * mapped.gain.abs()
-        };
-        let loudest = map
-            .0
-            .iter()
-            .max_by(|a, b| peak_of(a).total_cmp(&peak_of(b)));
-        let peak = loudest.map_or(0.0, peak_of);
-        let full_scale = options.full_scale.unwrap_or_else(|| round_above(peak));
-        if !(full_scale > 0.0 && full_scale.is_finite()) {
-            return Err(usage(
-                "full_scale",
-                full_scale.to_string(),
-                "a number above 0".into(),
-            ));
-        }
-        if let Some(loudest) = loudest.filter(|_| peak > full_scale) {
-            return Err(usage(
-                "full_scale",
-                format!(
-                    "{full_scale}, and a peak of {peak:.4e} on channel {} ({})",
-                    loudest.channel, loudest.reference
-                ),
-                format!("at least {:.4e}, so that nothing clips", peak),
-            )
-            .help("`auto` takes the smallest round number above the peak"));
-        }
+        let (peak, full_scale) = scale(&drive, map, options)?;
         Ok(Signal {
             sidecar: Sidecar {
                 format: SIGNAL_FORMAT.into(),
@@ -284,6 +254,42 @@ fn round_above(peak: f64) -> f64 {
         .map(number)
         .find(|&number| number >= peak)
         .unwrap_or(peak)
+}
+
+/// Largest |drive · gain| of all channels, and the full scale that holds it.
+fn scale(drive: &Array2<f64>, map: &ChannelMap, options: &SignalOptions) -> Result<(f64, f64)> {
+    let peak_of = |mapped: &Mapped| {
+        let column = drive.column(mapped.channel - 1);
+        column
+            .iter()
+            .fold(0.0, |most: f64, value| most.max(value.abs()))
+            * mapped.gain.abs()
+    };
+    let loudest = map
+        .0
+        .iter()
+        .max_by(|a, b| peak_of(a).total_cmp(&peak_of(b)));
+    let peak = loudest.map_or(0.0, peak_of);
+    let full_scale = options.full_scale.unwrap_or_else(|| round_above(peak));
+    if !(full_scale > 0.0 && full_scale.is_finite()) {
+        return Err(usage(
+            "full_scale",
+            full_scale.to_string(),
+            "a number above 0".into(),
+        ));
+    }
+    if let Some(loudest) = loudest.filter(|_| peak > full_scale) {
+        return Err(usage(
+            "full_scale",
+            format!(
+                "{full_scale}, and a peak of {peak:.4e} on channel {} ({})",
+                loudest.channel, loudest.reference
+            ),
+            format!("at least {:.4e}, so that nothing clips", peak),
+        )
+        .help("`auto` takes the smallest round number above the peak"));
+    }
+    Ok((peak, full_scale))
 }
 
 fn usage(field: &str, found: String, expected: String) -> Error {

@@ -147,27 +147,7 @@ impl<'a> Stage<'a> {
                 })
                 .collect();
             let heard = points.hear(&alone, std::slice::from_ref(chain), judging, &Measure::ALL);
-            let peak = &heard.measures[1];
-            let mut gain = match self.table.level {
-                Level::Compensated => compensation(&heard, self.table.measure),
-                Level::Steady if chain.moving.is_some() => balance(peak),
-                Level::Steady => match spared(chain, peak) {
-                    None => 1.0,
-                    Some(lower_db) => {
-                        findings.push(lowered(&chain.name, lower_db));
-                        10f64.powf(-lower_db / 20.0)
-                    }
-                },
-            };
-            for (voice, &peak) in self.voices.iter().zip(&heard.peaks) {
-                let allowed = voice.drive_limits.each / peak;
-                if gain > allowed * (1.0 + tolerances::LIMIT) {
-                    let most = voice.drive_limits.each;
-                    let unit = voice.operator.unit;
-                    findings.push(too_strong(&chain.name, unit, gain * peak, most));
-                    gain = allowed;
-                }
-            }
+            let gain = self.gain(chain, &heard, findings);
             for (tone, alone) in tones.iter_mut().zip(alone.drain(..)) {
                 tone.tracks.extend(alone.times(gain.into()).tracks);
             }
@@ -180,6 +160,33 @@ impl<'a> Stage<'a> {
             gains,
             heard,
         })
+    }
+
+    /// The factor on the drive of a chain that is `heard` alone: what its level asks for, as
+    /// far as the limits of the actuators allow.
+    fn gain(&self, chain: &Chain, heard: &Heard, findings: &mut Vec<Finding>) -> f64 {
+        let peak = &heard.measures[1];
+        let mut gain = match self.table.level {
+            Level::Compensated => compensation(heard, self.table.measure),
+            Level::Steady if chain.moving.is_some() => balance(peak),
+            Level::Steady => match spared(chain, peak) {
+                None => 1.0,
+                Some(lower_db) => {
+                    findings.push(lowered(&chain.name, lower_db));
+                    10f64.powf(-lower_db / 20.0)
+                }
+            },
+        };
+        for (voice, &peak) in self.voices.iter().zip(&heard.peaks) {
+            let allowed = voice.drive_limits.each / peak;
+            if gain > allowed * (1.0 + tolerances::LIMIT) {
+                let most = voice.drive_limits.each;
+                let unit = voice.operator.unit;
+                findings.push(too_strong(&chain.name, unit, gain * peak, most));
+                gain = allowed;
+            }
+        }
+        gain
     }
 }
 

@@ -86,75 +86,13 @@ pub fn stress_in_time(
     options: &StressOptions,
 ) -> Result<(Vec<TimeStressRow>, Vec<Finding>)> {
     let bench = Bench::new(played, scene, model)?;
-    let mut rows = Vec::new();
-    let mut add = |trial: &str, judged: Vec<TimeMeasure>| {
-        rows.extend(TimeStressRow::of(trial, &judged));
-    };
-    add("none", vec![bench.as_it_is(&played.tones)]);
     let mut draw = Draw::new(options.seed);
-    let fits = (0..options.draws).map(|_| bench.with_modes(|mode| draw.fit_error(mode)));
-    add("errors of the fit", fits.collect::<Result<_>>()?);
-    let drifted =
-        (0..options.draws).map(|_| bench.with_modes(|mode| draw.drift(mode, &options.drift)));
-    add("drift", drifted.collect::<Result<_>>()?);
-    let shifted = [-1.0, 1.0].map(|sign| {
-        bench.with_modes(|mode| mode.frequency_hz *= 1.0 + sign * options.common_shift)
-    });
-    let shift = format!(
-        "all frequencies {} % lower or higher",
-        100.0 * options.common_shift
-    );
-    add(&shift, shifted.into_iter().collect::<Result<_>>()?);
-    let actuators = played.references.len();
-    let one = |odd: usize, gain: f64| -> Vec<Complex64> {
-        (0..actuators)
-            .map(|i| {
-                if i == odd {
-                    gain.into()
-                } else {
-                    Complex64::ONE
-                }
-            })
-            .collect()
-    };
-    for (trial, gain) in [("one dead actuator", 0.0), ("one reversed actuator", -1.0)] {
-        add(
-            trial,
-            (0..actuators)
-                .map(|i| bench.with_gains(&one(i, gain)))
-                .collect(),
-        );
-    }
-    let wrong = (0..options.draws).map(|_| {
-        let gains: Vec<Complex64> = (0..actuators).map(|_| draw.gain(options)).collect();
-        bench.with_gains(&gains)
-    });
-    add("amplitudes and phases of the drives", wrong.collect());
-
+    let mut trials = vec![("none".into(), vec![bench.as_it_is(&played.tones)])];
+    trials.extend(bench.panels(&mut draw, options)?);
+    trials.extend(bench.drives(&mut draw, options));
     let mut findings = Vec::new();
-    let fingers = bench.finger_rows();
     if model.scaling == Scaling::UnitModalMass {
-        let stays = |&row: &usize| {
-            bench.touched(Touch {
-                row,
-                finger: options.finger,
-                steps: vec![(f64::NEG_INFINITY, 1.0)],
-            })
-        };
-        add(
-            "a finger in the hot zone",
-            fingers.iter().map(stays).collect(),
-        );
-        let comes = (0..options.draws * fingers.len().min(1)).map(|k| {
-            let row = fingers[k % fingers.len()];
-            bench.touched(coming_and_going(
-                options.finger,
-                row,
-                played.length_s,
-                &mut draw,
-            ))
-        });
-        add("a finger that comes and goes", comes.collect());
+        trials.extend(bench.fingers(&mut draw, options));
     } else {
         findings.push(
             Finding::caution(
@@ -164,9 +102,14 @@ pub fn stress_in_time(
             .help("measure at least one driving point"),
         );
     }
+    let row = |(trial, judged): &Trial| TimeStressRow::of(trial, judged);
+    let rows: Vec<TimeStressRow> = trials.iter().filter_map(row).collect();
     findings.extend(fragile(&rows));
     Ok((rows, findings))
 }
+
+/// A trial in words, and how its cases do.
+type Trial = (String, Vec<TimeMeasure>);
 
 /// The trials that a drive does not bear although it is met without them.
 fn fragile(rows: &[TimeStressRow]) -> Option<Finding> {
@@ -290,5 +233,75 @@ impl<'a> Bench<'a> {
         let map = &self.maps[self.chains.first().map_or(0, |chain| chain.stops[0])];
         let ground: Vec<Ground> = positions.iter().map(|&place| map.classify(place)).collect();
         finger_rows_of(&ground, positions)
+    }
+
+    /// Modes that are not where the model has them.
+    fn panels(&self, draw: &mut Draw, options: &StressOptions) -> Result<[Trial; 3]> {
+        let fits = (0..options.draws).map(|_| self.with_modes(|mode| draw.fit_error(mode)));
+        let fits = fits.collect::<Result<_>>()?;
+        let drifted =
+            (0..options.draws).map(|_| self.with_modes(|mode| draw.drift(mode, &options.drift)));
+        let drifted = drifted.collect::<Result<_>>()?;
+        let shifted = [-1.0, 1.0].map(|sign| {
+            self.with_modes(|mode| mode.frequency_hz *= 1.0 + sign * options.common_shift)
+        });
+        let shift = format!(
+            "all frequencies {} % lower or higher",
+            100.0 * options.common_shift
+        );
+        Ok([
+            ("errors of the fit".into(), fits),
+            ("drift".into(), drifted),
+            (shift, shifted.into_iter().collect::<Result<_>>()?),
+        ])
+    }
+
+    /// Drives that are not what was asked for.
+    fn drives(&self, draw: &mut Draw, options: &StressOptions) -> [Trial; 3] {
+        let actuators = self.played.references.len();
+        let each = |gain: f64| -> Vec<TimeMeasure> {
+            let odd = |odd: usize| {
+                let mut gains = vec![Complex64::ONE; actuators];
+                gains[odd] = gain.into();
+                self.with_gains(&gains)
+            };
+            (0..actuators).map(odd).collect()
+        };
+        let wrong = (0..options.draws).map(|_| {
+            let gains: Vec<Complex64> = (0..actuators).map(|_| draw.gain(options)).collect();
+            self.with_gains(&gains)
+        });
+        [
+            ("one dead actuator".into(), each(0.0)),
+            ("one reversed actuator".into(), each(-1.0)),
+            (
+                "amplitudes and phases of the drives".into(),
+                wrong.collect(),
+            ),
+        ]
+    }
+
+    /// Fingers in the hot zone that stay, and that come and go.
+    fn fingers(&self, draw: &mut Draw, options: &StressOptions) -> [Trial; 2] {
+        let rows = self.finger_rows();
+        let (finger, length_s) = (options.finger, self.played.length_s);
+        let stays = |&row: &usize| {
+            self.touched(Touch {
+                row,
+                finger,
+                steps: vec![(f64::NEG_INFINITY, 1.0)],
+            })
+        };
+        let comes = (0..options.draws * rows.len().min(1)).map(|k| {
+            let row = rows[k % rows.len()];
+            self.touched(coming_and_going(finger, row, length_s, draw))
+        });
+        [
+            (
+                "a finger in the hot zone".into(),
+                rows.iter().map(stays).collect(),
+            ),
+            ("a finger that comes and goes".into(), comes.collect()),
+        ]
     }
 }

@@ -3,6 +3,7 @@
 use crate::plane::Position;
 use crate::plane::Rectangle;
 use crate::time::plan::{Chain, Place, Plan, Spot};
+use crate::time::table::Move;
 use crate::tolerances;
 use crate::zones::{Ground, ZoneLayout, ZoneMap, Zones};
 use chladni_frf::{Error, ErrorKind, Result};
@@ -13,6 +14,17 @@ pub(crate) struct RowGround {
     pub(crate) classes: Vec<Ground>,
     /// Square of the factor on the limit of each hot row.
     pub(crate) levels: Vec<f64>,
+}
+
+impl RowGround {
+    /// The ground of `map` at `positions_m`.
+    fn of(map: &ZoneMap, positions_m: &[Position]) -> Self {
+        let level = |&place: &Position| map.level_at(place).powi(2);
+        Self {
+            classes: positions_m.iter().map(|&p| map.classify(p)).collect(),
+            levels: positions_m.iter().map(level).collect(),
+        }
+    }
 }
 
 /// All that is ever asked of the rows.
@@ -117,91 +129,124 @@ impl Timeline {
         step_s: f64,
         count: usize,
     ) -> Self {
-        let of_map = |map: &ZoneMap| RowGround {
-            classes: positions_m.iter().map(|&p| map.classify(p)).collect(),
-            levels: positions_m
-                .iter()
-                .map(|&p| map.level_at(p).powi(2))
-                .collect(),
+        let of_map = |map: &ZoneMap| RowGround::of(map, positions_m);
+        let mut draft = Draft {
+            zones,
+            scanned,
+            positions_m,
+            step_s,
+            count,
+            grounds: Grounds {
+                of: maps.iter().map(of_map).collect(),
+                rows: positions_m.len(),
+            },
+            segments: Vec::new(),
+            group: 0,
+            event: 0,
         };
-        let mut grounds = Grounds {
-            of: maps.iter().map(of_map).collect(),
-            rows: positions_m.len(),
-        };
-        let sample = |time_s: f64| ((time_s / step_s - 1e-6).ceil().max(0.0) as usize).min(count);
-        let mut segments = Vec::new();
-        let mut group = 0;
         let mut ends = Vec::new();
         for (event, chain) in chains.iter().enumerate() {
             let end = chains
                 .get(event + 1)
-                .map_or(count, |next| sample(next.start_s()));
+                .map_or(count, |next| draft.sample(next.start_s()));
             ends.push(end);
-            let mut add = |from_s: f64, to: usize, ground, hot, group| {
-                segments.push(Segment {
-                    first: sample(from_s),
-                    end: to,
-                    ground,
-                    hot,
-                    group,
-                    event,
-                })
-            };
-            let first = chain.stops[0];
+            draft.event = event;
             let rise = chain.ramps[0];
-            add(
-                rise.start_s,
-                sample(rise.end_s()),
-                first,
-                Some(false),
-                group,
-            );
-            if let Some(moving) = &chain.moving {
-                let fall = chain.ramps[chain.ramps.len() - 1];
-                let slices = (moving.travel_s() / tolerances::SPOT_STEP_S)
-                    .ceil()
-                    .max(1.0);
-                let slice_s = moving.travel_s() / slices;
-                for k in 0..slices as usize {
-                    let from_s = rise.end_s() + slice_s * k as f64;
-                    let along = moving.length_m() * (k as f64 + 0.5) / slices;
-                    let spot = Zones {
-                        layout: ZoneLayout::Spot {
-                            centre_m: moving.place(along),
-                            hot_radius_m: moving.hot_radius_m,
-                            quiet_from_m: moving.quiet_from_m,
-                        },
-                        ..zones.clone()
-                    };
-                    let ground = grounds.push(of_map(&spot.over(scanned)));
-                    add(from_s, sample(from_s + slice_s), ground, Some(true), group);
-                }
-                let last = *chain.stops.last().unwrap_or(&first);
-                add(fall.start_s, end, last, None, group);
-                group += 1;
-                continue;
-            }
-            for (k, &stop) in chain.stops.iter().enumerate() {
-                let (before, after) = (chain.ramps[k], chain.ramps[k + 1]);
-                let hold_end = sample(after.start_s) + 1;
-                add(before.end_s(), hold_end.min(end), stop, Some(true), group);
-                group += 1;
-                let leaving_s = step_s * hold_end as f64;
-                match chain.stops.get(k + 1) {
-                    None => add(leaving_s, end, stop, None, group - 1),
-                    Some(&next) => {
-                        let both = common_cold(&grounds.of[stop], &grounds.of[next]);
-                        let ground = grounds.push(both);
-                        add(leaving_s, sample(after.end_s()), ground, None, group - 1);
-                    }
-                }
+            let risen = draft.sample(rise.end_s());
+            draft.add(rise.start_s, risen, chain.stops[0], Some(false));
+            match &chain.moving {
+                Some(moving) => draft.add_travel(chain, moving, end),
+                None => draft.add_stops(chain, end),
             }
         }
         Self {
-            grounds,
-            segments,
+            grounds: draft.grounds,
+            segments: draft.segments,
             starts_s: chains.iter().map(Chain::start_s).collect(),
             ends,
+        }
+    }
+}
+
+/// A timeline to which chains are added one by one.
+struct Draft<'a> {
+    zones: &'a Zones,
+    /// The box around the responses.
+    scanned: Rectangle,
+    positions_m: &'a [Position],
+    step_s: f64,
+    /// Samples in all.
+    count: usize,
+    grounds: Grounds,
+    segments: Vec<Segment>,
+    /// Group of the segments to come.
+    group: usize,
+    /// Chain of the segments to come.
+    event: usize,
+}
+
+impl Draft<'_> {
+    fn sample(&self, time_s: f64) -> usize {
+        ((time_s / self.step_s - 1e-6).ceil().max(0.0) as usize).min(self.count)
+    }
+
+    fn add(&mut self, from_s: f64, to: usize, ground: usize, hot: Option<bool>) {
+        self.segments.push(Segment {
+            first: self.sample(from_s),
+            end: to,
+            ground,
+            hot,
+            group: self.group,
+            event: self.event,
+        });
+    }
+
+    /// The way of a spot in short slices, each with the ground under its middle, and its
+    /// fall.
+    fn add_travel(&mut self, chain: &Chain, moving: &Move, end: usize) {
+        let (rise, fall) = (chain.ramps[0], chain.ramps[chain.ramps.len() - 1]);
+        let slices = (moving.travel_s() / tolerances::SPOT_STEP_S)
+            .ceil()
+            .max(1.0);
+        let slice_s = moving.travel_s() / slices;
+        for k in 0..slices as usize {
+            let from_s = rise.end_s() + slice_s * k as f64;
+            let along = moving.length_m() * (k as f64 + 0.5) / slices;
+            let spot = Zones {
+                layout: ZoneLayout::Spot {
+                    centre_m: moving.place(along),
+                    hot_radius_m: moving.hot_radius_m,
+                    quiet_from_m: moving.quiet_from_m,
+                },
+                ..self.zones.clone()
+            };
+            let under = RowGround::of(&spot.over(self.scanned), self.positions_m);
+            let ground = self.grounds.push(under);
+            let to = self.sample(from_s + slice_s);
+            self.add(from_s, to, ground, Some(true));
+        }
+        let last = *chain.stops.last().unwrap_or(&chain.stops[0]);
+        self.add(fall.start_s, end, last, None);
+        self.group += 1;
+    }
+
+    /// The hold of each stop, and the fade to the next.
+    fn add_stops(&mut self, chain: &Chain, end: usize) {
+        for (k, &stop) in chain.stops.iter().enumerate() {
+            let (before, after) = (chain.ramps[k], chain.ramps[k + 1]);
+            let hold_end = self.sample(after.start_s) + 1;
+            self.add(before.end_s(), hold_end.min(end), stop, Some(true));
+            let leaving_s = self.step_s * hold_end as f64;
+            match chain.stops.get(k + 1) {
+                None => self.add(leaving_s, end, stop, None),
+                Some(&next) => {
+                    let both = common_cold(&self.grounds.of[stop], &self.grounds.of[next]);
+                    let ground = self.grounds.push(both);
+                    let to = self.sample(after.end_s());
+                    self.add(leaving_s, to, ground, None);
+                }
+            }
+            self.group += 1;
         }
     }
 }

@@ -19,21 +19,7 @@ pub(crate) fn wrong_kind(case: &Case) -> Option<Checked> {
     let driving = driving_residues(case.model, &modes);
     let declared = case.model.frf_kind;
     let with_driving_point = !driving.is_empty();
-    let (phase, count) = if driving.len() >= limits::KIND_LEAST_MODES[0] {
-        (common_phase(driving.iter().copied())?, driving.len())
-    } else if !with_driving_point && modes.len() >= limits::KIND_LEAST_MODES[1] {
-        // squares: the sign of a residue between two points says nothing
-        (
-            common_phase(
-                modes
-                    .iter()
-                    .map(|mode| square_sum(&mode.shape.0) * square_sum(&mode.participation.0)),
-            )? / 2.0,
-            modes.len(),
-        )
-    } else {
-        return None;
-    };
+    let (phase, count) = phase_of(&modes, &driving)?;
     let turned = |quarters: f64| {
         (phase - quarters * FRAC_PI_2).sin().abs() < limits::KIND_NEAR.sin()
             && (phase - quarters * FRAC_PI_2).cos() > 0.0
@@ -66,18 +52,35 @@ pub(crate) fn wrong_kind(case: &Case) -> Option<Checked> {
         ReferenceUnit::Volt => Severity::Caution,
     };
     let finding = match names.as_slice() {
-        [] => Finding::new(
-            severity,
-            "turned-channel",
-            format!(
-                "{evidence}: a channel is integrated or turned by a filter; real shapes and their \
-                 scale are wrong"
-            ),
-        )
-        .help("look at the signal path of the channel"),
+        [] => turned_channel(severity, &evidence),
         names => wrong(severity, &evidence, &names.join(" or ")),
     };
     Some(finding.value("turn_deg", phase.to_degrees()).into())
+}
+
+/// Phase that the residues have in common, and of how many modes: at driving points, or
+/// where there are none up to their sign. `None` where they are too few, or do not agree.
+fn phase_of(modes: &[&Mode], driving: &[Complex64]) -> Option<(f64, usize)> {
+    if driving.len() >= limits::KIND_LEAST_MODES[0] {
+        Some((common_phase(driving.iter().copied())?, driving.len()))
+    } else if driving.is_empty() && modes.len() >= limits::KIND_LEAST_MODES[1] {
+        // squares: the sign of a residue between two points says nothing
+        let squares = modes
+            .iter()
+            .map(|mode| square_sum(&mode.shape.0) * square_sum(&mode.participation.0));
+        Some((common_phase(squares)? / 2.0, modes.len()))
+    } else {
+        None
+    }
+}
+
+/// The finding of residues turned as no kind of FRF turns them.
+fn turned_channel(severity: Severity, evidence: &str) -> Finding {
+    let words = format!(
+        "{evidence}: a channel is integrated or turned by a filter; real shapes and their scale \
+         are wrong"
+    );
+    Finding::new(severity, "turned-channel", words).help("look at the signal path of the channel")
 }
 
 /// The finding of data that look like another kind of FRF.

@@ -49,47 +49,6 @@ impl<'a> Cauchy<'a> {
             .into_iter()
             .map(Some)
             .chain(std::iter::repeat_with(|| None));
-        type Pair<'c> = (
-            ArrayViewMut1<'c, Complex64>,
-            Option<ArrayViewMut1<'c, Complex64>>,
-        );
-        let of_pole = |((mut column, derivative), &pole): (Pair, _)| {
-            let mut sums = [Complex64::ZERO; 2];
-            let lines = work.x.iter().zip(&work.g);
-            if let Some(leakage) = &work.leakage {
-                let leaking = Leaking::new(work.law, leakage, pole);
-                let of_lines = lines.map(|(&x, &g)| leaking.at(x).map(|v| v * g));
-                match derivative {
-                    None => column
-                        .iter_mut()
-                        .zip(of_lines)
-                        .for_each(|(value, [own, _])| *value = own),
-                    Some(mut derivative) => column
-                        .iter_mut()
-                        .zip(derivative.iter_mut())
-                        .zip(of_lines)
-                        .for_each(|((value, slope), both)| [*value, *slope] = both),
-                }
-                return sums;
-            }
-            let Some(mut derivative) = derivative else {
-                for (value, (&x, &g)) in column.iter_mut().zip(lines) {
-                    *value = resonance(work.law, pole, x) * g;
-                    sums[0] += *value * g;
-                }
-                return sums;
-            };
-            for ((value, slope), (&x, &g)) in
-                column.iter_mut().zip(derivative.iter_mut()).zip(lines)
-            {
-                let resonance = resonance(work.law, pole, x);
-                *value = resonance * g;
-                *slope = -(resonance * *value) * loss(work.law, pole, x);
-                sums[0] += *value * g;
-                sums[1] -= *slope * g;
-            }
-            sums
-        };
         let poles: Vec<_> = plain
             .columns_mut()
             .into_iter()
@@ -99,7 +58,7 @@ impl<'a> Cauchy<'a> {
         let sums = poles
             .into_par_iter()
             .with_min_len(limits::POLES_AT_A_TIME)
-            .map(of_pole)
+            .map(|((column, derivative), &pole)| fill(work, pole, column, derivative))
             .collect();
         for (column, &power) in plain.columns_mut().into_iter().skip(n).zip(powers) {
             let lines = work.x.iter().zip(&work.g);
@@ -149,6 +108,49 @@ impl<'a> Cauchy<'a> {
             .assign(&terms.t().mapv(|v| v.conj()));
         gram
     }
+}
+
+/// Writes the column of a pole and its derivative; returns Σ g²/(λ − x) and
+/// Σ g²/(λ − x)², the second with the derivative alone, and neither where lines leak.
+fn fill(
+    work: &Columns,
+    pole: Complex64,
+    mut column: ArrayViewMut1<Complex64>,
+    derivative: Option<ArrayViewMut1<Complex64>>,
+) -> [Complex64; 2] {
+    let mut sums = [Complex64::ZERO; 2];
+    let lines = work.x.iter().zip(&work.g);
+    if let Some(leakage) = &work.leakage {
+        let leaking = Leaking::new(work.law, leakage, pole);
+        let of_lines = lines.map(|(&x, &g)| leaking.at(x).map(|v| v * g));
+        match derivative {
+            None => column
+                .iter_mut()
+                .zip(of_lines)
+                .for_each(|(value, [own, _])| *value = own),
+            Some(mut derivative) => column
+                .iter_mut()
+                .zip(derivative.iter_mut())
+                .zip(of_lines)
+                .for_each(|((value, slope), both)| [*value, *slope] = both),
+        }
+        return sums;
+    }
+    let Some(mut derivative) = derivative else {
+        for (value, (&x, &g)) in column.iter_mut().zip(lines) {
+            *value = resonance(work.law, pole, x) * g;
+            sums[0] += *value * g;
+        }
+        return sums;
+    };
+    for ((value, slope), (&x, &g)) in column.iter_mut().zip(derivative.iter_mut()).zip(lines) {
+        let resonance = resonance(work.law, pole, x);
+        *value = resonance * g;
+        *slope = -(resonance * *value) * loss(work.law, pole, x);
+        sums[0] += *value * g;
+        sums[1] -= *slope * g;
+    }
+    sums
 }
 
 #[cfg(test)]

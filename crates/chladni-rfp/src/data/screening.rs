@@ -43,19 +43,8 @@ impl<'a> Screened<'a> {
         let kind = frf.kind.ok_or(FitError::UnknownKind)?;
         let (mut lines, [low, high]) = lines_in_band(frf.frequency_hz.view(), options.band_hz)?;
         let mut warnings = Vec::new();
-        // one look for all where nothing is missing: the usual case
-        let width = options.effort.sketch_columns.max(1);
         let all: Vec<(usize, usize)> = frf.all_pairs().collect();
-        let sums = (all.len() > width).then(|| {
-            Sums::new(
-                &frf.values,
-                &all,
-                &lines,
-                &Mixing::even(all.len(), width, options.seed),
-                None,
-            )
-        });
-        let sums = sums.filter(|sums| !sums.flawed);
+        let sums = of_whole(frf, &all, &lines, options);
         let Usable {
             mut pairs,
             bad,
@@ -74,16 +63,7 @@ impl<'a> Screened<'a> {
         if pairs.len() < frf.pairs() {
             warnings.push(without_values(frf.pairs() - pairs.len(), frf.pairs()));
         }
-        if bad.iter().any(|b| *b) {
-            let dropped = bad.iter().filter(|b| **b).count();
-            lines = lines
-                .into_iter()
-                .zip(&bad)
-                .filter(|(_, bad)| !**bad)
-                .map(|(k, _)| k)
-                .collect();
-            warnings.push(lines_left_out(dropped));
-        }
+        warnings.extend(drop_bad(&mut lines, &bad));
         let noisy: Vec<(usize, usize)> = far_noisier(frf, &pairs, &lines)
             .into_iter()
             .map(|l| pairs[l])
@@ -105,17 +85,7 @@ impl<'a> Screened<'a> {
                 )
                 .with_line_variance(of_lines)
         };
-        head.energy = if bad.contains(&true) {
-            head.pairs
-                .par_iter()
-                .map(|&pair| energy(&frf.values, pair, &head.lines, 1.0).0)
-                .collect()
-        } else {
-            head.pairs
-                .iter()
-                .map(|&(i, j)| sum_of_pair[i * frf.references.len() + j])
-                .collect()
-        };
+        head.energy = energies(frf, &head, bad.contains(&true), &sum_of_pair);
         head.rms = head.mean_square().sqrt();
         if head.rms == 0.0 || !head.rms.is_finite() {
             return Err(FitError::NoData);
@@ -163,6 +133,46 @@ impl<'a> Screened<'a> {
             law: self.law,
             leakage: self.leakage.clone(),
         }
+    }
+}
+
+/// The first pass over a set in which nothing is missing, which is the usual case: one
+/// look for all.
+fn of_whole(
+    frf: &FrfSet,
+    all: &[(usize, usize)],
+    lines: &[usize],
+    options: &FitOptions,
+) -> Option<Sums> {
+    let width = options.effort.sketch_columns.max(1);
+    let sums = (all.len() > width).then(|| {
+        let mixing = Mixing::even(all.len(), width, options.seed);
+        Sums::new(&frf.values, all, lines, &mixing, None)
+    });
+    sums.filter(|sums| !sums.flawed)
+}
+
+/// Leaves out lines that are bad, and says how many.
+fn drop_bad(lines: &mut Vec<usize>, bad: &[bool]) -> Option<Finding> {
+    let dropped = bad.iter().filter(|bad| **bad).count();
+    let mut places = bad.iter();
+    lines.retain(|_| places.next() == Some(&false));
+    (dropped > 0).then(|| lines_left_out(dropped))
+}
+
+/// Energy of each FRF used, as the look at all lines told it (`sum_of_pair`) unless some
+/// lines are left out.
+fn energies(frf: &FrfSet, head: &DataLayout, left_out: bool, sum_of_pair: &[f64]) -> Vec<f64> {
+    if left_out {
+        head.pairs
+            .par_iter()
+            .map(|&pair| energy(&frf.values, pair, &head.lines, 1.0).0)
+            .collect()
+    } else {
+        head.pairs
+            .iter()
+            .map(|&(i, j)| sum_of_pair[i * frf.references.len() + j])
+            .collect()
     }
 }
 

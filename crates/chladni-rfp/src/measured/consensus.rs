@@ -37,22 +37,11 @@ pub(crate) fn consensus(
     let n = work.lines();
     let odd = work.select(&(0..n).filter(|k| k % 2 == 1).collect::<Vec<_>>());
     let even = work.select(&(0..n).filter(|k| k % 2 == 0).collect::<Vec<_>>());
-    let mut ladders: Vec<(Vec<Complex64>, Vec<usize>)> = vec![(
-        seeds.to_vec(),
-        [1.0, 1.5, 2.2]
-            .iter()
-            .map(|f| (f * base as f64) as usize + 4)
-            .collect(),
+    let mut ladders: Vec<(&[Complex64], [usize; 3])> = vec![(
+        seeds,
+        [1.0, 1.5, 2.2].map(|f| (f * base as f64) as usize + 4),
     )];
-    if let Some(strong) = strong {
-        ladders.push((
-            strong.to_vec(),
-            [4, 8, 14]
-                .iter()
-                .map(|extra| strong.len() + extra)
-                .collect(),
-        ));
-    }
+    ladders.extend(strong.map(|strong| (strong, [4, 8, 14].map(|extra| strong.len() + extra))));
     let halves = [(work, Half::All), (&odd, Half::Odd), (&even, Half::Even)];
     let plan: Vec<(usize, usize, usize)> = (0..ladders.len())
         .flat_map(|l| (0..3).flat_map(move |step| (0..3).map(move |half| (l, step, half))))
@@ -60,24 +49,8 @@ pub(crate) fn consensus(
     let pools: Vec<Result<Vec<Complex64>, LinalgError>> = plan
         .par_iter()
         .map(|&(ladder, step, half)| {
-            let (seeds, orders) = &ladders[ladder];
-            let part = halves[half].0;
-            let order = orders[step].min(part.lines() / 4).max(1);
-            let mixed = mixtures(part, tol::POOL_MIXTURES, 7);
-            let pool = vector_fit(
-                &mixed,
-                &starts(part, seeds, order),
-                powers,
-                tol::VOTE_ITERATIONS,
-                Products::PartialFractions,
-            )?;
-            Ok(pool
-                .lambda
-                .iter()
-                .zip(&pool.flipped)
-                .filter(|(_, f)| !**f)
-                .map(|(p, _)| *p)
-                .collect())
+            let (seeds, orders) = ladders[ladder];
+            stable(halves[half].0, seeds, orders[step], powers)
         })
         .collect();
     let mut runs = Vec::new();
@@ -127,6 +100,26 @@ fn same(work: &Columns, a: Complex64, b: Complex64) -> bool {
     (a - b).norm() < 0.5 * a.im.max(b.im).max(work.spacing(a.re))
 }
 
+/// Stable poles of one run of vector fitting, of `order` or what the lines bear.
+fn stable(
+    part: &Columns,
+    seeds: &[Complex64],
+    order: usize,
+    powers: &[i32],
+) -> Result<Vec<Complex64>, LinalgError> {
+    let order = order.min(part.lines() / 4).max(1);
+    let mixed = mixtures(part, tol::POOL_MIXTURES, 7);
+    let pool = vector_fit(
+        &mixed,
+        &starts(part, seeds, order),
+        powers,
+        tol::VOTE_ITERATIONS,
+        Products::PartialFractions,
+    )?;
+    let poles = pool.lambda.iter().zip(&pool.flipped);
+    Ok(poles.filter(|(_, f)| !**f).map(|(p, _)| *p).collect())
+}
+
 /// Greedy clustering: the candidate that most runs share comes first. A ladder votes by
 /// itself: the better score counts.
 fn vote(work: &Columns, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
@@ -135,30 +128,7 @@ fn vote(work: &Columns, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
         .map(|r| r.poles.iter().copied().map(Some).collect())
         .collect();
     let mut agreed = Vec::new();
-    loop {
-        let mut best: Option<(usize, f64, Complex64)> = None;
-        for candidate in open.iter().flatten().flatten().copied() {
-            let mut votes = vec![0; runs.len() / runs_per_ladder];
-            let mut spread = 0.0;
-            for (r, run) in open.iter().enumerate() {
-                let nearest = run
-                    .iter()
-                    .flatten()
-                    .map(|p| (p - candidate).norm())
-                    .fold(f64::MAX, f64::min);
-                if run.iter().flatten().any(|p| same(work, *p, candidate)) {
-                    votes[r / runs_per_ladder] += 1;
-                    spread += nearest;
-                }
-            }
-            let count = votes.into_iter().max().unwrap_or(0);
-            if best.is_none_or(|(c, s, _)| count > c || (count == c && spread < s)) {
-                best = Some((count, spread, candidate));
-            }
-        }
-        let Some((count, _, centre)) = best else {
-            break;
-        };
+    while let Some((count, centre)) = most_shared(work, &open, runs_per_ladder) {
         let score = count as f64 / runs_per_ladder as f64;
         if score < 0.5 {
             break;
@@ -190,6 +160,36 @@ fn vote(work: &Columns, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
     }
     agreed.sort_by(|a, b| a.0.re.total_cmp(&b.0.re));
     agreed
+}
+
+/// The candidate that most runs of one ladder share, the closest among equals, and their
+/// number.
+fn most_shared(
+    work: &Columns,
+    open: &[Vec<Option<Complex64>>],
+    runs_per_ladder: usize,
+) -> Option<(usize, Complex64)> {
+    let mut best: Option<(usize, f64, Complex64)> = None;
+    for candidate in open.iter().flatten().flatten().copied() {
+        let mut votes = vec![0; open.len() / runs_per_ladder];
+        let mut spread = 0.0;
+        for (r, run) in open.iter().enumerate() {
+            let nearest = run
+                .iter()
+                .flatten()
+                .map(|p| (p - candidate).norm())
+                .fold(f64::MAX, f64::min);
+            if run.iter().flatten().any(|p| same(work, *p, candidate)) {
+                votes[r / runs_per_ladder] += 1;
+                spread += nearest;
+            }
+        }
+        let count = votes.into_iter().max().unwrap_or(0);
+        if best.is_none_or(|(c, s, _)| count > c || (count == c && spread < s)) {
+            best = Some((count, spread, candidate));
+        }
+    }
+    best.map(|(count, _, centre)| (count, centre))
 }
 
 /// Median of real and imaginary parts.

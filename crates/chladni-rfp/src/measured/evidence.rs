@@ -76,23 +76,10 @@ pub(crate) fn look(
     let lambda = refined.lambda[q];
     let window = plain.window(lambda, 1.5, 2);
     let local = plain.rows(window.clone());
-    let strength: f64 = refined
-        .coefficients
-        .row(q)
-        .iter()
-        .map(|v| v.norm_sqr())
-        .sum();
-    let modal: f64 = basis(&local, &[lambda], &[])
-        .iter()
-        .map(|v| v.norm_sqr())
-        .sum::<f64>()
-        * strength;
-    let misfit: f64 = residual
-        .slice(s![window, ..])
-        .iter()
-        .map(|v| v.norm_sqr())
-        .sum();
-    let response: f64 = local.b.iter().map(|v| v.norm_sqr()).sum();
+    let strength = squares(refined.coefficients.row(q).iter());
+    let modal = squares(basis(&local, &[lambda], &[]).iter()) * strength;
+    let misfit = squares(residual.slice(s![window, ..]).iter());
+    let response = squares(local.b.iter());
     let (low, high) = record.work.range();
     let unscaled = |scales: &Array1<f64>| {
         refined
@@ -130,6 +117,10 @@ pub(crate) fn look(
     }
 }
 
+fn squares<'v>(values: impl Iterator<Item = &'v Complex64>) -> f64 {
+    values.map(|v| v.norm_sqr()).sum()
+}
+
 fn alone_db(residues: &[Complex64]) -> f64 {
     let mut squares: Vec<f64> = residues.iter().map(|r| r.norm_sqr()).collect();
     squares.sort_by(|a, b| b.total_cmp(a));
@@ -137,21 +128,13 @@ fn alone_db(residues: &[Complex64]) -> f64 {
 }
 
 fn stand(residues: &[Complex64]) -> Complex64 {
-    let whole: f64 = residues.iter().map(|r| r.norm_sqr()).sum();
-    residues.iter().map(|r| r * r).sum::<Complex64>() / whole.max(1e-300)
+    residues.iter().map(|r| r * r).sum::<Complex64>() / squares(residues.iter()).max(1e-300)
 }
 
 /// Response at the pole, dB, and the same over the median of the lines within 30 widths
 /// (at least 30 lines).
 fn height(work: &Columns, lambda: Complex64) -> (f64, f64) {
-    let at = |k: usize| {
-        work.b
-            .row(k)
-            .iter()
-            .map(|v| v.norm_sqr())
-            .sum::<f64>()
-            .max(1e-300)
-    };
+    let at = |k: usize| squares(work.b.row(k).iter()).max(1e-300);
     let near = work.window(lambda, 1.0, 1).map(at).fold(1e-300, f64::max);
     let mut around: Vec<f64> = work.window(lambda, 60.0, 30).map(at).collect();
     around.sort_by(f64::total_cmp);

@@ -19,7 +19,7 @@ use crate::measured::record::Record;
 use crate::measured::search::{Finished, Search};
 use crate::poles::estimate::{more_than_asked, Grade};
 use crate::poles::refine::{refine, refine_inside, Refined};
-use crate::poles::sections::split;
+use crate::poles::sections::{split, Section};
 use crate::tolerances as tol;
 use chladni_frf::{Finding, Trust};
 use chladni_linalg::{matmul, svd_thin, LinalgError};
@@ -92,81 +92,19 @@ pub(crate) fn measured_path<S: Source>(
 /// The path on columns that are made already; `back` where they are scaled FRFs.
 fn on_columns(
     data: &DataLayout,
-    mut work: Columns,
+    work: Columns,
     back: Option<Array2<f64>>,
     asked: Asked,
     watch: &Watch,
 ) -> Result<MeasuredPoles, FitError> {
     watch.stage("screening")?;
-    let mut warnings = Vec::new();
     let hz = data.hz();
-    let factor = padding_factor(&work, &data.line_hz);
-    if factor > 1 {
-        warnings.push(
-            Finding::note(
-                "padded",
-                format!(
-                    "the impulse response ends at 1/{factor} of the record (zero-padded): only \
-                     every {} line is used, the others are interpolation",
-                    ordinal(factor)
-                ),
-            )
-            .value("padding_factor", factor as f64),
-        );
-        work = work
-            .select(&(0..work.lines()).step_by(factor).collect::<Vec<_>>())
-            .of_padded(factor);
-    }
-    let thinned_hz = data.line_hz.iter().copied().step_by(factor);
-    // a window that is known is in the columns
-    let windowed = data.window.is_none() && windowed(&work, &thinned_hz.collect::<Vec<_>>());
-    if windowed {
-        warnings.push(
-            Finding::caution(
-                "windowed",
-                "the impulse response decays ever faster: the records went through a window (Hann \
-                 or similar) that broadens every line; poles beside a stronger one may be its \
-                 side lobes",
-            )
-            .help("take the damping as an upper bound, or measure without that window"),
-        );
-    }
-    let noise = fourth_difference_noise(&work.b, (work.lines() / 20).clamp(30, 400));
-    let seen = peaks(&work, &line_energy(&work.b), &noise);
-    let rows = thinned(&work, &seen);
-    let noise: Array1<f64> = rows.iter().map(|&k| noise[k]).collect();
-    let work = work.select(&rows);
-    let (frfs, one_reference) = (data.pairs.len(), data.references.len() == 1);
-    let scales = back.as_ref().map(|back| back.diag().to_owned());
-    let leaks = data.errors.as_ref().is_some_and(|errors| errors.leaks());
-    let record = Record {
-        work: &work,
-        noise: &noise,
-        seen: &seen,
-        frfs,
-        scales,
-        one_reference,
-        windowed,
-        leaks,
-        hz,
-    };
+    let (visible, mut warnings) = visible(data, work);
+    let record = visible.record(data, back.as_ref());
 
     watch.stage("pole pool and local tests")?;
-    let sections = split(&work, &seen);
-    let mut searches = sections
-        .par_iter()
-        .map(|section| Search::run(&record, section, asked.modes))
-        .collect::<Result<Vec<_>, LinalgError>>()?;
-    let mut dropped = Vec::new();
-    if let Some(modes) = asked.modes {
-        let trust = standing(&searches, &record)?;
-        dropped = keep_strongest(&mut searches, modes, &trust)?;
-    }
-    for search in &mut searches {
-        search.add(asked)?;
-    }
-    // what was added is not left out
-    dropped.retain(|gone| searches.iter().all(|search| !search.holds(*gone)));
+    let sections = split(&visible.work, &visible.seen);
+    let (searches, dropped) = searched(&record, &sections, asked)?;
     warnings.extend(
         asked
             .modes
@@ -178,19 +116,19 @@ fn on_columns(
         .map(Search::finish)
         .collect::<Result<Vec<_>, LinalgError>>()?;
     warnings.extend(finished.iter().flat_map(|f| f.notes.iter().cloned()));
-    let (evidence, weights) = join(&work, &finished);
+    let (evidence, weights) = join(&visible.work, &finished);
     let graded = grade_all(&evidence, &record);
     warnings.extend(damping_doubts(&evidence, &graded, hz));
     warnings.extend(peaks_left(
-        unexplained(&seen, &evidence, &graded)
+        unexplained(&visible.seen, &evidence, &graded)
             .map(|peak| peak.lambda.re.max(0.0).sqrt() * hz)
             .collect(),
     ));
 
-    let work = work.reweighted(&weights);
+    let work = visible.work.reweighted(&weights);
     let lambda: Vec<Complex64> = evidence.iter().map(|e| e.lambda).collect();
     // poles of resolved modes are those of their own lines, unless errors are largest there
-    let refined = match leaks {
+    let refined = match record.leaks {
         true => refine_inside(&work, &lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?,
         false => refine(&work, &lambda, &POWERS, 0, tol::FINE_STEP)?,
     };
@@ -206,6 +144,103 @@ fn on_columns(
         grades: graded.into_iter().map(|g| g.0).collect(),
         warnings,
     })
+}
+
+/// The lines of a record that are worth a search, and what they show before it.
+struct Visible {
+    work: Columns,
+    noise: Array1<f64>,
+    seen: Vec<Peak>,
+    /// True where the records went through a window that nobody named.
+    windowed: bool,
+}
+
+impl Visible {
+    /// The record as a search takes it; `back` where the columns are scaled FRFs.
+    fn record(&self, data: &DataLayout, back: Option<&Array2<f64>>) -> Record<'_> {
+        Record {
+            work: &self.work,
+            noise: &self.noise,
+            seen: &self.seen,
+            frfs: data.pairs.len(),
+            scales: back.map(|back| back.diag().to_owned()),
+            one_reference: data.references.len() == 1,
+            windowed: self.windowed,
+            leaks: data.errors.as_ref().is_some_and(|errors| errors.leaks()),
+            hz: data.hz(),
+        }
+    }
+}
+
+/// Looks at a record: zeros appended to it, its window, its noise and its peaks.
+fn visible(data: &DataLayout, mut work: Columns) -> (Visible, Vec<Finding>) {
+    let mut warnings = Vec::new();
+    let factor = padding_factor(&work, &data.line_hz);
+    if factor > 1 {
+        warnings.push(padded(factor));
+        work = work
+            .select(&(0..work.lines()).step_by(factor).collect::<Vec<_>>())
+            .of_padded(factor);
+    }
+    let thinned_hz = data.line_hz.iter().copied().step_by(factor);
+    // a window that is known is in the columns
+    let windowed = data.window.is_none() && windowed(&work, &thinned_hz.collect::<Vec<_>>());
+    if windowed {
+        warnings.push(broadened());
+    }
+    let noise = fourth_difference_noise(&work.b, (work.lines() / 20).clamp(30, 400));
+    let seen = peaks(&work, &line_energy(&work.b), &noise);
+    let rows = thinned(&work, &seen);
+    let seen = Visible {
+        noise: rows.iter().map(|&k| noise[k]).collect(),
+        work: work.select(&rows),
+        seen,
+        windowed,
+    };
+    (seen, warnings)
+}
+
+/// The finding of a record with zeros appended.
+fn padded(factor: usize) -> Finding {
+    let words = format!(
+        "the impulse response ends at 1/{factor} of the record (zero-padded): only every {} line \
+         is used, the others are interpolation",
+        ordinal(factor)
+    );
+    Finding::note("padded", words).value("padding_factor", factor as f64)
+}
+
+/// The finding of a window that nobody named.
+fn broadened() -> Finding {
+    let words = "the impulse response decays ever faster: the records went through a window (Hann \
+                 or similar) that broadens every line; poles beside a stronger one may be its \
+                 side lobes";
+    Finding::caution("windowed", words)
+        .help("take the damping as an upper bound, or measure without that window")
+}
+
+/// The searches of all sections, with the number of modes and the added ones as asked, and
+/// the poles that went for that number.
+fn searched<'a>(
+    record: &'a Record<'a>,
+    sections: &'a [Section],
+    asked: Asked,
+) -> Result<(Vec<Search<'a>>, Vec<Complex64>), LinalgError> {
+    let mut searches = sections
+        .par_iter()
+        .map(|section| Search::run(record, section, asked.modes))
+        .collect::<Result<Vec<_>, LinalgError>>()?;
+    let mut dropped = Vec::new();
+    if let Some(modes) = asked.modes {
+        let trust = standing(&searches, record)?;
+        dropped = keep_strongest(&mut searches, modes, &trust)?;
+    }
+    for search in &mut searches {
+        search.add(asked)?;
+    }
+    // what was added is not left out
+    dropped.retain(|gone| searches.iter().all(|search| !search.holds(*gone)));
+    Ok((searches, dropped))
 }
 
 /// Evidence of all sections in order of frequency, poles that two sections report once,

@@ -295,6 +295,20 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
+    /// Scatter of the FRFs' own poles around pole `q`, and their number; `None` where the
+    /// columns are no FRFs, or one.
+    fn scatter(&self, q: usize) -> Result<Option<(f64, usize)>, LinalgError> {
+        let refined = &self.candidates.refined;
+        if self.weighted.columns() <= 1
+            || !self.weighted.in_band(refined.lambda[q])
+            || self.record.scales.is_none()
+        {
+            return Ok(None);
+        }
+        let (own, _, _) = own_poles(&self.weighted, refined, &[q])?;
+        Ok(Some((weighted_scatter(refined, q, &own), own.len())))
+    }
+
     /// The last refinement, and the evidence about every pole.
     pub fn finish(mut self) -> Result<Finished, LinalgError> {
         self.reweigh()?;
@@ -329,14 +343,9 @@ impl<'a> Search<'a> {
             e.gain_without_nearest = without_two[q];
             e.gain_of_skirts = without_four[q];
             let mut deviation = local[q].unwrap_or(robust[q].max(white[q])).sqrt();
-            if self.weighted.columns() > 1
-                && self.weighted.in_band(pole)
-                && self.record.scales.is_some()
-            {
-                let (own, _, _) = own_poles(&self.weighted, refined, &[q])?;
-                let scatter = weighted_scatter(refined, q, &own);
+            if let Some((scatter, frfs)) = self.scatter(q)? {
                 e.scatter = Some(scatter / pole.im);
-                deviation = deviation.max(scatter / (own.len() as f64).sqrt());
+                deviation = deviation.max(scatter / (frfs as f64).sqrt());
             }
             deviation = deviation.max(e.odd_even().unwrap_or(0.0) * pole.im / 4.0);
             e.deviation = deviation / pole.im;

@@ -86,21 +86,24 @@ pub(crate) fn fit_by_method(
     let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);
     let mut model = shaped.model(data, options, &left);
-    if model.quality.relative_error > MOST_LEFT {
+    let unexplained = model.quality.relative_error;
+    if unexplained > MOST_LEFT {
         model.quality.trusted = false;
-        model.quality.findings.push(
-            Finding::fault(
-                "mostly-unexplained",
-                format!(
-                    "{:.0} % of the data are left unexplained: modes are missing or wrong",
-                    100.0 * model.quality.relative_error
-                ),
-            )
-            .value("relative_error", model.quality.relative_error)
-            .help("use the method auto, or fit a narrower band"),
-        );
+        let finding = mostly_unexplained(unexplained);
+        model.quality.findings.push(finding);
     }
     Ok((model, found.stabilization))
+}
+
+/// The finding of a model that leaves most of the data.
+fn mostly_unexplained(relative_error: f64) -> Finding {
+    let words = format!(
+        "{:.0} % of the data are left unexplained: modes are missing or wrong",
+        100.0 * relative_error
+    );
+    Finding::fault("mostly-unexplained", words)
+        .value("relative_error", relative_error)
+        .help("use the method auto, or fit a narrower band")
 }
 
 /// Poles of rising order for a stabilization diagram, by the method lscf in the band of

@@ -2,188 +2,28 @@
 
 use crate::damping::block_errors::BlockErrors;
 use crate::damping::verdict::shifts;
-use crate::model::identified::Identified;
-use crate::model::limits;
-use crate::model::residual_energy::{above_rounding, by_sums, Laid};
-use crate::poles::pole::Pole;
-
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
-use crate::model::modes::{modes, rejected_mode, scale_unknown, scales, unscaled};
-use crate::model::residues::{linear, synthesis, Linear};
-use crate::poles::pole::Given;
+use crate::model::free_fit::{expressible, FreeFit};
+use crate::model::identified::Identified;
+use crate::model::limits;
+use crate::model::modes::{few_modes, modes, rejected_mode, scale_unknown, scales, unscaled};
+use crate::model::residual_energy::{above_rounding, by_sums, Laid};
+use crate::model::residues::synthesis;
+use crate::poles::pole::Pole;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
 use crate::shapes::influence::Found;
 use crate::shapes::line_bars::line_bars;
-use crate::shapes::low_rank::low_rank_around;
 use crate::shapes::low_rank::Shapes;
-use crate::shapes::residues::{most_by_chance, significant_rank, Residues};
 use crate::shapes::scale::Scale;
-use crate::tolerances as tol;
 use chladni_frf::{
-    ComplexMatrix, Damping, Finding, ModalModel, Quality, ResidualTerm, ResidualTerms, Scaling,
-    Trust, CREATED_BY, MODEL_FORMAT,
+    ComplexMatrix, Damping, Finding, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
+    Scaling, Trust, CREATED_BY, MODEL_FORMAT,
 };
-use chladni_linalg::blocked::blocked_matmul_mixed;
 use chladni_linalg::LinalgError;
-use ndarray::{Array1, Array2, Axis, ShapeBuilder};
+use ndarray::Array2;
 use num_complex::Complex64;
-use rayon::prelude::*;
-
-/// Residues of every FRF at identified poles, each by itself.
-struct FreeFit {
-    /// The poles that the model can hold, rising in frequency.
-    poles: Vec<Pole>,
-    linear: Linear,
-    /// (pole, pair), response by response; zero where missing.
-    all: Array2<Complex64>,
-    /// False where a pair was not measured.
-    present: Array2<bool>,
-    /// Noise variance of a value of an FRF, the mean of all, over that of a work value.
-    noise: f64,
-    /// That of each response over the mean.
-    noise_of_response: Array1<f64>,
-}
-
-impl FreeFit {
-    fn new(data: &DataLayout, identified: &Identified) -> Result<Self, LinalgError> {
-        let Identified {
-            damping,
-            powers,
-            work,
-            back,
-            ..
-        } = identified;
-        let holds = |pole: &&Pole| pole.grade.0 != Trust::Rejected && expressible(*damping, pole);
-        let mut poles: Vec<Pole> = identified.poles.iter().filter(holds).cloned().collect();
-        poles.sort_by(|a, b| a.omega.total_cmp(&b.omega));
-        let values: Vec<Complex64> = poles.iter().map(|p| p.value).collect();
-        let mut linear = linear(work, *damping, &values, powers)?;
-        if let Some(back) = back {
-            linear.residues = blocked_matmul_mixed(&linear.residues, back.view());
-            linear.terms = blocked_matmul_mixed(&linear.terms, back.view());
-        }
-        let (responses, references) = (data.responses.len(), data.references.len());
-        let mut all = Array2::zeros((values.len(), responses * references).f());
-        let mut present = Array2::from_elem((responses, references), false);
-        let noise = identified
-            .noise_of_frfs()
-            .unwrap_or_else(|| Array1::ones(data.pairs.len()));
-        let mean = noise.mean().unwrap_or(1.0);
-        let mut of_response = vec![(0.0, 0.0); responses];
-        for (l, &(i, j)) in data.pairs.iter().enumerate() {
-            present[[i, j]] = true;
-            all.column_mut(i * references + j)
-                .assign(&linear.residues.column(l));
-            of_response[i] = (of_response[i].0 + noise[l] / mean, of_response[i].1 + 1.0);
-        }
-        let noise_of_response = of_response
-            .into_iter()
-            .map(|(sum, count)| if count > 0.0 { sum / count } else { 1.0 })
-            .collect();
-        Ok(Self {
-            poles,
-            linear,
-            all,
-            present,
-            noise: mean,
-            noise_of_response,
-        })
-    }
-
-    /// Constraints of the poles whose shapes are real: a real term fixes one phase per DOF
-    /// but one.
-    fn real_constraints(&self, identified: &Identified) -> usize {
-        if !identified.real_shapes {
-            return 0;
-        }
-        let given = self.poles.iter().filter_map(|pole| pole.given.as_ref());
-        let terms: usize = given.map(|(shape, _)| shape.nrows()).sum();
-        let (responses, references) = self.present.dim();
-        terms * (responses + references - 1)
-    }
-
-    /// Shapes of low rank: one for each mode, of poles outside the band as many as the data
-    /// show, and more together where weak directions of single poles explain something.
-    fn shapes(
-        &self,
-        data: &DataLayout,
-        identified: &Identified,
-        real: usize,
-    ) -> Result<Shapes, LinalgError> {
-        let work = &identified.work;
-        let variance = identified.variance * self.noise;
-        let (responses, references) = self.present.dim();
-        let free = Residues {
-            values: &self.all,
-            weight: &self.linear.weight,
-            present: &self.present,
-        };
-        let (low, high) = work.range();
-        let given: Vec<Given> = self.poles.iter().map(|pole| pole.given.clone()).collect();
-        let outside = |n: usize| !(low..=high).contains(&self.poles[n].omega.powi(2));
-        let loose: Vec<usize> = (0..given.len())
-            .filter(|&n| outside(n) && given[n].is_none())
-            .collect();
-        let mut ranks = vec![1; given.len()];
-        for &n in &loose {
-            ranks[n] = significant_rank(&free, n, variance)?;
-        }
-        let mut shapes = low_rank_around(&free, &ranks, &given)?;
-        let full = responses.min(references);
-        let rounding = limits::RISE_ROUNDING * work.energy() * self.noise;
-        let misfits = |shapes: &Shapes| {
-            let constraints = shapes.constraints + real;
-            let held = (work, data.pairs.len());
-            shapes.rise > most_by_chance(constraints, variance, rounding, held)
-        };
-        while misfits(&shapes) && loose.iter().any(|&n| ranks[n] < full) {
-            for &n in &loose {
-                ranks[n] = (ranks[n] + 1).min(full);
-            }
-            shapes = low_rank_around(&free, &ranks, &given)?;
-        }
-        Ok(shapes)
-    }
-
-    /// Residual terms that answer the residues of the shapes in place of the free ones.
-    fn answer(&mut self, data: &DataLayout, shapes: &Shapes) {
-        let change = &mut self.linear.residues;
-        let blocks: Vec<_> = change
-            .axis_chunks_iter_mut(Axis(1), limits::BUILD_BLOCK)
-            .zip(data.pairs.chunks(limits::BUILD_BLOCK))
-            .collect();
-        blocks.into_par_iter().for_each(|(mut change, pairs)| {
-            change.mapv_inplace(|v| -v);
-            for (mut change, &(i, j)) in change.columns_mut().into_iter().zip(pairs) {
-                for (term, &n) in shapes.owner.iter().enumerate() {
-                    change[n] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
-                }
-            }
-        });
-        let Linear {
-            residues,
-            terms,
-            answer,
-            ..
-        } = &mut self.linear;
-        answer.apply(terms, residues);
-    }
-
-    /// χ² of the model as saved: free residues leave the noise variance per degree of
-    /// freedom, the low-rank form adds its `rise`.
-    fn chi2_per_dof(&self, identified: &Identified, rise: f64, constraints: usize) -> f64 {
-        let Identified { work, powers, .. } = identified;
-        let variance = identified.variance * self.noise;
-        if variance <= 0.0 {
-            return 1.0;
-        }
-        let unknowns = (self.poles.len() + powers.len()) * work.columns();
-        let free = ((work.lines() * work.columns()) as f64 - unknowns as f64).max(1.0);
-        (self.linear.sse * self.noise + rise) / (variance * (free + 0.5 * constraints as f64))
-    }
-}
 
 /// Identified poles with the residues of every FRF brought into shapes: all but the
 /// scaling.
@@ -289,97 +129,14 @@ impl Shaped {
     }
 
     /// Builds the model; `left` as from [`Self::left`].
-    pub fn model(self, data: &DataLayout, options: &FitOptions, left: &[f64]) -> ModalModel {
+    pub fn model(mut self, data: &DataLayout, options: &FitOptions, left: &[f64]) -> ModalModel {
         let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
-        let Self {
-            identified,
-            poles,
-            shapes,
-            scales,
-            scaling,
-            bars,
-            terms,
-            chi2_per_dof,
-        } = self;
-        let Identified {
-            damping,
-            poles: all,
-            powers,
-            path,
-            mut warnings,
-            consistent,
-            ..
-        } = identified;
-        let (responses, references) = (data.responses.len(), data.references.len());
-        if chi2_per_dof > limits::SHAPE_MISFIT {
-            warnings.push(
-                Finding::caution(
-                    "one-shape-worse",
-                    format!(
-                        "one shape per mode explains the references together worse than free \
-                         residues (χ² per degree of freedom {chi2_per_dof:.1}): modes may be \
-                         missing, or a reference is delayed or not reciprocal"
-                    ),
-                )
-                .value("chi2_per_dof", chi2_per_dof)
-                .help("look for a delay or a gain of one reference, or fit a narrower band"),
-            );
-        }
-
-        let mut modes = modes(data, damping, &poles, &shapes, &scales, &bars);
-        if scaling == Scaling::Unscaled {
-            warnings.push(unscaled(data.reference_unit));
-        }
-        let unknown = (0..scales.len())
-            .filter(|&term| scales[term].unknown(bars.scale[term]))
-            .map(|term| &poles[shapes.owner[term]]);
-        warnings.extend(scale_unknown(data, unknown));
-        modes.extend(
-            all.iter()
-                .filter(|pole| pole.grade.0 == Trust::Rejected && expressible(damping, pole))
-                .map(|pole| rejected_mode(data, pole)),
-        );
-        modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-        let scale = data.rms / data.omega_max.powi(data.kind.omega_power());
-        let residual_terms = ResidualTerms {
-            omega_scale_rad_per_s: data.omega_max,
-            terms: powers
-                .iter()
-                .enumerate()
-                .map(|(p, &power)| {
-                    let mut matrix = Array2::zeros((responses, references));
-                    for (l, &(i, j)) in data.pairs.iter().enumerate() {
-                        matrix[[i, j]] = terms[[p, l]] * scale / data.weight_of((i, j));
-                    }
-                    ResidualTerm {
-                        power: 2 * power,
-                        matrix: ComplexMatrix(matrix),
-                    }
-                })
-                .collect(),
-        };
-        let in_band = modes
-            .iter()
-            .filter(|m| m.in_band && m.trust != Trust::Rejected)
-            .count();
-        let sure = modes
-            .iter()
-            .filter(|m| m.in_band && m.trust == Trust::Sure)
-            .count();
-        if in_band == 0 {
-            warnings.push(
-                Finding::fault("no-mode", "no mode stands out of the noise in this band")
-                    .help("look at the FRFs, and fit a band with visible peaks"),
-            );
-        } else if sure == 0 {
-            warnings.push(
-                Finding::fault("none-sure", "no mode is sure")
-                    .help("see the reasons given with each mode"),
-            );
-        }
-        let mut all_warnings = data.warnings.clone();
-        all_warnings.append(&mut warnings);
+        let modes = self.modes(data);
+        let mut findings = data.warnings.clone();
+        findings.append(&mut self.identified.warnings);
+        findings.extend(self.findings(data, &modes));
+        let sure = modes.iter().any(|m| m.in_band && m.trust == Trust::Sure);
         let mut model = ModalModel {
             format: MODEL_FORMAT.into(),
             version: 1,
@@ -389,8 +146,8 @@ impl Shaped {
             frf_kind: data.kind,
             reference_unit: data.reference_unit,
             band_hz: data.band_hz,
-            damping,
-            scaling,
+            damping: self.identified.damping,
+            scaling: self.scaling,
             responses: data.responses.clone(),
             references: data.references.clone(),
             nodes: data.nodes.clone(),
@@ -398,17 +155,76 @@ impl Shaped {
             faces: data.faces.clone(),
             method: options.method.to_string(),
             modes,
-            residual_terms,
+            residual_terms: self.residual_terms(data),
             quality: Quality {
                 relative_error,
-                chi2_per_dof,
-                trusted: consistent && sure > 0,
-                findings: all_warnings,
-                path: Some(path),
+                chi2_per_dof: self.chi2_per_dof,
+                trusted: self.identified.consistent && sure,
+                findings,
+                path: Some(self.identified.path),
             },
         };
         model.number_findings();
         model
+    }
+
+    /// All modes, rejected ones included, rising in frequency.
+    fn modes(&self, data: &DataLayout) -> Vec<Mode> {
+        let Identified { damping, poles, .. } = &self.identified;
+        let mut modes = modes(
+            data,
+            *damping,
+            &self.poles,
+            &self.shapes,
+            &self.scales,
+            &self.bars,
+        );
+        modes.extend(
+            poles
+                .iter()
+                .filter(|pole| pole.grade.0 == Trust::Rejected && expressible(*damping, pole))
+                .map(|pole| rejected_mode(data, pole)),
+        );
+        modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        modes
+    }
+
+    /// What is to be said of shapes, their scale and the number of modes.
+    fn findings(&self, data: &DataLayout, modes: &[Mode]) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        if self.chi2_per_dof > limits::SHAPE_MISFIT {
+            findings.push(one_shape_worse(self.chi2_per_dof));
+        }
+        if self.scaling == Scaling::Unscaled {
+            findings.push(unscaled(data.reference_unit));
+        }
+        let unknown = (0..self.scales.len())
+            .filter(|&term| self.scales[term].unknown(self.bars.scale[term]))
+            .map(|term| &self.poles[self.shapes.owner[term]]);
+        findings.extend(scale_unknown(data, unknown));
+        findings.extend(few_modes(modes));
+        findings
+    }
+
+    /// What stands beside the modes, in SI units and measured values.
+    fn residual_terms(&self, data: &DataLayout) -> ResidualTerms {
+        let scale = data.rms / data.omega_max.powi(data.kind.omega_power());
+        let powers = self.identified.powers.iter().enumerate();
+        ResidualTerms {
+            omega_scale_rad_per_s: data.omega_max,
+            terms: powers
+                .map(|(p, &power)| {
+                    let mut matrix = Array2::zeros((data.responses.len(), data.references.len()));
+                    for (l, &(i, j)) in data.pairs.iter().enumerate() {
+                        matrix[[i, j]] = self.terms[[p, l]] * scale / data.weight_of((i, j));
+                    }
+                    ResidualTerm {
+                        power: 2 * power,
+                        matrix: ComplexMatrix(matrix),
+                    }
+                })
+                .collect(),
+        }
     }
 
     /// Sum of squares, in work units, that the model as saved leaves of each FRF in the
@@ -488,8 +304,14 @@ impl Shaped {
     }
 }
 
-/// True where the model's fields can hold the pole.
-fn expressible(damping: Damping, pole: &Pole) -> bool {
-    let values = pole.omega > 1e-6 && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;
-    values && (damping == Damping::Structural || pole.loss_factor < tol::VISCOUS_LOSS_MOST)
+/// The finding of shapes that do not serve all references.
+fn one_shape_worse(chi2_per_dof: f64) -> Finding {
+    let words = format!(
+        "one shape per mode explains the references together worse than free residues (χ² per \
+         degree of freedom {chi2_per_dof:.1}): modes may be missing, or a reference is delayed or \
+         not reciprocal"
+    );
+    Finding::caution("one-shape-worse", words)
+        .value("chi2_per_dof", chi2_per_dof)
+        .help("look for a delay or a gain of one reference, or fit a narrower band")
 }

@@ -58,40 +58,51 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     let open = found.measured && told == Verdict::Undecidable && options.damping.is_none();
     let mut identified = Identified::new(found);
     identified.law_open = open;
-    let mut warnings = Vec::new();
     let shift = identified.shift_by_other_law();
-    match told {
-        Verdict::Decided(other) if other != law => {
-            warnings.push(verdict::contradicted(law, None));
-        }
-        // phases that every mode has in common cannot contradict shapes that are real
-        Verdict::IfPhasesTrue(other, degrees) if other != law && !real => {
-            warnings.push(verdict::contradicted(law, Some(degrees)));
-        }
-        Verdict::IfPhasesTrue(own, degrees) if own == law && options.damping.is_none() => {
-            warnings.extend((shift > 1.0).then(|| verdict::if_phases_true(law, degrees)));
-        }
-        Verdict::Undecidable if options.damping.is_none() && shift > 1.0 => {
-            warnings.push(verdict::undecidable(law, shift));
-        }
-        _ => {}
-    }
-    warnings.extend(unlike.map(|sigmas| {
-        Finding::caution(
-            "one-shape-refused",
-            format!(
-                "one shape per mode does not explain all references together ({sigmas:.0} sigma \
-                 beyond chance): modes may hide in each other's overlap, or the references were \
-                 not measured alike"
-            ),
-        )
-        .value("beyond_chance_sigma", sigmas)
-        .help("look for a delay or a gain of one reference, or fit a narrower band")
-    }));
+    let free = options.damping.is_none();
+    let mut warnings = Vec::from_iter(words_on_law(&told, law, real, free, shift));
+    warnings.extend(unlike.map(one_shape_refused));
     if let Some(structured) = refined {
         identified = identified.structured(structured);
     }
     Ok((identified, warnings))
+}
+
+/// What is to be said of the law taken: that the data contradict it, or hardly tell it.
+///
+/// * `free`: no law was asked for
+/// * `shift`: of the other law, in standard deviations
+fn words_on_law(
+    told: &Verdict,
+    law: Damping,
+    real: bool,
+    free: bool,
+    shift: f64,
+) -> Option<Finding> {
+    match *told {
+        Verdict::Decided(other) if other != law => Some(verdict::contradicted(law, None)),
+        // phases that every mode has in common cannot contradict shapes that are real
+        Verdict::IfPhasesTrue(other, degrees) if other != law && !real => {
+            Some(verdict::contradicted(law, Some(degrees)))
+        }
+        Verdict::IfPhasesTrue(own, degrees) if own == law && free && shift > 1.0 => {
+            Some(verdict::if_phases_true(law, degrees))
+        }
+        Verdict::Undecidable if free && shift > 1.0 => Some(verdict::undecidable(law, shift)),
+        _ => None,
+    }
+}
+
+/// The finding of references that no shape serves together.
+fn one_shape_refused(sigmas: f64) -> Finding {
+    let words = format!(
+        "one shape per mode does not explain all references together ({sigmas:.0} sigma beyond \
+         chance): modes may hide in each other's overlap, or the references were not measured \
+         alike"
+    );
+    Finding::caution("one-shape-refused", words)
+        .value("beyond_chance_sigma", sigmas)
+        .help("look for a delay or a gain of one reference, or fit a narrower band")
 }
 
 /// True where one shape for each mode leaves no more than chance.

@@ -48,29 +48,23 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
             );
         }
     }
-    model.quality.findings.push(
-        Finding::note(
-            "window-undone",
-            format!(
-                "poles are those of the structure without the exponential window of {alpha} 1/s \
-                 (s + α); error and χ² are those of the fit to the windowed FRFs, which the model \
-                 does not reproduce"
-            ),
-        )
-        .value("decay_per_s", alpha),
+    let words = format!(
+        "poles are those of the structure without the exponential window of {alpha} 1/s (s + α); \
+         error and χ² are those of the fit to the windowed FRFs, which the model does not \
+         reproduce"
     );
+    let findings = &mut model.quality.findings;
+    findings.push(Finding::note("window-undone", words).value("decay_per_s", alpha));
     if explained > 0 {
         model.quality.trusted = false;
-        model.quality.findings.push(
-            Finding::fault(
-                "decays-not-windowed",
-                format!(
-                    "{explained} mode(s) decay more slowly than the exponential window of {alpha} \
-                     1/s: its α is smaller, or the data are not windowed"
-                ),
-            )
-            .value("decay_per_s", alpha)
-            .help("give the window's own α: ln(1/end value)/record length"),
+        let words = format!(
+            "{explained} mode(s) decay more slowly than the exponential window of {alpha} 1/s: its \
+             α is smaller, or the data are not windowed"
+        );
+        findings.push(
+            Finding::fault("decays-not-windowed", words)
+                .value("decay_per_s", alpha)
+                .help("give the window's own α: ln(1/end value)/record length"),
         );
     }
 }

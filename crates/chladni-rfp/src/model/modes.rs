@@ -7,7 +7,7 @@ use crate::shapes::error_bars::ShapeBars;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
 use crate::validation::complexity::mpc;
-use chladni_frf::{ComplexVector, Damping, Finding, Mode, ReferenceUnit, Scaling};
+use chladni_frf::{ComplexVector, Damping, Finding, Mode, ReferenceUnit, Scaling, Trust};
 use ndarray::Array1;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -35,6 +35,9 @@ fn measured(
     )
 }
 
+/// Response index, reference index, and the sign between their directions.
+type DrivingPoint = (usize, usize, f64);
+
 /// Scale of the shapes: of unit modal mass where the set has driving points and forces,
 /// one at the largest response otherwise.
 pub(crate) fn scales(
@@ -43,9 +46,8 @@ pub(crate) fn scales(
     poles: &[Pole],
     shapes: &Shapes,
 ) -> (Vec<Scale>, Scaling) {
-    // (response index, reference index, sign) of driving points
     let references = || data.references.iter().enumerate();
-    let driving: Vec<(usize, usize, f64)> = data
+    let driving: Vec<DrivingPoint> = data
         .responses
         .iter()
         .enumerate()
@@ -58,54 +60,18 @@ pub(crate) fn scales(
     let massed = !driving.is_empty() && data.reference_unit == ReferenceUnit::Newton;
     let of_term = |n: usize| {
         let (shape, participation) = measured(data, shapes, n);
-        if massed {
-            // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at
-            // the driving points
-            let si = to_si(data, damping, &poles[shapes.owner[n]]);
-            let up: Complex64 = driving
-                .iter()
-                .map(|&(i, j, sign)| shape[i].conj() * participation[j] * si * sign)
-                .sum();
-            let down: f64 = driving.iter().map(|&(i, _, _)| shape[i].norm_sqr()).sum();
-            let factor = (up / down).sqrt();
-            if down > 0.0 && factor.norm() > 0.0 {
-                return Scale {
-                    factor,
-                    response: driving
-                        .iter()
-                        .map(|&(i, _, _)| {
-                            (i, -0.5 * shape[i].conj() / (down * data.weight(i, 0)[0]))
-                        })
-                        .collect(),
-                    reference: driving
-                        .iter()
-                        .map(|&(i, j, sign)| {
-                            (
-                                j,
-                                sign * shape[i].conj() * si
-                                    / (2.0 * down * factor * factor * data.weight(0, j)[1]),
-                            )
-                        })
-                        .collect(),
-                };
+        let scale = match massed {
+            true => {
+                let si = to_si(data, damping, &poles[shapes.owner[n]]);
+                of_unit_mass(data, &driving, &shape, &participation, si)
             }
-        } else if let Some((i, &largest)) = shape
-            .indexed_iter()
-            .max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))
-        {
-            if largest.norm() > 0.0 {
-                return Scale {
-                    factor: largest.inv(),
-                    response: vec![(i, -largest.inv() / data.weight(i, 0)[0])],
-                    reference: Vec::new(),
-                };
-            }
-        }
-        Scale {
+            false => of_unit_largest(data, &shape),
+        };
+        scale.unwrap_or_else(|| Scale {
             factor: Complex64::new(1.0, 0.0),
             response: Vec::new(),
             reference: Vec::new(),
-        }
+        })
     };
     (
         (0..shapes.owner.len()).map(of_term).collect(),
@@ -115,6 +81,48 @@ pub(crate) fn scales(
             Scaling::Unscaled
         },
     )
+}
+
+/// The scale of unit modal mass; `None` where the mode does not move at driving points.
+/// `si`: what takes the participation to SI units.
+fn of_unit_mass(
+    data: &DataLayout,
+    driving: &[DrivingPoint],
+    shape: &Array1<Complex64>,
+    participation: &Array1<Complex64>,
+    si: Complex64,
+) -> Option<Scale> {
+    // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at the driving
+    // points
+    let up: Complex64 = driving
+        .iter()
+        .map(|&(i, j, sign)| shape[i].conj() * participation[j] * si * sign)
+        .sum();
+    let down: f64 = driving.iter().map(|&(i, _, _)| shape[i].norm_sqr()).sum();
+    let factor = (up / down).sqrt();
+    let of_response =
+        |&(i, _, _): &DrivingPoint| (i, -0.5 * shape[i].conj() / (down * data.weight(i, 0)[0]));
+    let of_reference = |&(i, j, sign): &DrivingPoint| {
+        let over = 2.0 * down * factor * factor * data.weight(0, j)[1];
+        (j, sign * shape[i].conj() * si / over)
+    };
+    (down > 0.0 && factor.norm() > 0.0).then(|| Scale {
+        factor,
+        response: driving.iter().map(of_response).collect(),
+        reference: driving.iter().map(of_reference).collect(),
+    })
+}
+
+/// The scale of one at the largest response; `None` where no response moves.
+fn of_unit_largest(data: &DataLayout, shape: &Array1<Complex64>) -> Option<Scale> {
+    let (i, &largest) = shape
+        .indexed_iter()
+        .max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))?;
+    (largest.norm() > 0.0).then(|| Scale {
+        factor: largest.inv(),
+        response: vec![(i, -largest.inv() / data.weight(i, 0)[0])],
+        reference: Vec::new(),
+    })
 }
 
 /// Modes in SI units with the error `bars` of their terms.
@@ -179,6 +187,23 @@ pub(crate) fn unscaled(unit: ReferenceUnit) -> Finding {
         )
         .help("for modal masses, measure at one driver at least"),
     }
+}
+
+/// The finding of a band without a mode, or without a sure one.
+pub(crate) fn few_modes(modes: &[Mode]) -> Option<Finding> {
+    let mut inside = modes
+        .iter()
+        .filter(|m| m.in_band && m.trust != Trust::Rejected)
+        .peekable();
+    if inside.peek().is_none() {
+        return Some(
+            Finding::fault("no-mode", "no mode stands out of the noise in this band")
+                .help("look at the FRFs, and fit a band with visible peaks"),
+        );
+    }
+    (!inside.any(|m| m.trust == Trust::Sure)).then(|| {
+        Finding::fault("none-sure", "no mode is sure").help("see the reasons given with each mode")
+    })
 }
 
 /// Modes of the band whose driving points say nothing of their scale.

@@ -9,7 +9,7 @@ use super::limits;
 use chladni_frf::{
     Damping, Dof, Error, Finding, FrfSet, FrfValues, ModalModel, Mode, Result, Trust,
 };
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, Array3};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -80,7 +80,7 @@ struct Data {
     model: ModalModel,
     frequency_hz: Array1<f64>,
     /// Axes (response, reference, line); NaN is not measured.
-    frf: ndarray::Array3<Complex64>,
+    frf: Array3<Complex64>,
     rms: f64,
 }
 
@@ -147,7 +147,7 @@ impl Data {
     }
 
     /// FRFs less those of `model`; 0 where nothing was measured.
-    fn residual(&self, model: &ModalModel) -> ndarray::Array3<Complex64> {
+    fn residual(&self, model: &ModalModel) -> Array3<Complex64> {
         let mut left = &self.frf - &model.synthesise(&self.frequency_hz);
         left.mapv_inplace(|value| {
             if value.re.is_nan() {
@@ -204,44 +204,7 @@ impl Step {
         let dof = (2 * values).saturating_sub(unknowns).max(1) as f64;
         let variance = left.iter().map(Complex64::norm_sqr).sum::<f64>() / dof;
         let variance = variance.max((limits::TRACK_ROUNDING * data.rms).powi(2));
-        let (responses, references, _) = data.frf.dim();
-        let mut normal = Array2::<f64>::zeros((unknowns, unknowns));
-        let mut right = Array1::<f64>::zeros(unknowns);
-        let mut slopes = vec![Complex64::ZERO; unknowns];
-        for (line, &hz) in data.frequency_hz.iter().enumerate() {
-            let omega = TAU * hz;
-            let kind = moved.frf_kind.from_receptance(omega);
-            let parts: Vec<[Complex64; 4]> = modes
-                .iter()
-                .map(|&n| derivatives(&moved.modes[n], moved.damping, omega))
-                .collect();
-            for i in 0..responses {
-                for j in 0..references {
-                    if data.frf[[i, j, line]].re.is_nan() {
-                        continue;
-                    }
-                    for (k, &n) in modes.iter().enumerate() {
-                        let mode = &moved.modes[n];
-                        let residue = mode.shape.0[i] * mode.participation.0[j];
-                        let [fa, fb, la, lb] = parts[k];
-                        slopes[2 * k] = kind * (fa * residue + fb * residue.conj());
-                        slopes[2 * k + 1] = kind * (la * residue + lb * residue.conj());
-                    }
-                    let left = left[[i, j, line]];
-                    for a in 0..unknowns {
-                        right[a] += (slopes[a].conj() * left).re;
-                        for b in 0..=a {
-                            normal[[a, b]] += (slopes[a].conj() * slopes[b]).re;
-                        }
-                    }
-                }
-            }
-        }
-        for a in 0..unknowns {
-            for b in 0..a {
-                normal[[b, a]] = normal[[a, b]];
-            }
-        }
+        let (mut normal, mut right) = normal_equations(data, moved, modes, &left);
         normal.mapv_inplace(|value| value / variance);
         right.mapv_inplace(|value| value / variance);
         for (k, &n) in modes.iter().enumerate() {
@@ -266,6 +229,56 @@ impl Step {
             covariance,
         })
     }
+}
+
+/// The normal matrix of relative changes and its right-hand side, for residuals `left` of
+/// unit variance.
+fn normal_equations(
+    data: &Data,
+    moved: &ModalModel,
+    modes: &[usize],
+    left: &Array3<Complex64>,
+) -> (Array2<f64>, Array1<f64>) {
+    let unknowns = 2 * modes.len();
+    let (responses, references, _) = data.frf.dim();
+    let mut normal = Array2::<f64>::zeros((unknowns, unknowns));
+    let mut right = Array1::<f64>::zeros(unknowns);
+    let mut slopes = vec![Complex64::ZERO; unknowns];
+    for (line, &hz) in data.frequency_hz.iter().enumerate() {
+        let omega = TAU * hz;
+        let kind = moved.frf_kind.from_receptance(omega);
+        let parts: Vec<[Complex64; 4]> = modes
+            .iter()
+            .map(|&n| derivatives(&moved.modes[n], moved.damping, omega))
+            .collect();
+        for i in 0..responses {
+            for j in 0..references {
+                if data.frf[[i, j, line]].re.is_nan() {
+                    continue;
+                }
+                for (k, &n) in modes.iter().enumerate() {
+                    let mode = &moved.modes[n];
+                    let residue = mode.shape.0[i] * mode.participation.0[j];
+                    let [fa, fb, la, lb] = parts[k];
+                    slopes[2 * k] = kind * (fa * residue + fb * residue.conj());
+                    slopes[2 * k + 1] = kind * (la * residue + lb * residue.conj());
+                }
+                let left = left[[i, j, line]];
+                for a in 0..unknowns {
+                    right[a] += (slopes[a].conj() * left).re;
+                    for b in 0..=a {
+                        normal[[a, b]] += (slopes[a].conj() * slopes[b]).re;
+                    }
+                }
+            }
+        }
+    }
+    for a in 0..unknowns {
+        for b in 0..a {
+            normal[[b, a]] = normal[[a, b]];
+        }
+    }
+    (normal, right)
 }
 
 /// ∂/∂ln ω_n and ∂/∂ln η_n of the receptance of a mode per residue, and per conjugate residue:
@@ -339,40 +352,48 @@ fn told(
     let own_shifts_rms = (own.sum::<f64>() / shifts.len() as f64).sqrt();
     let misfit = data.misfit(moved) / data.values() as f64;
     let relative_error = misfit.sqrt() / data.rms;
-    let words = format!(
-        "poles of a model, followed: natural frequencies moved by {:+.4} % together (± {:.4} %), \
-         and by {:.4} % rms each",
-        100.0 * common_shift,
-        100.0 * weights.recip().sqrt(),
-        100.0 * own_shifts_rms
-    );
-    let findings = &mut result.quality.findings;
-    findings.push(
-        Finding::note("poles-followed", words)
-            .value("common_shift", common_shift)
-            .value("common_shift_std", weights.recip().sqrt())
-            .value("own_shifts_rms", own_shifts_rms)
-            .value("relative_error", relative_error),
-    );
-    let allowed = limits::TRACK_MISFIT * model.quality.relative_error.max(limits::LEAST_MISFIT);
-    if relative_error > allowed {
-        let words = format!(
-            "moved poles leave {:.1} % of these FRFs, the model left {:.1} % of its own: the \
-             shapes are no longer those of the model",
-            100.0 * relative_error,
-            100.0 * model.quality.relative_error
-        );
-        findings.push(
-            Finding::caution("shapes-changed", words)
-                .value("relative_error", relative_error)
-                .help("scan again, and fit that"),
-        );
-    }
-    MovedPoles {
+    let mut told = MovedPoles {
         model: result,
         common_shift,
         common_shift_std: weights.recip().sqrt(),
         own_shifts_rms,
         relative_error,
-    }
+    };
+    let followed = followed(&told);
+    let findings = &mut told.model.quality.findings;
+    findings.push(followed);
+    findings.extend(shapes_changed(relative_error, model.quality.relative_error));
+    told
+}
+
+/// The finding of how far the poles moved.
+fn followed(moved: &MovedPoles) -> Finding {
+    let words = format!(
+        "poles of a model, followed: natural frequencies moved by {:+.4} % together (± {:.4} %), \
+         and by {:.4} % rms each",
+        100.0 * moved.common_shift,
+        100.0 * moved.common_shift_std,
+        100.0 * moved.own_shifts_rms
+    );
+    Finding::note("poles-followed", words)
+        .value("common_shift", moved.common_shift)
+        .value("common_shift_std", moved.common_shift_std)
+        .value("own_shifts_rms", moved.own_shifts_rms)
+        .value("relative_error", moved.relative_error)
+}
+
+/// The finding of FRFs that moved poles explain far worse than the model did its own.
+fn shapes_changed(relative_error: f64, before: f64) -> Option<Finding> {
+    let allowed = limits::TRACK_MISFIT * before.max(limits::LEAST_MISFIT);
+    (relative_error > allowed).then(|| {
+        let words = format!(
+            "moved poles leave {:.1} % of these FRFs, the model left {:.1} % of its own: the \
+             shapes are no longer those of the model",
+            100.0 * relative_error,
+            100.0 * before
+        );
+        Finding::caution("shapes-changed", words)
+            .value("relative_error", relative_error)
+            .help("scan again, and fit that")
+    })
 }

@@ -40,61 +40,66 @@ pub(crate) fn linear(
     poles: &[Complex64],
     powers: &[i32],
 ) -> Result<Linear, LinalgError> {
-    let (n, p) = (poles.len(), powers.len());
     match damping {
-        Damping::Structural => {
-            let Parted {
-                coefficients,
-                weight,
-                answer,
-                sse,
-            } = match Plain::at(work, work.energy(), poles, powers) {
-                Some(plain) => plain.parted(n)?,
-                None => on_orthonormal_basis(work, poles, powers)?,
-            };
-            Ok(Linear {
-                residues: coefficients.slice(s![..n, ..]).to_owned(),
-                terms: coefficients.slice(s![n.., ..]).to_owned(),
-                weight,
-                answer: Answer::Structural(answer),
-                sse,
-            })
-        }
-        Damping::Viscous => {
-            let a = viscous_basis(work, poles, powers);
-            let lines = work.lines();
-            let mut b = Array2::zeros((2 * lines, work.columns()).f());
-            b.slice_mut(s![..lines, ..]).assign(&work.b.mapv(|v| v.re));
-            b.slice_mut(s![lines.., ..]).assign(&work.b.mapv(|v| v.im));
-            // poles outside the band that have fused share their residue
-            let solution = lstsq(a.view(), b.view()).or_else(|_| {
-                let gram = matmul_h(a.view(), a.view());
-                information::answer(gram.view(), matmul_h(a.view(), b.view()).view())
-            })?;
-            let sse = (&b - &matmul(a.view(), solution.view()))
-                .iter()
-                .map(|v| v * v)
-                .sum();
-            let pairs = |from: usize, count: usize| {
-                Array2::from_shape_fn((count, work.columns()), |(i, c)| {
-                    Complex64::new(solution[[from + 2 * i, c]], solution[[from + 2 * i + 1, c]])
-                })
-            };
-            // near-pole columns weigh the residues: the far pole adds a smooth part of
-            // order η
-            let near = Array2::from_shape_fn((lines, n).f(), |(k, i)| {
-                work.g[k] / (Complex64::new(0.0, work.x[k].sqrt()) - poles[i])
-            });
-            let others = basis(work, &[], powers);
-            Ok(Linear {
-                residues: pairs(0, n),
-                terms: pairs(2 * n, p),
-                weight: schur_weight(&near, &others)?,
-                answer: Answer::Viscous(lstsq(a.slice(s![.., 2 * n..]), a.slice(s![.., ..2 * n]))?),
-                sse,
-            })
-        }
+        Damping::Structural => structural(work, poles, powers),
+        Damping::Viscous => viscous(work, poles, powers),
     }
+}
+
+fn structural(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
+    let n = poles.len();
+    let Parted {
+        coefficients,
+        weight,
+        answer,
+        sse,
+    } = match Plain::at(work, work.energy(), poles, powers) {
+        Some(plain) => plain.parted(n)?,
+        None => on_orthonormal_basis(work, poles, powers)?,
+    };
+    Ok(Linear {
+        residues: coefficients.slice(s![..n, ..]).to_owned(),
+        terms: coefficients.slice(s![n.., ..]).to_owned(),
+        weight,
+        answer: Answer::Structural(answer),
+        sse,
+    })
+}
+
+fn viscous(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
+    let (n, p) = (poles.len(), powers.len());
+    let a = viscous_basis(work, poles, powers);
+    let lines = work.lines();
+    let mut b = Array2::zeros((2 * lines, work.columns()).f());
+    b.slice_mut(s![..lines, ..]).assign(&work.b.mapv(|v| v.re));
+    b.slice_mut(s![lines.., ..]).assign(&work.b.mapv(|v| v.im));
+    // poles outside the band that have fused share their residue
+    let solution = lstsq(a.view(), b.view()).or_else(|_| {
+        let gram = matmul_h(a.view(), a.view());
+        information::answer(gram.view(), matmul_h(a.view(), b.view()).view())
+    })?;
+    let sse = (&b - &matmul(a.view(), solution.view()))
+        .iter()
+        .map(|v| v * v)
+        .sum();
+    let pairs = |from: usize, count: usize| {
+        Array2::from_shape_fn((count, work.columns()), |(i, c)| {
+            Complex64::new(solution[[from + 2 * i, c]], solution[[from + 2 * i + 1, c]])
+        })
+    };
+    // near-pole columns weigh the residues: the far pole adds a smooth part of
+    // order η
+    let near = Array2::from_shape_fn((lines, n).f(), |(k, i)| {
+        work.g[k] / (Complex64::new(0.0, work.x[k].sqrt()) - poles[i])
+    });
+    let others = basis(work, &[], powers);
+    Ok(Linear {
+        residues: pairs(0, n),
+        terms: pairs(2 * n, p),
+        weight: schur_weight(&near, &others)?,
+        answer: Answer::Viscous(lstsq(a.slice(s![.., 2 * n..]), a.slice(s![.., ..2 * n]))?),
+        sse,
+    })
 }
 
 /// The solution where the normal equations of the structural law lose too many digits.

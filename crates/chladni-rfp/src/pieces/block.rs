@@ -5,22 +5,18 @@ use crate::data::given_noise::given_noise;
 use crate::data::layout::{DataLayout, Weighting};
 use crate::data::options::{Effort, FitOptions};
 use crate::data::pair_weights::Giver;
-use crate::data::products::{measured_basis, products};
-use crate::data::reading::{squares_of, Usable};
+use crate::data::reading::Usable;
 use crate::data::screening::Screened;
 use crate::data::sketch::{self, Mixing};
-use crate::data::source::Way;
 use crate::data::window::told;
 use crate::pieces::error::PieceError;
 use crate::pieces::partial::{named, Block, Partial, ProductSums, Run, SketchSums, Sums};
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{Matrix, Pass, Poles};
-use crate::poles::passes::on_all_lines;
+use crate::pieces::second_pass::{second_pass, Basis};
 use chladni_frf::{Error, FrfSet, Source};
-use ndarray::{Array2, Axis};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
@@ -33,26 +29,6 @@ pub struct Reducer {
     /// Of the products.
     basis: Option<Basis>,
     reading: BTreeMap<String, String>,
-}
-
-/// The basis that products are made with.
-#[derive(Debug)]
-struct Basis {
-    head: DataLayout,
-    /// Orthonormal on the lines used, as it meets measured values: (real and imaginary
-    /// part of each line, unknown).
-    measured: Array2<f64>,
-}
-
-impl Basis {
-    fn new(poles: &Poles, way: &Way, options: &FitOptions) -> Result<Self, PieceError> {
-        let head = DataLayout {
-            law: way.law,
-            ..poles.head(options.effort)?
-        };
-        let measured = measured_basis(&head, &on_all_lines(&head, &way.lambda)?);
-        Ok(Self { measured, head })
-    }
 }
 
 impl Reducer {
@@ -138,40 +114,7 @@ impl Reducer {
             .as_ref()
             .and_then(|poles| poles.weighting.as_ref())
             .map(|weights| weights.of(&frf.responses, &frf.references));
-        let products = |energy| -> Option<Result<(Block, ProductSums), PieceError>> {
-            Some(second_pass(frf, self.basis.as_ref()?, &weighting, energy))
-        };
-        let (block, sums) = match self.pass() {
-            Some(Pass::Products) => {
-                let (block, products) = products(None).unwrap_or_else(|| Err(no_poles()))?;
-                let sums = Sums {
-                    sketch: None,
-                    products: Some(products),
-                };
-                (block, sums)
-            }
-            _ => {
-                let (lines, _) = plan.lines()?;
-                let (block, sketch, energy) = first_pass(frf, &plan, &lines, &weighting)?;
-                let all = |basis: &Basis| basis.head.lines == lines;
-                let energy = energy.filter(|_| self.basis.as_ref().is_some_and(all));
-                // products only of the very FRFs that are in the sketch
-                let both = products(energy).and_then(Result::ok);
-                let both = both.filter(|(other, _)| other.pairs == block.pairs);
-                let (block, products) = match both {
-                    Some((with, products)) => {
-                        let given = block.given;
-                        (Block { given, ..with }, Some(products))
-                    }
-                    None => (block, None),
-                };
-                let sums = Sums {
-                    sketch: Some(sketch),
-                    products,
-                };
-                (block, sums)
-            }
-        };
+        let (block, sums) = self.summed(frf, &plan, &weighting)?;
         let labels: HashSet<u64> = frf
             .responses
             .iter()
@@ -203,6 +146,45 @@ impl Reducer {
             }],
         })
     }
+
+    /// The block with the sums of this pass.
+    fn summed(
+        &self,
+        frf: &FrfSet,
+        plan: &Plan,
+        weighting: &Option<Weighting>,
+    ) -> Result<(Block, Sums), PieceError> {
+        let products = |energy| -> Option<Result<(Block, ProductSums), PieceError>> {
+            Some(second_pass(frf, self.basis.as_ref()?, weighting, energy))
+        };
+        if self.pass() == Some(Pass::Products) {
+            let (block, products) = products(None).unwrap_or_else(|| Err(no_poles()))?;
+            let sums = Sums {
+                sketch: None,
+                products: Some(products),
+            };
+            return Ok((block, sums));
+        }
+        let (lines, _) = plan.lines()?;
+        let (block, sketch, energy) = first_pass(frf, plan, &lines, weighting)?;
+        let all = |basis: &Basis| basis.head.lines == lines;
+        let energy = energy.filter(|_| self.basis.as_ref().is_some_and(all));
+        // products only of the very FRFs that are in the sketch
+        let both = products(energy).and_then(Result::ok);
+        let both = both.filter(|(other, _)| other.pairs == block.pairs);
+        let (block, products) = match both {
+            Some((with, products)) => {
+                let given = block.given;
+                (Block { given, ..with }, Some(products))
+            }
+            None => (block, None),
+        };
+        let sums = Sums {
+            sketch: Some(sketch),
+            products,
+        };
+        Ok((block, sums))
+    }
 }
 
 /// Reduces the FRFs of one block: see [`Reducer`].
@@ -217,22 +199,6 @@ pub fn reduce(
     poles: Option<&Poles>,
 ) -> Result<Partial, PieceError> {
     Reducer::new(options, poles)?.block(frf, number, sources)
-}
-
-/// A block of which only the FRFs are known yet.
-fn of_pairs(pairs: Vec<(usize, usize)>) -> Block {
-    Block {
-        number: 0,
-        piece: 0,
-        responses: Vec::new(),
-        references: Vec::new(),
-        nodes: Vec::new(),
-        pairs,
-        energy: Vec::new(),
-        r0: None,
-        given: None,
-        sources: Vec::new(),
-    }
 }
 
 fn no_poles() -> PieceError {
@@ -291,7 +257,7 @@ fn first_pass(
     };
     let block = Block {
         given,
-        ..of_pairs(pairs)
+        ..Block::of_pairs(pairs)
     };
     Ok((block, sums, energy))
 }
@@ -343,94 +309,4 @@ fn mixing(frf: &FrfSet, pairs: &[(usize, usize)], plan: &Plan) -> Mixing {
         column,
         sign,
     }
-}
-
-/// The products. `energy`: sum of squares of each FRF, where it is known.
-fn second_pass(
-    frf: &FrfSet,
-    basis: &Basis,
-    weighting: &Option<Weighting>,
-    energy: Option<Vec<f64>>,
-) -> Result<(Block, ProductSums), PieceError> {
-    let head = &basis.head;
-    let weight = |pair: (usize, usize)| {
-        let weights = weighting.as_ref().map(|weighting| &weighting.weights);
-        weights.map_or(1.0, |weights| weights.of(pair))
-    };
-    // on the lines used, an FRF is there or it is not
-    let is_finite = |(i, j): (usize, usize), k: usize| frf.values.get(i, j, k).is_finite();
-    let (mut pairs, missing): (Vec<_>, Vec<_>) = frf
-        .all_pairs()
-        .partition(|&pair| is_finite(pair, head.lines[0]));
-    let mut made = products(
-        &Screened::part(
-            frf,
-            DataLayout {
-                pairs: pairs.clone(),
-                weighting: weighting.clone(),
-                ..head.clone()
-            },
-        ),
-        &basis.measured,
-    );
-    let mut energy = energy
-        .filter(|energy| energy.len() == pairs.len())
-        .unwrap_or_else(|| {
-            pairs
-                .par_iter()
-                .map(|&pair| weight(pair).powi(2) * squares_of(&frf.values, pair, &head.lines))
-                .collect()
-        });
-    let broken = pairs
-        .iter()
-        .zip(&energy)
-        .find(|(_, energy)| !energy.is_finite())
-        .map(|(&pair, _)| pair);
-    let partly = || {
-        missing.iter().copied().find(|&pair| {
-            head.lines
-                .iter()
-                .any(|&k| is_finite(pair, k) && frf.values.get(pair.0, pair.1, k).norm() > 0.0)
-        })
-    };
-    if let Some((i, j)) = broken.or_else(partly) {
-        let line = head
-            .lines
-            .iter()
-            .position(|&k| !is_finite((i, j), k))
-            .map_or(f64::NAN, |k| head.line_hz[k]);
-        return Err(Error::bad_data(
-            "a value that is not finite, where all were finite when the poles were found",
-        )
-        .field(format!(
-            "FRF {} from {} at {line} Hz",
-            frf.responses[i], frf.references[j]
-        ))
-        .found("NaN or infinity")
-        .expected("the data that the first pass was run on")
-        .help("run both passes over the same data")
-        .into());
-    }
-    // FRFs of zeros add nothing to the products; the first pass has left them out
-    let used: Vec<usize> = (0..pairs.len()).filter(|&l| energy[l] > 0.0).collect();
-    if used.is_empty() {
-        return Err(FitError::NoData.into());
-    }
-    if used.len() < pairs.len() {
-        pairs = used.iter().map(|&l| pairs[l]).collect();
-        energy = used.iter().map(|&l| energy[l]).collect();
-        made.r0 = made.r0.select(Axis(1), &used);
-    }
-    let block = Block {
-        energy,
-        r0: Some(Matrix::from(made.r0)),
-        ..of_pairs(pairs)
-    };
-    Ok((
-        block,
-        ProductSums {
-            t: Matrix::from(made.t),
-            gram: Matrix::from(made.gram),
-        },
-    ))
 }

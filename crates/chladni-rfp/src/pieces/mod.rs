@@ -27,6 +27,7 @@ pub(crate) mod merged;
 pub(crate) mod partial;
 pub(crate) mod plan;
 pub(crate) mod poles;
+pub(crate) mod second_pass;
 pub(crate) mod solve;
 pub(crate) mod sound;
 

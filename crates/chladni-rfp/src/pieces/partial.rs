@@ -44,6 +44,24 @@ pub(crate) struct Block {
     pub sources: Vec<(String, Checksum)>,
 }
 
+impl Block {
+    /// A block of which only the FRFs are known yet.
+    pub fn of_pairs(pairs: Vec<(usize, usize)>) -> Self {
+        Self {
+            number: 0,
+            piece: 0,
+            responses: Vec::new(),
+            references: Vec::new(),
+            nodes: Vec::new(),
+            pairs,
+            energy: Vec::new(),
+            r0: None,
+            given: None,
+            sources: Vec::new(),
+        }
+    }
+}
+
 /// Sources as a block has them.
 pub(crate) fn named(sources: &[Source]) -> Vec<(String, Checksum)> {
     let named = |source: &Source| (source.file.clone(), source.checksum.clone());

@@ -79,91 +79,84 @@ impl Plan {
     /// # Errors
     /// The field that differs, `whose` it is.
     pub fn same(&self, other: &Self, whose: &str) -> Result<(), Error> {
-        let error = |field: &str, found: String, expected: String| {
-            Err(Error::bad_data(format!("{whose} belongs to another fit"))
-                .field(field)
-                .found(found)
-                .expected(format!("{expected}, as in the others"))
-                .help("reduce all blocks with the same options, from data on one frequency axis"))
-        };
-        if self.kind != other.kind {
-            return error("FRF kind", other.kind.to_string(), self.kind.to_string());
-        }
-        if self.reference_unit != other.reference_unit {
-            return error(
-                "unit of the references",
-                other.reference_unit.to_string(),
-                self.reference_unit.to_string(),
-            );
-        }
-        if self.frequency_hz != other.frequency_hz {
-            return error(
-                "frequency axis",
-                described(&other.frequency_hz),
-                described(&self.frequency_hz),
-            );
-        }
-        if self.band_hz != other.band_hz {
-            let words = |band: Option<[f64; 2]>| {
-                band.map_or("all lines".into(), |[low, high]| {
-                    format!("{low} to {high} Hz")
-                })
-            };
-            return error("band", words(other.band_hz), words(self.band_hz));
-        }
-        if self.seed != other.seed {
-            return error("seed", other.seed.to_string(), self.seed.to_string());
-        }
-        if self.columns != other.columns {
-            return error(
-                "columns of the sketch",
-                other.columns.to_string(),
-                self.columns.to_string(),
-            );
-        }
-        if self.window != other.window {
-            let words =
-                |window: &Option<String>| window.clone().unwrap_or_else(|| "not said".into());
-            return error("window", words(&other.window), words(&self.window));
-        }
-        if self.record_s != other.record_s {
-            let words = |record_s: f64| format!("{record_s} s");
-            return error(
-                "length of the records",
-                words(other.record_s),
-                words(self.record_s),
-            );
-        }
-        if self.exponential_window_per_s != other.exponential_window_per_s {
-            let words =
-                |decay: Option<f64>| decay.map_or("none".into(), |decay| format!("{decay} 1/s"));
-            return error(
-                "exponential window",
-                words(other.exponential_window_per_s),
-                words(self.exponential_window_per_s),
-            );
-        }
-        let differs = |name: &&String| self.reading.get(*name) != other.reading.get(*name);
-        if let Some(name) = self
-            .reading
-            .keys()
-            .chain(other.reading.keys())
-            .find(differs)
-        {
-            let words = |reading: &BTreeMap<String, String>| {
-                reading
-                    .get(name)
-                    .map_or("not given", String::as_str)
-                    .to_owned()
-            };
-            return error(
-                &name.replace('_', " "),
-                words(&other.reading),
-                words(&self.reading),
-            );
+        self.compared(other).map_err(|differs| {
+            Error::bad_data(format!("{whose} belongs to another fit"))
+                .field(differs.field)
+                .found(differs.found)
+                .expected(format!("{}, as in the others", differs.expected))
+                .help("reduce all blocks with the same options, from data on one frequency axis")
+        })
+    }
+
+    fn compared(&self, other: &Self) -> Result<(), Difference> {
+        alike("FRF kind", [&self.kind, &other.kind], FrfKind::to_string)?;
+        alike(
+            "unit of the references",
+            [&self.reference_unit, &other.reference_unit],
+            ReferenceUnit::to_string,
+        )?;
+        alike(
+            "frequency axis",
+            [&self.frequency_hz, &other.frequency_hz],
+            |axis| described(axis),
+        )?;
+        alike("band", [&self.band_hz, &other.band_hz], |band| {
+            band.map_or("all lines".into(), |[low, high]| {
+                format!("{low} to {high} Hz")
+            })
+        })?;
+        alike("seed", [&self.seed, &other.seed], u64::to_string)?;
+        alike(
+            "columns of the sketch",
+            [&self.columns, &other.columns],
+            usize::to_string,
+        )?;
+        alike("window", [&self.window, &other.window], |window| {
+            window.clone().unwrap_or_else(|| "not said".into())
+        })?;
+        alike(
+            "length of the records",
+            [&self.record_s, &other.record_s],
+            |record_s| format!("{record_s} s"),
+        )?;
+        let decays = [
+            &self.exponential_window_per_s,
+            &other.exponential_window_per_s,
+        ];
+        alike("exponential window", decays, |decay| {
+            decay.map_or("none".into(), |decay| format!("{decay} 1/s"))
+        })?;
+        for name in self.reading.keys().chain(other.reading.keys()) {
+            let given = [self.reading.get(name), other.reading.get(name)];
+            alike(&name.replace('_', " "), [&given[0], &given[1]], |given| {
+                given.map_or("not given", String::as_str).to_owned()
+            })?;
         }
         Ok(())
     }
+}
+
+/// A field in which two fits differ.
+struct Difference {
+    field: String,
+    found: String,
+    expected: String,
+}
+
+/// Checks that both have the same `field`; `words` tells a value.
+fn alike<T: PartialEq>(
+    field: &str,
+    [own, other]: [&T; 2],
+    words: impl Fn(&T) -> String,
+) -> Result<(), Difference> {
+    if own != other {
+        return Err(Difference {
+            field: field.into(),
+            found: words(other),
+            expected: words(own),
+        });
+    }
+    Ok(())
 }
 
 /// An axis in words.

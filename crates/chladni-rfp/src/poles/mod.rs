@@ -17,5 +17,6 @@ pub(crate) mod removal;
 pub(crate) mod scan;
 pub(crate) mod sections;
 pub(crate) mod settle;
+pub(crate) mod sketched;
 pub(crate) mod start;
 pub(crate) mod whiteness;

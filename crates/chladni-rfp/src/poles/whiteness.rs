@@ -15,6 +15,7 @@ use crate::poles::limits;
 use crate::tolerances as tol;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
+use std::ops::Range;
 
 /// Verdict, with the evidence in words.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,29 +110,17 @@ pub(crate) fn judge(
         .filter(|p| work.in_band(*p))
         .collect();
     let tenths = 10.min(n / 16).max(1);
-    let chance = Chance::of(modes.len() + 2 * tenths + 1);
-    let freedom = |lines: usize| (2 * lines.max(1) * frfs.max(1)) as f64;
-    let level = |rows: std::ops::Range<usize>| {
-        let lines = rows.len();
-        (
-            line_residual.slice(s![rows]).sum() / lines.max(1) as f64 / mean,
-            freedom(lines),
-        )
+    let level = Level {
+        line_residual,
+        mean,
+        frfs,
+        chance: Chance::of(modes.len() + 2 * tenths + 1),
     };
-
+    let window =
+        |pole: Complex64| work.window(pole, tol::WINDOW_HALF_WIDTHS, tol::WINDOW_LEAST_LINES);
     let mut looks: Vec<Look> = modes
         .iter()
-        .map(|&pole| {
-            let (seen, nu) =
-                level(work.window(pole, tol::WINDOW_HALF_WIDTHS, tol::WINDOW_LEAST_LINES));
-            let place = pole.re.max(0.0).sqrt() * hz;
-            let words = format!("residual {seen:.1} times the average around {place:.2} Hz");
-            Look {
-                seen,
-                limit: chance.high(nu) + limits::WHITE_LOCAL,
-                words,
-            }
-        })
+        .map(|&pole| level.around(window(pole), pole.re.max(0.0).sqrt() * hz))
         .collect();
     let misfitted: Vec<Complex64> = modes
         .iter()
@@ -139,44 +128,79 @@ pub(crate) fn judge(
         .filter(|(_, l)| l.seen > l.limit)
         .map(|(pole, _)| *pole)
         .collect();
-    let around = |pole: &Complex64| {
-        neighbours(
-            sample,
-            work.window(*pole, tol::WINDOW_HALF_WIDTHS, tol::WINDOW_LEAST_LINES),
-        )
-    };
     let (along, total) = misfitted
         .iter()
-        .map(around)
+        .map(|&pole| neighbours(sample, window(pole)))
         .fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
     let shapeless = !misfitted.is_empty() && along < limits::SHAPELESS * total;
-    for tenth in 0..tenths {
-        let (seen, nu) = level(tenth * n / tenths..(tenth + 1) * n / tenths);
-        let words = format!("residual level {seen:.2} times the average over a tenth of the band");
-        // the look from below is the look from above at the inverse
-        let low = chance.low(nu) / limits::WHITE_SEGMENT;
-        looks.push(Look {
-            seen: low,
-            limit: seen,
-            words: words.clone(),
-        });
-        looks.push(Look {
-            seen,
-            limit: limits::WHITE_SEGMENT * chance.high(nu),
-            words,
-        });
-    }
-    let (along, total) = neighbours(sample, 0..n);
-    let seen = if total > 0.0 { along / total } else { 0.0 };
-    let count = (n * sample.ncols().min(frfs).max(1)) as f64;
-    looks.push(Look {
-        seen,
-        limit: limits::WHITE_CORRELATION + chance.correlation(count),
-        words: format!("neighbouring residual lines correlate by {seen:.2}"),
-    });
+    let segments = (0..tenths).map(|tenth| tenth * n / tenths..(tenth + 1) * n / tenths);
+    looks.extend(segments.flat_map(|rows| level.over(rows)));
+    looks.push(correlation(sample, n, frfs, level.chance));
 
     let misfit_share = misfitted.len() as f64 / modes.len().max(1) as f64;
     Whiteness::of(&looks, misfit_share, shapeless)
+}
+
+/// The level of the residual, seen in parts of the band.
+struct Level<'a> {
+    line_residual: &'a Array1<f64>,
+    /// Energy of a line, on average.
+    mean: f64,
+    frfs: usize,
+    chance: Chance,
+}
+
+impl Level<'_> {
+    /// The level on `rows` over the average, and its degrees of freedom.
+    fn of(&self, rows: Range<usize>) -> (f64, f64) {
+        let lines = rows.len();
+        (
+            self.line_residual.slice(s![rows]).sum() / lines.max(1) as f64 / self.mean,
+            (2 * lines.max(1) * self.frfs.max(1)) as f64,
+        )
+    }
+
+    /// The look at the lines around a mode at `place` Hz.
+    fn around(&self, rows: Range<usize>, place: f64) -> Look {
+        let (seen, nu) = self.of(rows);
+        Look {
+            seen,
+            limit: self.chance.high(nu) + limits::WHITE_LOCAL,
+            words: format!("residual {seen:.1} times the average around {place:.2} Hz"),
+        }
+    }
+
+    /// The looks at a tenth of the band, from below and from above.
+    fn over(&self, rows: Range<usize>) -> [Look; 2] {
+        let (seen, nu) = self.of(rows);
+        let words = format!("residual level {seen:.2} times the average over a tenth of the band");
+        // the look from below is the look from above at the inverse
+        let low = self.chance.low(nu) / limits::WHITE_SEGMENT;
+        [
+            Look {
+                seen: low,
+                limit: seen,
+                words: words.clone(),
+            },
+            Look {
+                seen,
+                limit: limits::WHITE_SEGMENT * self.chance.high(nu),
+                words,
+            },
+        ]
+    }
+}
+
+/// The look at the correlation of neighbouring lines.
+fn correlation(sample: &Array2<Complex64>, lines: usize, frfs: usize, chance: Chance) -> Look {
+    let (along, total) = neighbours(sample, 0..lines);
+    let seen = if total > 0.0 { along / total } else { 0.0 };
+    let count = (lines * sample.ncols().min(frfs).max(1)) as f64;
+    Look {
+        seen,
+        limit: limits::WHITE_CORRELATION + chance.correlation(count),
+        words: format!("neighbouring residual lines correlate by {seen:.2}"),
+    }
 }
 
 impl Whiteness {
@@ -220,7 +244,7 @@ pub(crate) fn correlates_everywhere(residual: &Array2<Complex64>) -> bool {
 }
 
 /// Σ Re E_k E*_{k−1} and Σ|E_k|² over `rows` and all columns.
-fn neighbours(residual: &Array2<Complex64>, rows: std::ops::Range<usize>) -> (f64, f64) {
+fn neighbours(residual: &Array2<Complex64>, rows: Range<usize>) -> (f64, f64) {
     let (mut along, mut total) = (0.0, 0.0);
     for column in residual.columns() {
         for k in rows.start + 1..rows.end {

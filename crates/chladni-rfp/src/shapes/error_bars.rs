@@ -138,6 +138,18 @@ struct ShapeErrors {
     joint: bool,
 }
 
+/// The references that responses were measured from, with these responses.
+fn alike(present: &Array2<bool>) -> Vec<(Vec<bool>, Vec<usize>)> {
+    let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
+    for (i, row) in present.rows().into_iter().enumerate() {
+        match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
+            Some((_, responses)) => responses.push(i),
+            None => kinds.push((row.to_vec(), vec![i])),
+        }
+    }
+    kinds
+}
+
 impl ShapeErrors {
     /// `rows`: the terms; `others`: the poles that are fitted freely beside them.
     fn new(noisy: &Noisy, rows: &[usize], others: &[Complex64]) -> Result<Self, LinalgError> {
@@ -189,14 +201,7 @@ impl ShapeErrors {
             real,
             joint,
         };
-        let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
-        for (i, row) in present.rows().into_iter().enumerate() {
-            match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
-                Some((_, responses)) => responses.push(i),
-                None => kinds.push((row.to_vec(), vec![i])),
-            }
-        }
-        errors.groups = kinds
+        errors.groups = alike(present)
             .into_iter()
             .map(|(kept, responses)| errors.group(kept, responses))
             .collect::<Result<_, _>>()?;

@@ -7,8 +7,9 @@ use crate::shapes::error_bars::ShapeBars;
 use crate::shapes::influence::{square, Found, Influence};
 use crate::shapes::leaked::Moments;
 use crate::shapes::limits;
+use crate::shapes::scale::Scale;
 use chladni_linalg::LinalgError;
-use ndarray::Array2;
+use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -125,6 +126,31 @@ impl Influence<'_> {
         parts
     }
 
+    /// How the scale of a term follows the residue of each FRF: by its shape `x` and by its
+    /// participation `l`, which is in units of `unit`.
+    fn of_scale(
+        &self,
+        scale: &Scale,
+        unit: Complex64,
+        x: ArrayView1<Complex64>,
+        l: &Array1<Complex64>,
+    ) -> Vec<Complex64> {
+        let (x2, l2) = (square(x.iter()), square(l.iter()));
+        let by_shape = |i: usize| -> Complex64 {
+            let own = scale.response.iter().filter(|(d, _)| *d == i);
+            own.map(|(_, weight)| *weight).sum()
+        };
+        let along: Complex64 = scale.reference.iter().map(|&(j, c)| c / unit * l[j]).sum();
+        let by_participation = |j: usize| -> Complex64 {
+            let own = scale.reference.iter().filter(|(r, _)| *r == j);
+            own.map(|(_, c)| *c / unit).sum::<Complex64>() - along * l[j].conj() / l2
+        };
+        let of_pair = |&(i, j): &(usize, usize)| {
+            by_shape(i) * (l[j].conj() / l2) + by_participation(j) * x[i].conj() / x2
+        };
+        self.found.data.pairs.iter().map(of_pair).collect()
+    }
+
     /// Deviations of the shape of a term, and that of its scale.
     fn term(&self, term: usize, moments: &Moments, noise: &Array2<Complex64>) -> (Vec<f64>, f64) {
         let Found {
@@ -139,24 +165,10 @@ impl Influence<'_> {
         let unit = poles[n].residue_unit(work.law);
         let x = shapes.shape.row(term);
         let l = shapes.participation.row(term).mapv(|v| v * unit);
-        let (x2, l2) = (square(x.iter()), square(l.iter()));
-        // x_i is Σ_j R_ij·L_j*/|L|²; how the scale follows x and L
-        let by_shape = |i: usize| -> Complex64 {
-            let own = scale.response.iter().filter(|(d, _)| *d == i);
-            own.map(|(_, weight)| *weight).sum()
-        };
-        let along: Complex64 = scale.reference.iter().map(|&(j, c)| c / unit * l[j]).sum();
-        let by_participation = |j: usize| -> Complex64 {
-            let own = scale.reference.iter().filter(|(r, _)| *r == j);
-            own.map(|(_, c)| *c / unit).sum::<Complex64>() - along * l[j].conj() / l2
-        };
+        let l2 = square(l.iter());
+        // x_i is Σ_j R_ij·L_j*/|L|²
         let direct = |p: usize| l[data.pairs[p].1].conj() / l2;
-        let of_scale: Vec<Complex64> = (0..data.pairs.len())
-            .map(|p| {
-                let (i, j) = data.pairs[p];
-                by_shape(i) * direct(p) + by_participation(j) * x[i].conj() / x2
-            })
-            .collect();
+        let of_scale = self.of_scale(scale, unit, x, &l);
         let spread = |parts: &[Vec<Complex64>]| -> f64 {
             let of_force = |(part, leaked): (&Vec<Complex64>, &Array2<Complex64>)| -> f64 {
                 let each = leaked.indexed_iter();

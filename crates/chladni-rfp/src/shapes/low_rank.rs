@@ -91,6 +91,23 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
     })
 }
 
+/// Shapes of the poles `open` alone, around those given.
+fn beside_given(
+    residues: &Residues,
+    ranks: &[usize],
+    given: &[Given],
+    open: &[usize],
+) -> Result<Shapes, LinalgError> {
+    let (moved, weight) = freed(residues, open, given)?;
+    let ranks: Vec<usize> = open.iter().map(|&n| ranks[n]).collect();
+    let freed = Residues {
+        values: &moved,
+        weight: &weight,
+        present: residues.present,
+    };
+    low_rank(&freed, &ranks)
+}
+
 /// [`low_rank`] with the shapes of some poles given: only the others are fitted, around
 /// them.
 pub(crate) fn low_rank_around(
@@ -103,19 +120,9 @@ pub(crate) fn low_rank_around(
     }
     let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
     let open: Vec<usize> = (0..poles).filter(|&n| given[n].is_none()).collect();
-    let fitted = if open.is_empty() {
-        None
-    } else {
-        let (moved, weight) = freed(residues, &open, given)?;
-        let open_ranks: Vec<usize> = open.iter().map(|&n| ranks[n]).collect();
-        Some(low_rank(
-            &Residues {
-                values: &moved,
-                weight: &weight,
-                present: residues.present,
-            },
-            &open_ranks,
-        )?)
+    let fitted = match open.is_empty() {
+        true => None,
+        false => Some(beside_given(residues, ranks, given, &open)?),
     };
     let (mut shape, mut participation, mut owner) = (
         Array2::zeros((0, responses)),

@@ -1,0 +1,263 @@
+//! The chain up to the second pass over the data: poles of the sketch alone, or a doubt
+//! that ends the chain there.
+
+use crate::damping::structural::POWERS;
+use crate::data::columns::{line_energy, Columns};
+use crate::data::error::FitError;
+use crate::data::layout::DataLayout;
+use crate::data::outliers::single_lines;
+use crate::data::peaks::{fourth_difference_noise, peaks, thinned};
+use crate::data::watch::Watch;
+use crate::poles::first_look::first_look;
+use crate::poles::limits;
+use crate::poles::passes::{basis_of, Start};
+use crate::poles::pool::{mixtures, starts, vector_fit, Products};
+use crate::poles::prune::{is_spike, threshold};
+use crate::poles::refine::{refine, Projection, Refined};
+use crate::poles::settle::settle;
+use crate::poles::start::{self, pool_size, started};
+use crate::poles::whiteness::{judge_columns, Whiteness};
+use crate::tolerances as tol;
+use chladni_linalg::LinalgError;
+use num_complex::Complex64;
+
+/// Evidence against the fast chain.
+#[derive(Debug)]
+pub(crate) enum Doubt {
+    /// The residual is not white; the evidence in words.
+    NotWhite(String),
+    /// It is not, and single lines that no neighbour supports are to blame.
+    Outliers(Vec<usize>),
+    /// The conjugate of the data is explained far better: they follow e^{−jωt}.
+    Conjugated,
+}
+
+impl Doubt {
+    /// The evidence.
+    pub fn words(&self) -> String {
+        match self {
+            Self::NotWhite(evidence) => evidence.clone(),
+            Self::Outliers(_) => "single lines stand out of the residual".into(),
+            Self::Conjugated => "every resonance turns the wrong way".into(),
+        }
+    }
+}
+
+/// The result of the sketch alone.
+pub(crate) enum First {
+    /// Poles to project on.
+    Poles(Box<Start>),
+    /// A result that needs no projection.
+    Ended(Doubt),
+}
+
+/// Finds the poles of the sketch. `asked`: number of modes, where it is fixed.
+///
+/// # Errors
+/// A kernel that fails; a watch that ends it.
+pub(crate) fn of_sketch(
+    data: &DataLayout,
+    sketch: Columns,
+    seed: u64,
+    asked: Option<usize>,
+    watch: &Watch,
+) -> Result<First, FitError> {
+    let hz = data.hz();
+    let ended = |doubt| Ok(First::Ended(doubt));
+    let noise = fourth_difference_noise(&sketch.b, 40);
+    let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
+    let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
+
+    watch.stage("pole pool")?;
+    let size = pool_size(&sketch, seeds.len(), asked)?;
+    let rows = thinned(&sketch, &peaks);
+    let sketch = if rows.len() < sketch.lines() {
+        sketch.select(&rows)
+    } else {
+        sketch
+    };
+    if let Some(evidence) = first_look(&sketch, &peaks, seed, hz)? {
+        return ended(Doubt::NotWhite(evidence));
+    }
+    let pool = Pool {
+        mixed: mixtures(&sketch, tol::POOL_MIXTURES, seed),
+        iterations: data.effort.pool_iterations,
+        sketch,
+        seeds,
+        size,
+        hz,
+    };
+    let start = pool.started(size)?;
+    let spoilt = spoilt_lines(&pool.sketch, &start.refined, start.variance)?;
+    if !spoilt.is_empty() {
+        return ended(Doubt::Outliers(
+            spoilt.into_iter().map(|row| rows[row]).collect(),
+        ));
+    }
+    let (start, first) = pool.large_enough(start, asked)?;
+    let history = vec![(
+        start.refined.lambda.len(),
+        start.refined.variance(&pool.sketch),
+    )];
+    if let Some(doubt) = pool.doubt(&start.refined, first)? {
+        return ended(doubt);
+    }
+    pool.settled(data, start, history)
+}
+
+/// A sketch, and what pools of poles start from.
+struct Pool {
+    sketch: Columns,
+    /// Few mixtures of its columns.
+    mixed: Columns,
+    /// Poles of visible peaks.
+    seeds: Vec<Complex64>,
+    /// Number of poles.
+    size: usize,
+    /// Iterations of vector fitting.
+    iterations: usize,
+    /// Frequency of x = 1.
+    hz: f64,
+}
+
+impl Pool {
+    /// Poles of a pool of `size` that noise cannot make.
+    fn started(&self, size: usize) -> Result<start::Start, LinalgError> {
+        started(
+            &self.sketch,
+            &self.mixed,
+            &self.seeds,
+            size,
+            self.iterations,
+        )
+    }
+
+    /// Judges the residual on the sketch.
+    fn judged(&self, refined: &Refined) -> Whiteness {
+        let residual = &refined.projection.residual;
+        judge_columns(&self.sketch, &refined.lambda, residual, self.hz)
+    }
+
+    /// The poles of a pool twice as large where that takes the misfit away, else those of
+    /// `start`; and how white the residual is.
+    fn large_enough(
+        &self,
+        start: start::Start,
+        asked: Option<usize>,
+    ) -> Result<(start::Start, Whiteness), LinalgError> {
+        let first = self.judged(&start.refined);
+        if first.misfit_share > limits::MISFIT_SHARE && asked.is_none() {
+            // many modes hide behind few peaks, or few FRFs
+            let larger = self.started((2 * self.size).min(self.sketch.lines() / 3))?;
+            if larger.variance < limits::LARGER_POOL_GAIN * start.variance {
+                let first = self.judged(&larger.refined);
+                return Ok((larger, first));
+            }
+        }
+        Ok((start, first))
+    }
+
+    /// What speaks against going on from the first poles. A missing mode leaves its mark
+    /// in one place and in the shape of the residual; misfit around most modes, or misfit
+    /// without shape, is no question of order.
+    fn doubt(&self, refined: &Refined, first: Whiteness) -> Result<Option<Doubt>, LinalgError> {
+        let misfitted = first.misfit_share > limits::MISFIT_SHARE;
+        if (misfitted || refined.lambda.is_empty())
+            && conjugate_fits_better(&self.mixed, &self.seeds, self.size)?
+        {
+            return Ok(Some(Doubt::Conjugated));
+        }
+        Ok((misfitted || first.shapeless).then_some(Doubt::NotWhite(first.evidence)))
+    }
+
+    /// Settles the order and refines the poles to their last digits.
+    fn settled(
+        self,
+        data: &DataLayout,
+        start: start::Start,
+        mut history: Vec<(usize, f64)>,
+    ) -> Result<First, FitError> {
+        let (mut refined, mut variance) = (start.refined, start.variance);
+        settle(
+            &self.sketch,
+            &mut refined,
+            &mut variance,
+            self.sketch.columns(),
+            &mut history,
+        )?;
+        let settled = self.judged(&refined);
+        if settled.shapeless {
+            return Ok(First::Ended(Doubt::NotWhite(settled.evidence)));
+        }
+        // what the second pass keeps depends on these poles: converged, they are the same
+        // to the last digits however they were found
+        refined = refine(
+            &self.sketch,
+            &refined.lambda,
+            &POWERS,
+            data.effort.likelihood_steps,
+            tol::FINE_STEP,
+        )?;
+        Ok(First::Poles(Box::new(Start {
+            q: basis_of(data, &refined)?,
+            sketch: self.sketch,
+            lambda: refined.lambda,
+            history,
+            extra_passes: 0,
+            doubt: None,
+        })))
+    }
+}
+
+/// Single lines that poles narrower than a line stand for, where no other line needs
+/// these, and lines like them. `variance`: of the noise.
+fn spoilt_lines(
+    work: &Columns,
+    refined: &Refined,
+    variance: f64,
+) -> Result<Vec<usize>, LinalgError> {
+    let limit = threshold(work.columns(), work.lines()) * variance;
+    let mut physical = Vec::new();
+    for (q, &pole) in refined.lambda.iter().enumerate() {
+        if !is_spike(work, refined, q, limit)? {
+            physical.push(pole);
+        }
+    }
+    if physical.len() == refined.lambda.len() {
+        return Ok(Vec::new());
+    }
+    let residual = Projection::new(work, &physical, &refined.powers)?.residual;
+    let fitted = line_energy(&(&work.b - &residual));
+    Ok(single_lines(
+        &line_energy(&residual).to_vec(),
+        &fitted.to_vec(),
+    ))
+}
+
+/// True where the same number of stable poles explains the conjugate of the data far
+/// better than the data: a passive structure measured in e^{−jωt}.
+fn conjugate_fits_better(
+    mixed: &Columns,
+    seeds: &[Complex64],
+    size: usize,
+) -> Result<bool, LinalgError> {
+    let left_over = |work: &Columns| -> Result<f64, LinalgError> {
+        let pool = vector_fit(
+            work,
+            &starts(work, seeds, size),
+            &POWERS,
+            tol::POOL_ITERATIONS,
+            Products::PartialFractions,
+        )?;
+        let stable: Vec<Complex64> = pool
+            .lambda
+            .iter()
+            .zip(&pool.flipped)
+            .filter(|(_, f)| !**f)
+            .map(|(p, _)| *p)
+            .collect();
+        Ok(Projection::new(work, &stable, &POWERS)?.sse)
+    };
+    Ok(left_over(&mixed.with_columns(mixed.b.mapv(|v| v.conj())))?
+        < limits::CONJUGATE_SHARE * left_over(mixed)?)
+}
