@@ -179,3 +179,9 @@ pub(crate) const FREQUENCY_ERROR: f64 = 1e-4;
 pub(crate) const LOSS_FACTOR_ERROR: f64 = 1e-2;
 /// Least modal assurance criterion of a shape with the true one.
 pub(crate) const LEAST_MAC: f64 = 0.99;
+
+// demo/rig.rs
+
+/// Noise of the field that the demonstration measures, dB below it, and its seed.
+pub const SCANNER_SNR_DB: f64 = 40.0;
+pub const SCANNER_SEED: u64 = 1;

@@ -55,15 +55,7 @@ pub fn shape_set(contents: &Contents) -> Result<ShapeSet> {
         return Err(no_mode_shape(contents));
     };
     let axes = components(first).unwrap_or_default();
-    if let Some(other) = shapes
-        .iter()
-        .find(|shape| components(shape).as_ref() != Some(&axes))
-    {
-        let count = |shape| components(shape).map_or(0, |axes| axes.len());
-        return Err(Error::bad_data("mode shapes have different components")
-            .found(format!("{} components and {}", count(first), count(other)))
-            .expected("the same directions in every mode shape"));
-    }
+    refuse_other_components(&shapes, &axes)?;
     let rows: Vec<HashMap<u64, usize>> = shapes
         .iter()
         .map(|shape| (0..).zip(&shape.nodes).map(|(row, &node)| (node, row)))
@@ -136,6 +128,19 @@ fn loss_factor(shape: &Shape) -> Option<f64> {
             .damping_ratio()
             .filter(|&ratio| ratio > 0.0)
             .map(|ratio| 2.0 * ratio),
+    }
+}
+
+/// Refuses shapes that move along other directions than `axes`.
+fn refuse_other_components(shapes: &[&Shape], axes: &[Direction]) -> Result<()> {
+    let counts = shapes
+        .iter()
+        .map(|shape| components(shape).map_or(0, |own| own.len()));
+    match counts.into_iter().find(|&count| count != axes.len()) {
+        None => Ok(()),
+        Some(count) => Err(Error::bad_data("mode shapes have different components")
+            .found(format!("{} components and {count}", axes.len()))
+            .expected("the same directions in every mode shape")),
     }
 }
 

@@ -169,8 +169,8 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     })
 }
 
-/// The tone of a scene at a frequency; where it has none, the scene as it would be there, and
-/// the finding that says so.
+/// The tone of a scene at a frequency; where it has none, the scene as it would be there,
+/// and the finding that says so.
 fn tone_at(scene: &Scene, frequency_hz: f64) -> (Scene, Option<Finding>) {
     if let Some(tone) = scene.tone_at(frequency_hz) {
         return (tone, None);

@@ -218,7 +218,7 @@ impl Found {
         })
     }
 
-    /// A proof of what no drive can do. It takes as long as a conic program: who asked for
+    /// Proves what no drive can do. That takes as long as a conic program: who asked for
     /// less does not wait for it.
     fn ceiling(&self, feasible: bool, options: &RenderOptions) -> Result<Option<Ceiling>> {
         let best = options.method == MethodChoice::Best;
@@ -232,8 +232,8 @@ impl Found {
         }
     }
 
-    /// What the drive does not serve: in this model, replayed `through` what judges it, and
-    /// between the responses, where actuators are `counted`.
+    /// Tells what the drive does not serve: in this model, replayed `through` what judges
+    /// it, and between the responses, where actuators are `counted`.
     fn shortcomings(
         &self,
         outcome: &Outcome,

@@ -4,6 +4,7 @@
 
 use super::Judged;
 use crate::field_words::sentence;
+use crate::limits::{SCANNER_SEED, SCANNER_SNR_DB};
 use crate::render::write_weights;
 use chladni_console::output::{Output, WEIGHTS};
 use chladni_console::Console;
@@ -18,10 +19,6 @@ use ndarray::Array3;
 use serde_json::{json, Value};
 use std::fmt::Write;
 use std::path::Path;
-
-/// Noise of the scanner, and its seed.
-const SNR_DB: f64 = 40.0;
-const SEED: u64 = 1;
 
 /// The first scene on the rig with a dead actuator.
 pub(super) struct OnRig {
@@ -90,7 +87,7 @@ fn measured(
     let mut values = Array3::from_shape_fn((field.responses.len(), 1, 1), |(i, _, _)| {
         field.velocity_m_per_s[i]
     });
-    let variance = add_white_noise(&mut values, SNR_DB, SEED)?;
+    let variance = add_white_noise(&mut values, SCANNER_SNR_DB, SCANNER_SEED)?;
     let point = |(&response, &velocity_m_per_s)| FieldPoint {
         response,
         velocity_m_per_s,

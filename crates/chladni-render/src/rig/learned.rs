@@ -127,7 +127,7 @@ impl Learned {
         self.chosen == Estimator::Structured
     }
 
-    /// The gain of every channel: that from before, and where it counts what was told now.
+    /// The gain of every channel: as known before, times what is told now where that counts.
     fn gains(&self, before: Option<&Calibration>, told: &Correction) -> Vec<ChannelGain> {
         let gain = |gain: &ChannelGain| {
             let known = before.map_or(Complex64::ONE, |known| known.gain_of(gain.reference));

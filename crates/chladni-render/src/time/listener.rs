@@ -294,8 +294,8 @@ impl<'a> Panel<'a> {
         }
     }
 
-    /// Velocities under a block of drives that begins at the sample `first`, weighed by the
-    /// thresholds beside each carrier.
+    /// Velocities under a block of drives that begins at the sample `first`, weighed by
+    /// the thresholds beside each carrier.
     fn under(
         &mut self,
         drives: &[SampledDrive],

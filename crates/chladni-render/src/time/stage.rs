@@ -162,8 +162,8 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// The factor on the drive of a chain that is `heard` alone: what its level asks for, as
-    /// far as the limits of the actuators allow.
+    /// The factor on the drive of a chain that is `heard` alone: what its level asks for,
+    /// as far as the limits of the actuators allow.
     fn gain(&self, chain: &Chain, heard: &Heard, findings: &mut Vec<Finding>) -> f64 {
         let peak = &heard.measures[1];
         let mut gain = match self.table.level {

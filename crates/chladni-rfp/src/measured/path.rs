@@ -219,8 +219,8 @@ fn broadened() -> Finding {
         .help("take the damping as an upper bound, or measure without that window")
 }
 
-/// The searches of all sections, with the number of modes and the added ones as asked, and
-/// the poles that went for that number.
+/// Searches all sections, with the number of modes and the added ones as asked; returns
+/// the searches, and the poles that went for that number.
 fn searched<'a>(
     record: &'a Record<'a>,
     sections: &'a [Section],

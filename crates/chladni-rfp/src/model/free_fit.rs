@@ -1,5 +1,5 @@
-//! Residues of every FRF at identified poles, each by itself, and the shapes that they are
-//! brought into.
+//! Residues of every FRF at identified poles, each by itself, and the shapes that they
+//! are brought into.
 
 use crate::data::layout::DataLayout;
 use crate::model::identified::Identified;

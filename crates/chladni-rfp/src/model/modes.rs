@@ -92,8 +92,8 @@ fn of_unit_mass(
     participation: &Array1<Complex64>,
     si: Complex64,
 ) -> Option<Scale> {
-    // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at the driving
-    // points
+    // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at the
+    // driving points
     let up: Complex64 = driving
         .iter()
         .map(|&(i, j, sign)| shape[i].conj() * participation[j] * si * sign)

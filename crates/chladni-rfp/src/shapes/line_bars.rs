@@ -126,8 +126,8 @@ impl Influence<'_> {
         parts
     }
 
-    /// How the scale of a term follows the residue of each FRF: by its shape `x` and by its
-    /// participation `l`, which is in units of `unit`.
+    /// How the scale of a term follows the residue of each FRF: by its shape `x`, and by
+    /// its participation `l`, which is that of the shapes times `unit`.
     fn of_scale(
         &self,
         scale: &Scale,
