@@ -224,6 +224,11 @@ fn commands_of_the_other_pages_are_run() {
     let folder = Folder::with_panel();
     folder.run("convert panel.h5 -o scan.uff -q").exits(0);
     std::fs::create_dir(folder.path().join("scans")).unwrap();
+    let hammer = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../fixtures/hammer-test.uff"
+    );
+    std::fs::copy(hammer, folder.path().join("hits_1.uff")).unwrap();
     let scan = folder.path().join("scan.uff");
     std::fs::copy(&scan, folder.path().join("scans/scan_1.uff")).unwrap();
     folder.run("fit panel.h5 -o model.json -q").exits(0);
