@@ -224,11 +224,14 @@ fn commands_of_the_other_pages_are_run() {
     let folder = Folder::with_panel();
     folder.run("convert panel.h5 -o scan.uff -q").exits(0);
     std::fs::create_dir(folder.path().join("scans")).unwrap();
-    let hammer = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/hammer-test.uff"
-    );
-    std::fs::copy(hammer, folder.path().join("hits_1.uff")).unwrap();
+    let rows = (0..512).map(|k| {
+        let time_s = f64::from(k) / 1024.0;
+        let force_n = f64::from(u8::from(k == 1));
+        let ringing = (-20.0 * time_s).exp() * (600.0 * time_s).sin();
+        format!("{time_s},{force_n},{ringing}\n")
+    });
+    let hit = "t,force_N,acc_m_s2\n".to_owned() + &rows.collect::<String>();
+    folder.write("hits_1.csv", hit);
     let scan = folder.path().join("scan.uff");
     std::fs::copy(&scan, folder.path().join("scans/scan_1.uff")).unwrap();
     folder.run("fit panel.h5 -o model.json -q").exits(0);

@@ -420,7 +420,8 @@ fn the_report_of_the_demonstration_panel_opens_quickly() {
     assert!(worked_s > 0.0 && worked_s < OPENS_WITHIN_S, "{worked_s} s");
     assert_eq!(
         page.eval("document.querySelectorAll('section[id^=scene-]').length"),
-        4
+        6,
+        "four scenes, the first one with a dead actuator, and corrected"
     );
     let titles = page.eval("[...document.querySelectorAll('.figure-title, .stress h3')].map((title) => title.textContent).join('; ')");
     for view in [
