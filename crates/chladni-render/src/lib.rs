@@ -2,6 +2,36 @@
 //!
 //! A [`Scene`] says what is to be felt where; [`render`] takes it and a modal model to
 //! [`Weights`] and the field they make; [`evaluate`] judges given weights on other data.
+//!
+//! ```
+//! use chladni_plate::{simulate, Panel};
+//! use chladni_render::{evaluate, render, On, RenderOptions, Scene};
+//! # let mut panel = Panel::default();
+//! # (panel.frf.start_hz, panel.frf.step_hz) = (100.0, 50.0);
+//! let measured = simulate(&panel, None, None).unwrap();
+//! let text = "
+//!     frequency_hz = 300.0
+//!     [zones]
+//!     grid = [2, 2]
+//!     hot = [1]
+//!     cells_m = [0.0, 0.0, 0.268, 0.170]";
+//! let scene = Scene::parse(text, std::path::Path::new("")).unwrap();
+//! let rendering = render(&measured.truth, &scene, &RenderOptions::default()).unwrap();
+//! assert!(rendering.weights.feasible);
+//! let judged = evaluate(&rendering.weights, &scene, On::Frf(&measured.frf)).unwrap();
+//! assert!(judged.indices.points.min_ratio > 0.95);
+//! ```
+//!
+//! | you have | you call | you get |
+//! |---|---|---|
+//! | a model and a scene | [`render`](render()) with [`RenderOptions`] | [`Rendering`]: weights, field, indices |
+//! | weights and other data | [`evaluate`](evaluate()) | [`Evaluation`] |
+//! | a field measured under them | [`evaluate_field`], [`correct`], [`calibrate`] | [`FieldEvaluation`], corrected weights, [`Calibration`] |
+//! | a scene with `[time]` | [`play`](play()) | [`Played`], and from it a [`Signal`] |
+//! | doubts | [`sweep`], [`stress`](stress()), [`stress_in_time`] | other frequencies, panels that are not the model |
+//!
+//! Errors are [`chladni_frf::Error`]; the feature `system` computes with LAPACK.
+//!
 //! The way through the crate:
 //!
 //! `scene` → `zones` (what is asked of each place) → `operator` (what the panel does at
@@ -12,24 +42,6 @@
 //! least threshold + limen on hot ground and at most threshold − limen on cold ground,
 //! and an error bar ‖L·A‖ of v from the model's own standard deviations, so that no drive
 //! leans on what the model does not know.
-//!
-//! Errors are [`chladni_frf::Error`]; the feature `system` computes with LAPACK.
-//!
-//! ```
-//! use chladni_plate::{simulate, Panel};
-//! use chladni_render::{evaluate, render, On, RenderOptions, Scene};
-//! # let mut panel = Panel::default();
-//! # (panel.frf.start_hz, panel.frf.step_hz) = (100.0, 50.0);
-//! let measured = simulate(&panel, None, None).unwrap();
-//! let scene = Scene::parse(
-//!     "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]",
-//!     std::path::Path::new(""),
-//! ).unwrap();
-//! let rendering = render(&measured.truth, &scene, &RenderOptions::default()).unwrap();
-//! assert!(rendering.weights.feasible);
-//! let judged = evaluate(&rendering.weights, &scene, On::Frf(&measured.frf)).unwrap();
-//! assert!(judged.indices.points.min_ratio > 0.95);
-//! ```
 
 mod band;
 mod branches;

@@ -10,6 +10,7 @@ use std::fmt;
 
 /// The cause of correlated errors of neighbouring lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Correlation {
     /// Nothing: no window.
     White,

@@ -28,6 +28,7 @@ use std::ops::Range;
 
 /// The likeliest correlation of the errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Witness {
     /// The cause.
     pub likeliest: Correlation,
