@@ -199,9 +199,14 @@ impl Listener {
                 .collect();
             largest.extend(amplitudes(&drives, length, &mut peaks));
             let energies = self.energies(&panel.under(&drives, first, step_s));
-            judges
-                .par_iter_mut()
-                .for_each(|judge| judge.feed(first, &energies));
+            match self.positions_m.len() < tolerances::JUDGE_TOGETHER {
+                true => judges
+                    .iter_mut()
+                    .for_each(|judge| judge.feed(first, &energies)),
+                false => judges
+                    .par_iter_mut()
+                    .for_each(|judge| judge.feed(first, &energies)),
+            }
         }
         let at_once = measures
             .iter()

@@ -31,6 +31,10 @@ pub const THRESHOLD_STEP: f64 = 0.01;
 /// fresh pages.
 pub const JUDGE_BLOCK: usize = 128;
 
+/// Rows from which on the measures are judged side by side: threads that wait for blocks of
+/// fewer take longer than these do.
+pub const JUDGE_TOGETHER: usize = 500;
+
 /// Time for which ground is judged after the last event, s: it is quiet long before that,
 /// or it rings.
 pub const JUDGE_TAIL_S: f64 = 0.15;
