@@ -152,7 +152,7 @@ fn scenes_are_judged_on_the_true_plate() {
         .contains("quarter-1"));
 }
 
-/// What the reproduction of the seed paper left.
+/// The files and the answer of the seed paper's reproduction.
 struct Paper {
     json: serde_json::Value,
     /// Names of the files in its folder.
@@ -223,8 +223,8 @@ fn the_default_method_serves_every_response_at_every_place_of_the_paper() {
     );
 }
 
-/// What symmetry leaves of the rank of 34 modes at 34 actuators; on the exact panel the
-/// same in every quarter.
+/// The rank of 34 modes at 34 actuators that symmetry leaves; on the exact panel the same
+/// in every quarter.
 #[test]
 fn the_two_steps_of_the_paper_lack_three_ranks_in_every_quarter() {
     let table = &paper().table;

@@ -6,7 +6,7 @@ use std::fmt;
 
 /// Kind, counts and ends of a set of FRFs; displayed as a part of a sentence.
 pub struct Extent {
-    /// Where the units say it.
+    /// Kind of the FRFs; `None` where the units do not say it.
     pub kind: Option<FrfKind>,
     /// Number of responses.
     pub responses: usize,

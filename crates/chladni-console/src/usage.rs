@@ -172,7 +172,7 @@ fn error_of(answer: &clap::Error, program: &Command) -> Error {
     })
 }
 
-/// What clap says of one side of the matter.
+/// The words of clap on one side of the matter.
 fn context(answer: &clap::Error, kind: ContextKind) -> Option<String> {
     answer.get(kind).map(words).filter(|text| !text.is_empty())
 }

@@ -9,7 +9,7 @@ use chladni_text::file_name;
 use sha2::{Digest, Sha256};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::sync::{Condvar, Mutex, MutexGuard};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 /// A sum that bytes are added to.
 enum Hash {
@@ -151,7 +151,7 @@ impl Checksums {
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().expect("nothing panics while it is held")
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// True once: of several passes over the files only the first hands stretches over.
@@ -244,7 +244,7 @@ impl Turn<'_> {
         let state = self.checksums.state();
         let mut state = changed
             .wait_while(state, |state| !state.given_up && state.turn != self.number)
-            .expect("nothing panics while it is held");
+            .unwrap_or_else(PoisonError::into_inner);
         if state.given_up {
             return;
         }

@@ -122,7 +122,7 @@ impl OnRig {
             .map(|(weights, field)| RenderedScene::of_measured(weights, field))
     }
 
-    /// What was measured, and what the correction made of it.
+    /// The verdict on the measured field, and the shares after the correction.
     pub(super) fn text(&self) -> String {
         let points = &self.after.1.indices.points;
         let percent = |ratio: f64| format!("{:.0} %", 100.0 * ratio);

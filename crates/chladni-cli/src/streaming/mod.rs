@@ -237,7 +237,7 @@ struct Pass<'a> {
     reducer: &'a Reducer,
     /// Number and part of each.
     open: Vec<(u64, &'a Part)>,
-    /// Where this pass makes them.
+    /// Of the files, in the pass that makes them.
     checksums: Option<&'a Checksums>,
     /// Number of lanes.
     count: usize,

@@ -16,7 +16,7 @@ pub(super) const ID_LINES: [&str; 5] = [
 /// The attributes of a group.
 pub(super) struct Required<'a> {
     pub(super) group: &'a Entry,
-    /// What the group holds, for messages.
+    /// Kind of thing in the group, for messages.
     pub(super) holds: &'static str,
 }
 

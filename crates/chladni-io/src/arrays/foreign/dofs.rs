@@ -11,7 +11,7 @@ pub(super) struct SideWords {
     key: &'static str,
     /// Names that the list of DOFs goes by.
     names: [&'static str; 5],
-    /// Where nothing says it.
+    /// Direction of a DOF that the file does not give one.
     direction: Direction,
 }
 
