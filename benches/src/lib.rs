@@ -20,6 +20,7 @@
 //! benches of single stages are in `benches/`.
 
 mod accuracy;
+mod accuracy_figures;
 mod accuracy_tables;
 mod cases;
 mod countdown;
@@ -46,6 +47,7 @@ mod time;
 mod wild;
 
 pub use accuracy::{accuracy, AccuracyOptions, AccuracyRow};
+pub use accuracy_figures::accuracy_figures;
 pub use accuracy_tables::{accuracy_csv, accuracy_modes_csv};
 pub use cases::{Case, Target, CASES};
 pub use demonstration::{corner_scene, panel_77x34_1997_lines};
@@ -59,7 +61,7 @@ pub use measured::{
 };
 pub use mode_errors::{ModeErrors, Spread};
 pub use own_data::{own_csv, own_data, own_figures, OwnRow};
-pub use pareto::{accuracy_figures, front};
+pub use pareto::front;
 pub use peers::PeerRow;
 pub use problem::{Bounds, Problem};
 pub use profile::{
