@@ -6,7 +6,7 @@ use chladni_console::input::{read_weights, source};
 use chladni_console::output::{Output, WEIGHTS};
 use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
-use chladni_frf::{Error, ErrorKind, Result, Source};
+use chladni_frf::{Error, ErrorKind, MeasuredField, ModalModel, Result, Source};
 use chladni_io::{is_same_place, read_field, read_model, sha256_of, write_atomically};
 use chladni_render::{calibrate, Calibration, Correction, RenderOptions, Scene, Weights};
 use serde_json::{json, Value};
@@ -72,20 +72,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         ));
     }
     console.stage("correcting");
-    let (mut weights, mut calibration) =
-        calibrate(&model, &scene, &played, &RenderOptions::default())?;
-    let before = scene.actuators.calibration_file.iter();
-    weights.source = inputs
-        .iter()
-        .chain(before)
-        .map(|file| source(file))
-        .collect::<Result<_>>()?;
-    for file in &inputs {
-        let file = source(file)?;
-        if !calibration.source.contains(&file) {
-            calibration.source.push(file);
-        }
-    }
+    let (weights, calibration) = corrected(&model, &scene, &played, &inputs)?;
     console.find_all(weights.findings.iter());
     let mut text = text(&weights);
     if let (Some(path), Some(output)) = (&args.calibration, &calibration_output) {
@@ -102,6 +89,30 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         _ => Outcome::shown(value_of(&weights)?, text),
     };
     Ok(outcome.doubted(doubt))
+}
+
+/// Weights corrected by what was `played`, and the calibration, with the files that they
+/// come from.
+///
+/// # Errors
+/// Those of [`calibrate`] and of reading `inputs`.
+pub fn corrected(
+    model: &ModalModel,
+    scene: &Scene,
+    played: &[(Weights, MeasuredField, Option<String>)],
+    inputs: &[PathBuf],
+) -> Result<(Weights, Calibration)> {
+    let (mut weights, mut calibration) =
+        calibrate(model, scene, played, &RenderOptions::default())?;
+    let before = scene.actuators.calibration_file.iter();
+    let sources = inputs.iter().chain(before).map(|file| source(file));
+    weights.source = sources.collect::<Result<_>>()?;
+    for file in &weights.source[..inputs.len()] {
+        if !calibration.source.contains(file) {
+            calibration.source.push(file.clone());
+        }
+    }
+    Ok((weights, calibration))
 }
 
 /// Options that do not go together.

@@ -24,6 +24,7 @@ mod plan;
 mod play;
 mod render;
 mod report;
+mod scanned;
 mod scene_band;
 mod select;
 mod shell;

@@ -3,18 +3,19 @@
 
 use crate::extent::Extent;
 use crate::plan::Plan;
+use crate::scanned::scanned;
 use chladni_console::input::{read_weights, source};
 use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, FRF, MODEL, TABLE};
 use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
-use chladni_frf::{Error, ErrorKind, FieldPoint, MeasuredField, ReferenceUnit, Result};
+use chladni_frf::{Dof, Error, ErrorKind, ReferenceUnit, Result};
 use chladni_io::{
     field_csv, is_same_place, sha256_of, write_atomically, write_contents, write_model, Contents,
 };
-use chladni_plate::{add_white_noise, simulate, DampedPlate, Layout, Panel};
+use chladni_plate::{simulate, DampedPlate, Layout, Panel};
 use chladni_render::Weights;
-use ndarray::{Array1, Axis};
+use ndarray::Array1;
 use num_complex::Complex64;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -170,27 +171,12 @@ fn play(file: &Path, args: &Args, console: &Console) -> Result<Outcome> {
     let plate = DampedPlate::of_panel(&panel, top_hz).map_err(|error| error.file(&args.panel))?;
     let mobility =
         plate.mobility_matrix(&layout.responses_m, &layout.references_m, frequency_hz)?;
-    let mut values = mobility
-        .dot(&drive)
-        .insert_axis(Axis(1))
-        .insert_axis(Axis(2));
+    let velocities = mobility.dot(&drive);
+    let responses = layout.response_dofs.iter().copied();
+    let velocities: Vec<(Dof, Complex64)> = responses.zip(velocities).collect();
     let snr_db = args.snr_db.unwrap_or(panel.frf.snr_db);
     let seed = args.seed.unwrap_or(panel.frf.seed);
-    let variance = add_white_noise(&mut values, snr_db, seed)?;
-    let points = layout.response_dofs.iter().zip(&values);
-    let field = MeasuredField {
-        frequency_hz,
-        weights_sha256: Some(sha256_of(file)?),
-        magnitudes_only: false,
-        points: points
-            .map(|(&response, &velocity_m_per_s)| FieldPoint {
-                response,
-                velocity_m_per_s,
-                std_m_per_s: (variance > 0.0).then(|| variance.sqrt()),
-                repeats: 1,
-            })
-            .collect(),
-    };
+    let field = scanned(&velocities, frequency_hz, sha256_of(file)?, (snr_db, seed))?;
     console.stage("writing");
     let text = field_csv(&field);
     output

@@ -3,6 +3,7 @@
 mod methods;
 mod rig;
 
+use self::rig::OnRig;
 use crate::curves::curves;
 use crate::fit::{echo_of, fit_model};
 use crate::limits::{LEAST_RATIO, SCENES};
@@ -24,8 +25,6 @@ use chladni_rfp::FitOptions;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-use rig::OnRig;
 
 /// The trials of the first scene beside being rendered, as by `chladni render --stress
 /// --sweep 310:350`.
@@ -85,15 +84,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let scenes: Vec<Judged> = (0..SCENES)
         .map(|k| render_one(&files, k, &model, &truth, console))
         .collect::<Result<_>>()?;
-    let first = Scene::read(&files.scenes[0])?;
-    let on_rig = rig::on_rig(
-        [&files.field, &files.corrected],
-        &model,
-        &truth,
-        &first,
-        &scenes[0],
-        console,
-    )?;
+    let on_rig = rig::on_rig(&files, &model, &truth, &scenes[0], console)?;
     let methods =
         methods::speed_against_accuracy(&frf, &truth, panel.frf.snr_db, &model, time_s, console)?;
     console.stage("report");

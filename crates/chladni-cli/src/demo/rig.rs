@@ -2,23 +2,19 @@
 //! field is measured, named and corrected, as by `chladni evaluate --field` and
 //! `chladni correct`.
 
-use super::Judged;
+use super::{Files, Judged};
+use crate::correct::corrected;
 use crate::field_words::sentence;
 use crate::limits::{SCANNER_SEED, SCANNER_SNR_DB};
 use crate::render::write_weights;
-use chladni_console::output::{Output, WEIGHTS};
+use crate::scanned::scanned;
+use chladni_console::output::{Output, TABLE, WEIGHTS};
 use chladni_console::Console;
-use chladni_frf::{Dof, Error, ErrorKind, FieldPoint, MeasuredField, ModalModel, Result};
-use chladni_io::write_atomically;
-use chladni_plate::add_white_noise;
-use chladni_render::{
-    calibrate, evaluate, evaluate_field, FieldEvaluation, On, RenderOptions, Scene, Weights,
-};
+use chladni_frf::{Dof, Error, ErrorKind, MeasuredField, ModalModel, Result};
+use chladni_io::{field_csv, sha256_of, write_atomically};
+use chladni_render::{evaluate, evaluate_field, FieldEvaluation, On, Scene, Weights};
 use chladni_report::RenderedScene;
-use ndarray::Array3;
 use serde_json::{json, Value};
-use std::fmt::Write;
-use std::path::Path;
 
 /// The first scene on the rig with a dead actuator.
 pub(super) struct OnRig {
@@ -29,38 +25,46 @@ pub(super) struct OnRig {
     after: (Weights, FieldEvaluation),
 }
 
-/// Plays the weights of a scene on the rig, corrects them by the field, plays these.
+/// Plays the weights of the first scene on the rig, corrects them by the field, plays
+/// these.
 ///
 /// # Errors
 /// Those of writing; anything else is a bug.
 pub(super) fn on_rig(
-    [field_file, weights_file]: [&Path; 2],
+    files: &Files,
     model: &ModalModel,
     truth: &ModalModel,
-    scene: &Scene,
     judged: &Judged,
     console: &Console,
 ) -> Result<OnRig> {
     console.stage("an actuator dies");
+    let scene = Scene::read(&files.scenes[0])?;
     let played = &judged.rendering.weights;
     let size = |k: &usize| played.weights[*k].amplitude;
     let dead = (0..played.weights.len())
         .max_by(|a, b| size(a).total_cmp(&size(b)))
         .ok_or_else(|| Error::new(ErrorKind::Internal, "weights without actuators"))?;
-    let field = measured(played, dead, truth, scene)?;
-    let text = csv(&field);
-    Output::new(field_file, &["csv"], &[], console)?
+    let sha256 = sha256_of(&files.weights[0])?;
+    let field = measured(played, dead, truth, &scene, sha256.clone())?;
+    let text = field_csv(&field);
+    Output::new(&files.field, TABLE, &[], console)?
         .write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))?;
-    let before = evaluate_field(played, scene, model, &field, None)?;
-    let (weights, _) = calibrate(
-        model,
-        scene,
-        &[(played.clone(), field, None)],
-        &RenderOptions::default(),
+    let before = evaluate_field(played, &scene, model, &field, Some(&sha256))?;
+    let inputs = [
+        &files.model,
+        &files.scenes[0],
+        &files.weights[0],
+        &files.field,
+    ]
+    .map(Clone::clone);
+    let pair = (played.clone(), field, Some(sha256));
+    let (weights, _) = corrected(model, &scene, &[pair], &inputs)?;
+    write_weights(
+        &Output::new(&files.corrected, WEIGHTS, &[], console)?,
+        &weights,
     )?;
-    write_weights(&Output::new(weights_file, WEIGHTS, &[], console)?, &weights)?;
-    let again = measured(&weights, dead, truth, scene)?;
-    let after = evaluate_field(&weights, scene, model, &again, None)?;
+    let again = measured(&weights, dead, truth, &scene, sha256_of(&files.corrected)?)?;
+    let after = evaluate_field(&weights, &scene, model, &again, None)?;
     let named = |weights: &Weights, what: String| Weights {
         scene: format!("{}, {what}", played.scene),
         ..weights.clone()
@@ -79,40 +83,16 @@ fn measured(
     dead: usize,
     truth: &ModalModel,
     scene: &Scene,
+    weights_sha256: String,
 ) -> Result<MeasuredField> {
     let mut rig = weights.clone();
     let silent = &mut rig.weights[dead];
     (silent.re, silent.im, silent.amplitude, silent.phase_deg) = (0.0, 0.0, 0.0, 0.0);
     let field = evaluate(&rig, scene, On::Model(truth))?.field;
-    let mut values = Array3::from_shape_fn((field.responses.len(), 1, 1), |(i, _, _)| {
-        field.velocity_m_per_s[i]
-    });
-    let variance = add_white_noise(&mut values, SCANNER_SNR_DB, SCANNER_SEED)?;
-    let point = |(&response, &velocity_m_per_s)| FieldPoint {
-        response,
-        velocity_m_per_s,
-        std_m_per_s: Some(variance.sqrt()),
-        repeats: 1,
-    };
-    Ok(MeasuredField {
-        frequency_hz: weights.frequency_hz,
-        weights_sha256: None,
-        magnitudes_only: false,
-        points: field.responses.iter().zip(&values).map(point).collect(),
-    })
-}
-
-fn csv(field: &MeasuredField) -> String {
-    let mut text = format!(
-        "# frequency_hz = {:?}\n# unit = m/s\nresponse,re,im,std\n",
-        field.frequency_hz
-    );
-    for point in &field.points {
-        let (v, std) = (point.velocity_m_per_s, point.std_m_per_s.unwrap_or(0.0));
-        // a string takes what it is given
-        let _ = writeln!(text, "{},{:e},{:e},{std:e}", point.response, v.re, v.im);
-    }
-    text
+    let velocities = field.velocity_m_per_s.iter().copied();
+    let velocities: Vec<_> = field.responses.into_iter().zip(velocities).collect();
+    let noise = (SCANNER_SNR_DB, SCANNER_SEED);
+    scanned(&velocities, weights.frequency_hz, weights_sha256, noise)
 }
 
 impl OnRig {

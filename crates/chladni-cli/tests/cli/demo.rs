@@ -39,16 +39,13 @@ fn the_demonstration_finds_its_known_truth() {
     assert_eq!(dead["likeliest"]["place"], dead["dead"], "{dead}");
     let kept = |when: &str| dead[when]["min_ratio"].as_f64().unwrap();
     assert!(kept("before") < 0.6 && kept("after") >= 0.95, "{dead}");
-    let corrected = folder
+    folder
         .run(
             "correct chladni-demo/model.json chladni-demo/scene-1.toml --weights \
-             chladni-demo/weights-1.json --field chladni-demo/field-1.csv -o again.json --json",
+             chladni-demo/weights-1.json --field chladni-demo/field-1.csv -o again.json -q",
         )
-        .exits(0)
-        .json();
-    let written: serde_json::Value =
-        serde_json::from_slice(&folder.read("chladni-demo/weights-1-corrected.json")).unwrap();
-    assert_eq!(corrected["indices"], written["indices"]);
+        .exits(0);
+    assert!(folder.read("again.json") == folder.read("chladni-demo/weights-1-corrected.json"));
 
     // the demonstration does what the commands do
     folder
