@@ -1,8 +1,8 @@
 // The field of a scene: level re threshold, zones, limits, and which responses miss theirs; and the same field moving.
 
-import { h, slider } from "./dom.js";
+import { h, s, slider } from "./dom.js";
 import { array, split } from "./data.js";
-import { colourAt } from "./colour.js";
+import { colourAt, cssColour } from "./colour.js";
 import { level, fixed } from "./numbers.js";
 import { refined, contours } from "./surface.js";
 import { panelMap, colourBar } from "./panel_map.js";
@@ -82,9 +82,16 @@ export function fieldView(scene, model, geometry, id) {
   return { element: h("div", { class: "pair" }, maps, moving ? h("figure", {}, h("p", { class: "figure-title" }, "The field in motion"), moving.element) : null), map };
 }
 
+/** The signs of responses that miss their limits, on discs. */
+export const DISC_SIGNS = "✕ too loud  △ too weak";
+
+/** Radius of the disc of a response, px. */
+const RADIUS = 7;
+
 function caption(field, limenDb) {
   const limen = fixed(limenDb, 1);
-  return `Level of the velocity re the threshold of ${fixed(1e3 * field.threshold, 3)} mm/s peak. Hot ground is to lie above +${limen} dB (full line), cold ground below −${limen} dB (dashed line); hatched ground is not judged. Levels beyond ±${RANGE_DB} dB have the colours of the ends.`;
+  const lines = field.surface ? [" (full line)", " (dashed line); hatched ground is not judged"] : ["", `; ${DISC_SIGNS}`];
+  return `Level of the velocity re the threshold of ${fixed(1e3 * field.threshold, 3)} mm/s peak. Hot ground is to lie above +${limen} dB${lines[0]}, cold ground below −${limen} dB${lines[1]}. Levels beyond ±${RANGE_DB} dB have the colours of the ends.`;
 }
 
 /** The colours of levels, with the limits. */
@@ -107,7 +114,7 @@ export function fieldLayers(field, surface, speeds, limenDb, look = { columns: C
   }));
   const [x0, y0, x1, y1] = field.area_m;
   const outlines = [{ points: [[x0, y0], [x1, y0], [x1, y1], [x0, y1]], style: "area" }, ...field.hot.map((points) => ({ points, style: "hot-zone", text: "hot" }))];
-  if (!surface) return { marks, outlines };
+  if (!surface) return { outlines, extra: discs(field, speeds, look.map) };
   const fine = refined(surface, look.columns);
   const levels = fine.re.map((re, k) => {
     const speed = Math.hypot(re, fine.im[k]);
@@ -121,6 +128,21 @@ export function fieldLayers(field, surface, speeds, limenDb, look = { columns: C
   };
   const lines = (at, style) => ({ pieces: contours(fine.x, fine.y, levels, at), style });
   return { surface: fine, colour, contours: [lines(limenDb, "felt"), lines(-limenDb, "quiet")], outlines, marks };
+}
+
+/** A disc for each response; a cross over cold ground that is felt, a triangle over hot ground that is not. */
+function discs(field, speeds, map) {
+  return ({ px }) => field.places.flatMap((place, k) => {
+    const [x, y] = px(place);
+    const db = level(Math.max(1e-15, speeds[k] / field.threshold));
+    const missed = !keeps(field, k, speeds[k]);
+    const isHot = field.ground[k] === HOT;
+    const words = `${field.names[k]}: ${fixed(db, 1)} dB re threshold, ${missed ? (isHot ? "too weak" : "too loud") : "as wished or not judged"}`;
+    const disc = s("circle", { class: missed ? "measured-point missed-point" : "measured-point", cx: x, cy: y, r: RADIUS, fill: cssColour(map, 0.5 + (0.5 * db) / RANGE_DB) }, s("title", {}, words));
+    if (!missed) return [disc];
+    const d = isHot ? `M${x} ${y - 4.5}l4.5 8h-9z` : `M${x - 4} ${y - 4}l8 8m0 -8l-8 8`;
+    return [disc, s("path", { class: "missed-sign casing", d }), s("path", { class: "missed-sign", d })];
+  });
 }
 
 function groundAt({ x, y, ground }) {
