@@ -37,9 +37,16 @@ pub(crate) fn u32s(values: impl IntoIterator<Item = usize>) -> Value {
     json!({ "u32": base64(&bytes) })
 }
 
-/// Small signed numbers.
-pub(crate) fn i8s(values: &[i8]) -> Value {
-    json!({ "i8": base64(&values.iter().map(|value| value.to_le_bytes()[0]).collect::<Vec<_>>()) })
+/// Complex numbers to 1/32767 of their largest part: shapes, which are drawn.
+pub(crate) fn drawn(values: &[Complex64]) -> Value {
+    let parts = || values.iter().flat_map(|value| [value.re, value.im]);
+    let step = parts().map(f64::abs).fold(0.0, f64::max) / f64::from(i16::MAX);
+    let small = |part: f64| match step > 0.0 {
+        true => (part / step).round() as i16,
+        false => 0,
+    };
+    let bytes: Vec<u8> = parts().flat_map(|part| small(part).to_le_bytes()).collect();
+    json!({ "i16": base64(&bytes), "step": step })
 }
 
 /// Small codes.
@@ -54,7 +61,8 @@ mod tests {
     #[test]
     fn numbers_are_little_endian() {
         assert_eq!(f32s([1.0]), json!({"f32": "AACAPw=="}));
-        assert_eq!(i8s(&[-1, 2]), json!({"i8": "/wI="}));
+        let drawn = drawn(&[Complex64::new(-65534.0, 2.0)]);
+        assert_eq!(drawn, json!({"i16": "AYABAA==", "step": 2.0}));
         assert_eq!(u32s([258]), json!({"u32": "AgEAAA=="}));
     }
 }

@@ -2,23 +2,58 @@
 //! full.
 //!
 //! The page synthesises any pair from the model. Of a measured FRF it carries the
-//! residual (measured − synthesised) on blocks of [`BLOCK`] lines with a common scale and
-//! 8 bits per part: the step is 1/127 of the largest residual of the block, so that noise
-//! keeps 30 steps per standard deviation and the measured curve is as good as the
-//! residual is small. Without a model the residual is the FRF itself.
+//! residual (measured − synthesised) on blocks of [`BLOCK`] lines with a common step. A
+//! part of a residual has 4 bits: the step is 1/7 of the largest part of the block, so
+//! that rounding adds a hundredth to the power of the noise. Without a model the residual
+//! is the FRF itself, and a part has 8 bits.
 
-use super::array::{complex, f32s, f64s, i8s, u32s};
+use super::array::{complex, f32s, f64s, u32s, u8s};
 use super::lines::thinned;
 use crate::comparison::{Comparison, Sums};
 use crate::sizes;
-use crate::sizes::BLOCK;
+use crate::sizes::{BLOCK, STEP_RATIO};
 use chladni_frf::ModalModel;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde_json::{json, Value};
 
-/// Stands for a value that was not measured.
-const MISSING: i8 = i8::MIN;
+/// How a residual is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Bits {
+    /// Both parts in one byte.
+    Four,
+    /// A byte each.
+    Eight,
+}
+
+impl Bits {
+    /// Bits of a part.
+    fn count(self) -> u8 {
+        match self {
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+
+    /// The largest part, in steps.
+    fn top(self) -> f64 {
+        match self {
+            Self::Four => 7.0,
+            Self::Eight => 127.0,
+        }
+    }
+
+    /// The bytes of a residual in steps; 0 stands for one that was not measured.
+    fn bytes(self, steps: Option<[f64; 2]>) -> Vec<u8> {
+        let shifted =
+            |part: f64| (part.round().clamp(-self.top(), self.top()) + self.top() + 1.0) as u8;
+        let [re, im] = steps.map_or([0; 2], |steps| steps.map(shifted));
+        match self {
+            Self::Four => vec![16 * re + im],
+            Self::Eight => vec![re, im],
+        }
+    }
+}
 
 /// Sums over all FRFs, the pairs on offer, residuals.
 pub(crate) fn value(comparison: &Comparison) -> Value {
@@ -89,15 +124,15 @@ fn terms(model: &ModalModel, offered: &[Vec<usize>; 2]) -> Value {
     )
 }
 
-/// Residuals of all offered pairs: axes (pair, line, part) beside one scale per pair and
-/// block.
+/// Residuals of all offered pairs: axes (pair, line) beside one code per pair and block
+/// for the step (see [`coded_steps`]).
 fn residuals(comparison: &Comparison, offered: &[Vec<usize>; 2]) -> Value {
     let frequency_hz = comparison.frequency_hz.to_vec();
     let wanted: Vec<(usize, usize)> = pairs(offered).collect();
     let lines = thinned(
         &frequency_hz,
         comparison.model,
-        sizes::RESIDUAL_BYTES / 2 / wanted.len().max(1),
+        sizes::RESIDUALS / wanted.len().max(1),
     );
     // the matrix of a line serves all pairs
     let by_line: Vec<Vec<Complex64>> = lines
@@ -121,42 +156,72 @@ fn residuals(comparison: &Comparison, offered: &[Vec<usize>; 2]) -> Value {
             wanted.iter().map(of).collect()
         })
         .collect();
-    let (mut scales, mut values) = (
-        Vec::new(),
-        Vec::with_capacity(2 * wanted.len() * lines.len()),
-    );
-    for pair in 0..wanted.len() {
-        let curve: Vec<Complex64> = by_line.iter().map(|line| line[pair]).collect();
-        for block in curve.chunks(BLOCK) {
-            let (scale, small) = quantised(block);
-            scales.push(scale);
-            values.extend(small);
-        }
-    }
+    let curves: Vec<Vec<Complex64>> = (0..wanted.len())
+        .map(|pair| by_line.iter().map(|line| line[pair]).collect())
+        .collect();
+    let bits = match comparison.model {
+        Some(_) => Bits::Four,
+        None => Bits::Eight,
+    };
+    let blocks: Vec<&[Complex64]> = curves
+        .iter()
+        .flat_map(|curve| curve.chunks(BLOCK))
+        .collect();
+    let (least_step, codes) =
+        coded_steps(blocks.iter().map(|block| largest_part(block) / bits.top()));
+    let values = blocks
+        .iter()
+        .zip(&codes)
+        .flat_map(|(block, &code)| quantised(block, step(least_step, code), bits));
+    let values = u8s(values);
     json!({"block": BLOCK, "lines": u32s(lines.iter().copied()), "frequency_hz": f64s(lines.iter().map(|&line| &frequency_hz[line])),
-        "scales": f32s(scales), "values": i8s(&values)})
+        "bits": bits.count(), "least_step": least_step, "step_ratio": STEP_RATIO,
+        "steps": u8s(codes), "values": values})
 }
 
-/// A scale, and the parts of the values in units of it.
-fn quantised(block: &[Complex64]) -> (f64, Vec<i8>) {
-    let largest = block
+/// The smallest step that is not 0, and for each step a code in a byte: 0 for none, else
+/// the step is at most [`STEP_RATIO`]^(code − 1) times the smallest.
+fn coded_steps(steps: impl Iterator<Item = f64> + Clone) -> (f64, Vec<u8>) {
+    let least = steps
+        .clone()
+        .filter(|&step| step > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    let code = |step: f64| match step > 0.0 {
+        true => 1 + (step / least).log(STEP_RATIO).ceil().min(254.0) as u8,
+        false => 0,
+    };
+    let codes = steps.map(code).collect();
+    (if least.is_finite() { least } else { 0.0 }, codes)
+}
+
+/// The step of a code.
+fn step(least_step: f64, code: u8) -> f64 {
+    match code {
+        0 => 0.0,
+        code => least_step * STEP_RATIO.powi(i32::from(code) - 1),
+    }
+}
+
+fn largest_part(block: &[Complex64]) -> f64 {
+    block
         .iter()
         .filter(|value| value.is_finite())
         .flat_map(|value| [value.re.abs(), value.im.abs()])
-        .fold(0.0, f64::max);
-    let scale = largest / 127.0;
-    let part = |part: f64| match scale > 0.0 {
-        true => (part / scale).round().clamp(-127.0, 127.0) as i8,
-        false => 0,
+        .fold(0.0, f64::max)
+}
+
+/// The values of a block in steps.
+fn quantised(block: &[Complex64], step: f64, bits: Bits) -> Vec<u8> {
+    let in_steps = |part: f64| if step > 0.0 { part / step } else { 0.0 };
+    let steps = |value: &Complex64| {
+        value
+            .is_finite()
+            .then(|| [in_steps(value.re), in_steps(value.im)])
     };
-    let parts = |value: &Complex64| {
-        if value.is_finite() {
-            [part(value.re), part(value.im)]
-        } else {
-            [MISSING; 2]
-        }
-    };
-    (scale, block.iter().flat_map(parts).collect())
+    block
+        .iter()
+        .flat_map(|value| bits.bytes(steps(value)))
+        .collect()
 }
 
 /// The pairs that tell most, on all shown lines.
@@ -185,18 +250,40 @@ mod tests {
         let block: Vec<Complex64> = (0..BLOCK)
             .map(|k| Complex64::from_polar(0.1 + 0.03 * k as f64, 1.7 * k as f64))
             .collect();
-        let (scale, small) = quantised(&block);
-        for (value, parts) in block.iter().zip(small.chunks(2)) {
-            let back = Complex64::new(f64::from(parts[0]), f64::from(parts[1])) * scale;
-            assert!(
-                (value.re - back.re).abs() <= 0.5001 * scale
-                    && (value.im - back.im).abs() <= 0.5001 * scale
-            );
+        for (bits, top) in [(Bits::Four, 7.0), (Bits::Eight, 127.0)] {
+            let (least, codes) = coded_steps([1e-9, largest_part(&block) / top].into_iter());
+            let step = step(least, codes[1]);
+            assert!((step * top / largest_part(&block) - 1.0) * (1.0 / (STEP_RATIO - 1.0)) <= 1.0);
+            let bytes = quantised(&block, step, bits);
+            let parts: Vec<f64> = match bits {
+                Bits::Four => bytes
+                    .iter()
+                    .flat_map(|&byte| [byte >> 4, byte & 15])
+                    .collect::<Vec<_>>(),
+                Bits::Eight => bytes,
+            }
+            .iter()
+            .map(|&part| (f64::from(part) - top - 1.0) * step)
+            .collect();
+            for (value, back) in block.iter().zip(parts.chunks(2)) {
+                let error = (value - Complex64::new(back[0], back[1])).l1_norm();
+                assert!(error <= 1.0001 * step, "{value} {back:?}");
+            }
         }
+    }
+
+    #[test]
+    fn gaps_silence_and_ranges_beyond_the_codes_are_told_apart() {
+        let gap = [Complex64::new(f64::NAN, 0.0), Complex64::ONE];
+        assert_eq!(quantised(&gap, 1.0 / 7.0, Bits::Four), [0, 16 * 15 + 8]);
+        assert_eq!(quantised(&gap, 1.0 / 127.0, Bits::Eight), [0, 0, 255, 128]);
         assert_eq!(
-            quantised(&[Complex64::new(f64::NAN, 0.0), Complex64::ONE]).1[..2],
-            [MISSING; 2]
+            quantised(&[Complex64::ZERO; 2], 0.0, Bits::Four),
+            [16 * 8 + 8; 2]
         );
-        assert_eq!(quantised(&[Complex64::ZERO; 2]), (0.0, vec![0; 4]));
+        assert_eq!(coded_steps([0.0, 0.0].into_iter()), (0.0, vec![0, 0]));
+        let (least, codes) = coded_steps([1e-12, 0.0, 1.0, 1e3].into_iter());
+        assert_eq!((least, codes[0], codes[1]), (1e-12, 1, 0));
+        assert!(codes[2] < codes[3] && step(least, codes[2]) >= 1.0 - 1e-12);
     }
 }

@@ -1,7 +1,7 @@
 //! Places: responses and actuators in the plane of the maps, and every mode's shape on
 //! one grid between the responses.
 
-use super::array::{complex, f32s};
+use super::array::{drawn, f32s};
 use crate::figures::plane::Plane;
 use crate::figures::shown_responses;
 use crate::input::ReportInput;
@@ -77,7 +77,7 @@ impl<'a> Geometry<'a> {
                 .filter_map(|mode| self.on_grid(&mode.shape.0))
                 .flatten()
                 .collect::<Vec<_>>();
-            json!({"x": grid.x_m, "y": grid.y_m, "shapes": complex(&shapes)})
+            json!({"x": grid.x_m, "y": grid.y_m, "shapes": drawn(&shapes)})
         });
         json!({
             "axes": self.plane.names(),

@@ -1,16 +1,17 @@
 // The data that the page carries: arrays of numbers stand in it as base64 under the name of their type.
 
-const TYPES = { f32: Float32Array, f64: Float64Array, u32: Uint32Array, i8: Int8Array, u8: Uint8Array };
+const TYPES = { f32: Float32Array, f64: Float64Array, u32: Uint32Array, i16: Int16Array, u8: Uint8Array };
 
 /** What was unpacked before: views are drawn anew while the studio's controls move. */
 const known = new WeakMap();
 
-/** The numbers of `{"f32": "..."}`, to be read only; null stays null. */
+/** The numbers of `{"f32": "..."}`, times `step` where there is one; to be read only; null stays null. */
 export function array(coded) {
   if (!coded) return null;
   if (!known.has(coded)) {
     const [name, text] = Object.entries(coded)[0];
-    known.set(coded, new TYPES[name](bytes(text).buffer));
+    const numbers = new TYPES[name](bytes(text).buffer);
+    known.set(coded, coded.step === undefined ? numbers : Float64Array.from(numbers, (number) => number * coded.step));
   }
   return known.get(coded);
 }

@@ -94,7 +94,7 @@ export class Source {
     this.errors = array(frfs.errors);
     if (frfs.residuals) {
       const coded = frfs.residuals;
-      this.coarse = { frequency: array(coded.frequency_hz), scales: array(coded.scales), values: array(coded.values), block: coded.block };
+      this.coarse = { ...coded, frequency: array(coded.frequency_hz), steps: array(coded.steps), values: array(coded.values) };
     }
     this.full = new Map(frfs.full.map((pair) => [`${pair.response} ${pair.reference}`, pair]));
   }
@@ -126,17 +126,19 @@ export class Source {
     return synthesise(model, i, j, { re: pick(terms.re), im: pick(terms.im) }, frequency, dropped);
   }
 
+  /** Measured − synthesis of an offered pair on the coarse lines; NaN where nothing was measured. */
   residual(pair) {
-    const { frequency, scales, values, block } = this.coarse;
+    const { frequency, steps, least_step, step_ratio, values, block, bits } = this.coarse;
     const lines = frequency.length;
     const blocks = Math.ceil(lines / block);
+    const parts = bits === 4 ? (k) => [values[k] >> 4, values[k] & 15] : (k) => [values[2 * k], values[2 * k + 1]];
     const out = { re: new Float64Array(lines), im: new Float64Array(lines) };
     for (let line = 0; line < lines; line++) {
-      const scale = scales[pair * blocks + Math.floor(line / block)];
-      const k = 2 * (pair * lines + line);
-      const gap = values[k] === -128;
-      out.re[line] = gap ? NaN : values[k] * scale;
-      out.im[line] = gap ? NaN : values[k + 1] * scale;
+      const code = steps[pair * blocks + Math.floor(line / block)];
+      const step = code && least_step * step_ratio ** (code - 1);
+      const [re, im] = parts(pair * lines + line).map((part) => (part ? (part - 2 ** (bits - 1)) * step : NaN));
+      out.re[line] = re;
+      out.im[line] = im;
     }
     return out;
   }
