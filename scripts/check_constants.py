@@ -44,7 +44,7 @@ FACTS = {
     "chladni-report/src/drawing/": "formats of pictures",
     "chladni-report/src/page/": "the list of modules; vision of colours",
     "chladni-report/src/data/": "codes that the page reads",
-    "chladni-rfp/src/damping/window_kernel.rs": "coefficients of window functions",
+    "chladni-rfp/src/data/window/kernel.rs": "coefficients of window functions",
     "chladni-rfp/src/damping/structural.rs:POWERS": "powers of a law",
     "chladni-signal/src/lpm.rs:TERMS": "follows from the degree",
     "chladni-render/src/time/envelope.rs:SIGNED": "coefficients of a difference",

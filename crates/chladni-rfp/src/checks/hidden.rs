@@ -1,14 +1,14 @@
 //! Modes that these data could not show: a mode at a node of the only FRF, or between
 //! modes that overlap (theory.md, eq. F7).
 
+use crate::checks::around::{pole, strength};
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
-use crate::checks::moving::{pole, strength};
 use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::options::ShapeModel;
-use crate::poles::prune::threshold;
+use crate::poles::significance::threshold;
 use crate::shapes::line_products::background;
 use chladni_frf::{Finding, Mode};
 use chladni_linalg::blocked::projected;

@@ -6,11 +6,11 @@
 //! Each shape is fitted to the lines around every isolated mode, its pole free, and the
 //! sums of squares are compared: three hypotheses with the same number of unknowns.
 
+use crate::checks::around::neighbourhood;
 use crate::checks::case::Case;
 use crate::checks::limits;
-use crate::checks::moving::neighbourhood;
-use crate::damping::window_kernel::WindowKernel;
-use crate::data::options::Window;
+use crate::data::window::kernel::WindowKernel;
+use crate::data::window::kinds::Window;
 use chladni_frf::Mode;
 use chladni_linalg::{lstsq, matmul, matmul_h, qr_thin, LinalgError};
 use ndarray::{Array2, ShapeBuilder};

@@ -7,8 +7,8 @@
 //! decided by their residues.
 
 use super::limits::{
-    AGREED, BEYOND, HEAVIEST, ORDERS, STABILIZATION_CLUSTER_SPACINGS, STABLE_DAMPING,
-    STABLE_FREQUENCY,
+    AGREED, BEYOND, HEAVIEST, LINES_PER_POLE, MORE_POLES, ORDERS, POLES_PER_MODE,
+    STABILIZATION_CLUSTER_SPACINGS, STABLE_DAMPING, STABLE_FREQUENCY,
 };
 use crate::data::options::FitOptions;
 use crate::methods::clusters::{clusters, median_pole};
@@ -21,6 +21,13 @@ use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+
+/// The highest order looked at, in poles.
+pub(crate) fn highest(expected: usize, survey: &Survey) -> usize {
+    (POLES_PER_MODE * expected + MORE_POLES)
+        .min(survey.data.lines.len() / LINES_PER_POLE)
+        .max(1)
+}
 
 /// Poles at every order up to the highest.
 pub(crate) struct Ladder {

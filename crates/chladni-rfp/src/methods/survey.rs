@@ -15,7 +15,7 @@ use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::products::project;
 use crate::data::screening::Screened;
 use crate::data::source::Source;
-use crate::poles::start::rank_over_noise;
+use crate::poles::rank::rank_over_noise;
 use crate::tolerances as tol;
 use chladni_linalg::{matmul, qr_thin, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};

@@ -39,6 +39,16 @@ pub(crate) fn resonance_grid(work: &Columns, lambda: &[Complex64]) -> Vec<Comple
     grid
 }
 
+/// Poles outside the band from which a mode there is sought.
+pub(crate) fn places_beyond(work: &Columns) -> impl Iterator<Item = Complex64> {
+    let (low, high) = work.range();
+    let places = limits::BELOW
+        .map(|f| low * f * f)
+        .into_iter()
+        .chain(limits::ABOVE.map(|f| high * f * f));
+    places.map(|x| Complex64::new(x, limits::OUTSIDE_LOSS * x))
+}
+
 /// The part of the residual that one more pole would take, place by place, the best
 /// first.
 pub(crate) struct Scan(Vec<(f64, Complex64)>);

@@ -14,8 +14,8 @@
 //! poles are taken in a band about one frequency, on [`limits::RECORD_POINTS`] places of a
 //! record.
 
-use crate::damping::limits;
-use crate::data::options::Window;
+use crate::data::limits;
+use crate::data::window::kinds::Window;
 use chladni_frf::{Estimation, Forcing};
 use chladni_linalg::matmul;
 use ndarray::{s, Array2, ArrayView1};
