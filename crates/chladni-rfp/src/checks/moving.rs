@@ -46,8 +46,9 @@ pub(crate) fn moving_poles(case: &Case) -> Option<Checked> {
 /// looked at by itself.
 fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
     let lambda = pole(case, mode);
-    let near =
-        |other: &Mode| other != mode && (pole(case, other).re - lambda.re).abs() < 2.0 * lambda.im;
+    let near = |other: &Mode| {
+        other != mode && (pole(case, other).re - lambda.re).abs() < limits::MOVING_ALONE * lambda.im
+    };
     if lambda.im <= 0.0 || case.model.in_band_modes().any(near) {
         return None;
     }
@@ -65,7 +66,8 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
             / fit.information(&single)[[0, 0]].re.max(f64::MIN_POSITIVE);
         places.push((
             weight,
-            ((fit.lambda[0].re - lambda.re) / lambda.im).clamp(-4.0, 4.0),
+            ((fit.lambda[0].re - lambda.re) / lambda.im)
+                .clamp(-limits::MOVING_FARTHEST, limits::MOVING_FARTHEST),
         ));
         total += weight;
     }

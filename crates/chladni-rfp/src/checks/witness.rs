@@ -72,7 +72,7 @@ pub(crate) fn witness(case: &Case) -> Option<Witness> {
     let data = case.values?;
     let lines = data.line_hz.len();
     let step_hz = data.line_spacing_hz();
-    let even = |two: &[f64]| (two[1] - two[0] - step_hz).abs() < 0.01 * step_hz;
+    let even = |two: &[f64]| (two[1] - two[0] - step_hz).abs() < limits::WITNESS_UNEVEN * step_hz;
     if lines < limits::STRETCH + limits::SIXTH.len() || !data.line_hz.windows(2).all(even) {
         return None;
     }

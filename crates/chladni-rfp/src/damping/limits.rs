@@ -1,5 +1,7 @@
 //! Every constant of this room: meaning, unit, where it comes from, and what happens at other
 //! values where that was tried.
+//!
+//! Where no origin is named, a value is judgement: nobody has calibrated it.
 
 // columns.rs
 
@@ -24,6 +26,11 @@ pub(super) const STEPS: usize = 20;
 pub(super) const PROMISED: f64 = 1e-2;
 /// Largest step of an angle, rad.
 pub(super) const TURN: f64 = 0.3;
+/// Largest step of a pole, half-bandwidths, and the part of its loss that a pole keeps at
+/// least.
+pub(super) const PHASED_STEP: f64 = 0.5;
+/// See [`PHASED_STEP`].
+pub(super) const PHASED_LOSS_KEPT: f64 = 0.2;
 
 // verdict.rs
 
@@ -51,3 +58,5 @@ pub(super) const SAVED_DAMPING_UP: f64 = 10.0;
 pub(super) const SAVED_SETTLED: f64 = 1e-9;
 /// Half-widths of a pole over which derivatives are differences.
 pub(super) const SAVED_DIFFERENCE: f64 = 1e-4;
+/// Part of itself that a frequency or a decay loses at most by a step; it may double.
+pub(super) const SAVED_LOSS_BY_STEP: f64 = 0.5;

@@ -46,7 +46,7 @@ fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
     let n = left.len();
     let mut strongest: Vec<usize> = (0..n).collect();
     strongest.sort_by(|&a, &b| fitted[b].total_cmp(&fitted[a]));
-    strongest.truncate((n / 7).max(1));
+    strongest.truncate((n / limits::STRONGEST_ONE_IN).max(1));
     let mut shares: Vec<f64> = strongest
         .iter()
         .map(|&k| left[k] / fitted[k].max(f64::MIN_POSITIVE))

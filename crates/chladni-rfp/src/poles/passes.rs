@@ -258,5 +258,5 @@ pub(crate) fn on_all_lines(
 fn full_variance(data: &DataLayout, projected: &Projected, refined: &Refined) -> f64 {
     let dof = (data.lines.len() - refined.unknowns().min(data.lines.len() - 1)) * data.pairs.len();
     let left = projected.line_residual(&refined.projection.residual).sum();
-    (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(1e-30)
+    (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(tol::VARIANCE_LEAST)
 }

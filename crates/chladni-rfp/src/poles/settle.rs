@@ -29,7 +29,7 @@ pub(crate) fn settle(
     let limit = threshold(frfs, work.lines());
     let mut vain = InVain::new(refined);
     let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
-    for _ in 0..limits::SCAN_ROUNDS * 3 {
+    for _ in 0..limits::SCAN_ROUNDS * limits::CHANGES_PER_ROUND {
         if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
             tried.extend(gone);
             *refined = fewer;

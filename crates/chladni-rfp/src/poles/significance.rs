@@ -6,6 +6,6 @@ use crate::poles::limits;
 /// bring: the tail of χ² with K looks.
 pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
     let r = columns as f64;
-    let looks = (4.0 * lines as f64).ln();
+    let looks = (limits::LOOKS_PER_LINE * lines as f64).ln();
     r + limits::SIGNIFICANCE * (2.0 * (r * looks).sqrt() + 2.0 * looks)
 }

@@ -67,16 +67,18 @@ pub(crate) fn pool_size(
     asked: Option<usize>,
 ) -> Result<usize, LinalgError> {
     let (rank, floor_seen) = visible_rank(work)?;
+    let (part, whole) = limits::POOL_OVER_RANK;
     let wanted = match asked {
-        Some(modes) => modes + 6,
-        None if floor_seen => (13 * rank.max(seeds)) / 10 + 6,
-        None => ((13 * rank) / 10).max(2 * seeds) + 8,
+        Some(modes) => modes + limits::SPARE_ASKED,
+        None if floor_seen => (part * rank.max(seeds)) / whole + limits::SPARE_SEEN,
+        None => ((part * rank) / whole).max(2 * seeds) + limits::SPARE_UNSEEN,
     };
-    Ok(wanted.min(work.lines() / 3).max(1))
+    Ok(wanted.min(work.lines() / limits::LINES_PER_POLE).max(1))
 }
 
 /// Noise variance of the sketch from the over-fitted pool.
 pub(crate) fn pool_variance(work: &Columns, pool: &Removable) -> f64 {
     let dof = (work.lines() - pool.alone.len().min(work.lines() - 1)) * work.columns();
-    (pool.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64)
+    (pool.sse / dof as f64)
+        .max(tol::VARIANCE_LEAST * work.energy() / (work.lines() * work.columns()) as f64)
 }

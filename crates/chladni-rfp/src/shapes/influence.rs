@@ -212,7 +212,9 @@ impl<'a> Influence<'a> {
                 if cycles > limits::CYCLES_APART {
                     break;
                 }
-                let near = known.iter().find(|(at, _)| (at - cycles).abs() < 1e-6);
+                let near = known
+                    .iter()
+                    .find(|(at, _)| (at - cycles).abs() < limits::SAME_CYCLES);
                 let value = near.map(|(_, value)| *value).unwrap_or_else(|| {
                     let value = correlation(if q == k { 0.0 } else { cycles });
                     known.push((cycles, value));
