@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 TABLES = {"limits.rs", "tolerances.rs", "sizes.rs"}
 CONSTANT = re.compile(
     r"^ *(pub(?:\(\w+\))? )?const ([A-Z][A-Z0-9_]*): "
-    r"(?:f64|f32|usize|u64|u32|u16|i32|Duration|\[(?:f64|usize|u32|i32);|\((?:f64|usize))"
+    r"(?:f64|f32|usize|u64|u32|u16|i32|Duration|\[(?:f64|usize|u32|i32);|\((?:f64|usize)|(?:std::ops::)?Range<)"
 )
 # `path:NAME` below crates/, or its beginning, and why such constants stand beside the code
 FACTS = {
@@ -44,7 +44,7 @@ FACTS = {
     "chladni-report/src/drawing/": "formats of pictures",
     "chladni-report/src/page/": "the list of modules; vision of colours",
     "chladni-report/src/data/": "codes that the page reads",
-    "chladni-rfp/src/damping/window_kernel.rs": "coefficients of window functions",
+    "chladni-rfp/src/data/window/kernel.rs": "coefficients of window functions",
     "chladni-rfp/src/damping/structural.rs:POWERS": "powers of a law",
     "chladni-signal/src/lpm.rs:TERMS": "follows from the degree",
     "chladni-render/src/time/envelope.rs:SIGNED": "coefficients of a difference",

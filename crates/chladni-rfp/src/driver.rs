@@ -15,7 +15,7 @@ use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::screening::Screened;
 use crate::data::source::Source;
 use crate::data::watch::{CancelToken, Watch};
-use crate::data::window;
+use crate::data::window::told::told;
 use crate::methods::aaa::aaa;
 use crate::methods::auto::{auto, Attempt, Fit};
 use crate::methods::bars::fit_by_method;
@@ -79,7 +79,7 @@ pub fn fit_watched(
         cancel,
     };
     in_pool(|| {
-        let options = window::told(frf, options);
+        let options = told(frf, options);
         let fit = walk(Screened::new(frf, &options)?, &options, &watch)?;
         if !window_bias::is_open(&fit.model) {
             return Ok(fit);

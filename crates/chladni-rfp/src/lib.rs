@@ -46,12 +46,13 @@ mod validation;
 pub use checks::correlation::Correlation;
 pub use checks::witness::{error_witness, Witness};
 pub use data::error::FitError;
-pub use data::options::{Effort, FitOptions, Method, RfpOptions, RfpWeight, ShapeModel, Window};
+pub use data::options::{Effort, FitOptions, Method, RfpOptions, RfpWeight, ShapeModel};
 pub use data::watch::CancelToken;
+pub use data::window::kinds::Window;
 pub use driver::{fit, fit_watched};
 pub use methods::auto::Fit;
-pub use methods::bars::stabilization;
 pub use methods::found::{OrderPole, Stability, Stabilization};
+pub use methods::lscf::stabilization;
 pub use model::moved_poles::{poles_of, MovedPoles};
 pub use validation::cmif::cmif;
 pub use validation::compare::{

@@ -62,3 +62,20 @@ pub(crate) const BACKGROUND_LOSS: f64 = 0.4;
 /// Rounds of leaving out outlier lines and fitting again: the second finds those that hid
 /// beside the first.
 pub(crate) const OUTLIER_ROUNDS: usize = 5;
+
+/// Least positive number under a quotient, a root or a logarithm: an energy below it is
+/// none.
+pub(crate) const TINY: f64 = 1e-300;
+
+/// Damping of Levenberg and Marquardt after a step that serves, over that before it.
+pub(crate) const LM_DOWN: f64 = 0.1;
+
+/// The same after a step that fails.
+pub(crate) const LM_UP: f64 = 10.0;
+
+/// Least damping after a step that fails, so that a few failures change it.
+pub(crate) const LM_LEAST: f64 = 1e-6;
+
+/// Noise variance, over the mean square of normalised data, that a fit has at least:
+/// below it is rounding.
+pub(crate) const VARIANCE_LEAST: f64 = 1e-30;

@@ -1,7 +1,7 @@
 //! Correlations that errors of neighbouring lines can have, and how likely they are.
 
 use crate::checks::limits;
-use crate::damping::window_kernel::{BLACKMAN, FLATTOP, HANN};
+use crate::data::window::kernel::{BLACKMAN, FLATTOP, HANN};
 use chladni_linalg::{cholesky, solve_lower};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;

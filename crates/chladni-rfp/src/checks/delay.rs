@@ -143,9 +143,10 @@ impl Trials {
         let (low, high) = omega
             .iter()
             .fold((f64::MAX, 0.0_f64), |(l, h), &o| (l.min(o), h.max(o)));
-        let reach =
-            0.25 * TAU * omega.len().saturating_sub(1) as f64 / (high - low).max(f64::MIN_POSITIVE);
-        let steps = ((reach * high / 0.25).ceil() as usize).clamp(1, 20_000);
+        let reach = limits::TRIAL_REACH * TAU * omega.len().saturating_sub(1) as f64
+            / (high - low).max(f64::MIN_POSITIVE);
+        let steps =
+            ((reach * high / limits::TRIAL_STEP).ceil() as usize).clamp(1, limits::TRIALS_MOST);
         let at = |step: usize| reach * step as f64 / steps as f64;
         let seconds: Vec<f64> = std::iter::once(0.0)
             .chain((1..=steps).flat_map(|step| [at(step), -at(step)]))

@@ -1,6 +1,6 @@
 //! All checks after a fit: each names one fault of the data with its evidence.
 //!
-//! Elsewhere: what windows leak (`damping/leakage.rs`), FRFs far noisier
+//! Elsewhere: what windows leak (`data/window/leakage.rs`), FRFs far noisier
 //! than the others (`data/noisy_frfs.rs`), lines that no neighbour supports
 //! (`data/outliers.rs`), the wrong time sign (`poles/chain.rs`), padded records
 //! (`measured/impulse.rs`), missing values (`data/screening.rs`).

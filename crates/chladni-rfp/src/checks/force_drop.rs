@@ -11,7 +11,7 @@ use crate::checks::limits::{self, DECIDES};
 use crate::checks::line_shape::{Fitted, Isolated, LineShape};
 use crate::checks::window_bias::widen;
 use crate::checks::witness::decades;
-use crate::data::options::Window;
+use crate::data::window::kinds::Window;
 use chladni_frf::{Finding, ModalModel, Mode, Trust};
 use rayon::prelude::*;
 use std::f64::consts::TAU;

@@ -1,25 +1,20 @@
 //! Modes that these data could not show: a mode at a node of the only FRF, or between
 //! modes that overlap (theory.md, eq. F7).
 
+use crate::checks::around::{pole, strength};
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
-use crate::checks::moving::{pole, strength};
 use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::options::ShapeModel;
-use crate::poles::prune::threshold;
+use crate::poles::significance::threshold;
 use crate::shapes::line_products::background;
 use chladni_frf::{Finding, Mode};
 use chladni_linalg::blocked::projected;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use std::ops::Range;
-
-/// Modal overlap (half-bandwidths of both neighbours over their distance) at which a mode
-/// may hide between two others; of nearer ones it goes without saying.
-const OVERLAP: Range<f64> = 0.3..1.5;
 
 /// One FRF does not show every mode.
 pub(crate) fn single_frf(case: &Case) -> Option<Checked> {
@@ -68,7 +63,7 @@ pub(crate) fn between_modes(case: &Case) -> Option<Checked> {
 fn could_hide(case: &Case, axis: &Columns, pair: &[&Mode]) -> Option<bool> {
     let poles = [pole(case, pair[0]), pole(case, pair[1])];
     let place = 0.5 * (poles[0] + poles[1]);
-    if !OVERLAP.contains(&(2.0 * place.im / (poles[1].re - poles[0].re))) {
+    if !limits::HIDING_OVERLAP.contains(&(2.0 * place.im / (poles[1].re - poles[0].re))) {
         return None;
     }
     let local = axis.select(

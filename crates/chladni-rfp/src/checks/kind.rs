@@ -179,8 +179,12 @@ fn reversed(model: &ModalModel, modes: &[&Mode], driving: &[Complex64], evidence
             .sum()
     };
     let other = match model.frf_kind {
-        FrfKind::Receptance if beside(0) > 0.5 * of_modes(-2) => Some(FrfKind::Accelerance),
-        FrfKind::Accelerance if beside(-2) < -0.5 * of_modes(0) => Some(FrfKind::Receptance),
+        FrfKind::Receptance if beside(0) > limits::BESIDE_SHARE * of_modes(-2) => {
+            Some(FrfKind::Accelerance)
+        }
+        FrfKind::Accelerance if beside(-2) < -limits::BESIDE_SHARE * of_modes(0) => {
+            Some(FrfKind::Receptance)
+        }
         _ => None,
     };
     let finding = match other {

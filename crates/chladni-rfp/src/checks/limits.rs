@@ -1,5 +1,7 @@
 //! Every constant of this room: meaning, unit, where it comes from, and what happens at other
 //! values where that was tried.
+//!
+//! Where no origin is named, a value is judgement: nobody has calibrated it.
 
 // delay.rs
 
@@ -15,6 +17,13 @@ pub(super) const LEFT_OVER: f64 = 0.2;
 pub(super) const DELAY_SIGMAS: f64 = 5.0;
 /// ... and from this phase at the highest mode, rad (3°).
 pub(super) const LEAST_PHASE: f64 = 0.05;
+/// Longest trial delay, in cycles at the mean spacing of the modes: there doubled phases
+/// turn by half a cycle from mode to mode, and beyond it they fold.
+pub(super) const TRIAL_REACH: f64 = 0.25;
+/// Phase at the highest mode from one trial delay to the next, rad.
+pub(super) const TRIAL_STEP: f64 = 0.25;
+/// Most trial delays on either side: taste.
+pub(super) const TRIALS_MOST: usize = 20_000;
 
 // force_drop.rs
 
@@ -29,6 +38,9 @@ pub(super) const DROP_LINES: f64 = 1.5;
 pub(super) const NEIGHBOURS: usize = 6;
 /// Half-bandwidths, and lines, on both sides of it.
 pub(super) const HIDDEN_WINDOW: (f64, usize) = (8.0, 16);
+/// Modal overlap (half-bandwidths of both neighbours over their distance) at which a mode
+/// may hide between two others; of nearer ones it goes without saying.
+pub(super) const HIDING_OVERLAP: std::ops::Range<f64> = 0.3..1.5;
 
 // kind.rs
 
@@ -40,6 +52,9 @@ pub(super) const COHERENT: f64 = 0.7;
 pub(super) const KIND_NEAR: f64 = std::f64::consts::PI / 6.0;
 /// Modes needed, with driving points and without.
 pub(super) const KIND_LEAST_MODES: [usize; 2] = [2, 3];
+/// Residual term that the other kind would have, over what the modes make of it, from which
+/// on the kind is doubted.
+pub(super) const BESIDE_SHARE: f64 = 0.5;
 
 // line_shape.rs
 
@@ -59,6 +74,15 @@ pub(super) const UNKNOWNS: usize = 4;
 
 /// Log-likelihood by which one window must beat the others.
 pub(super) const DECIDES: f64 = 12.0;
+/// Part of the decay that a window is taken to have added at most where a fit starts:
+/// taste, the steps do the rest.
+pub(super) const SHARPENED_MOST: f64 = 0.7;
+/// Largest step of the pole, in decays.
+pub(super) const LINE_SHAPE_STEP: f64 = 0.5;
+/// Length of a step that did not serve, over that before.
+pub(super) const LINE_SHAPE_SHORTER: f64 = 0.3;
+/// Decays over which derivatives are differences.
+pub(super) const LINE_SHAPE_DIFFERENCE: f64 = 1e-4;
 
 // moving.rs
 
@@ -73,6 +97,11 @@ pub(super) const OVER_NOISE: f64 = 3.0;
 /// Share of the modes that must move before the data as a whole contradict one set of
 /// poles.
 pub(super) const SHARE: f64 = 0.5;
+/// Half-bandwidths to the next mode below which a mode is not looked at by itself.
+pub(super) const MOVING_ALONE: f64 = 2.0;
+/// Half-bandwidths from the common pole beyond which the pole of one FRF counts no
+/// farther.
+pub(super) const MOVING_FARTHEST: f64 = 4.0;
 
 // reciprocal.rs
 
@@ -83,6 +112,10 @@ pub(super) const GAIN: f64 = 0.05;
 pub(super) const RECIPROCAL_SIGMAS: f64 = 5.0;
 /// Share of an FRF that no factor explains.
 pub(super) const UNLIKE: f64 = 0.3;
+/// Neighbouring lines of a resonance that carry one piece of evidence together.
+pub(super) const LINES_TOGETHER: f64 = 8.0;
+/// Relative errors of the fit that [`UNLIKE`] must be exceeded by.
+pub(super) const UNLIKE_ERRORS: f64 = 3.0;
 
 // split.rs
 
@@ -153,6 +186,9 @@ pub(super) const MISFIT_COUNTS: f64 = 0.25;
 
 /// Part of the variance that is white in any case: no correlation is exact.
 pub(super) const ALWAYS_WHITE: f64 = 1e-3;
+/// Deviation of a line from an even axis, in spacings, from which on lines are not
+/// neighbours.
+pub(super) const WITNESS_UNEVEN: f64 = 0.01;
 
 // window_bias.rs
 

@@ -6,11 +6,11 @@
 //! Each shape is fitted to the lines around every isolated mode, its pole free, and the
 //! sums of squares are compared: three hypotheses with the same number of unknowns.
 
+use crate::checks::around::neighbourhood;
 use crate::checks::case::Case;
 use crate::checks::limits;
-use crate::checks::moving::neighbourhood;
-use crate::damping::window_kernel::WindowKernel;
-use crate::data::options::Window;
+use crate::data::window::kernel::WindowKernel;
+use crate::data::window::kinds::Window;
 use chladni_frf::Mode;
 use chladni_linalg::{lstsq, matmul, matmul_h, qr_thin, LinalgError};
 use ndarray::{Array2, ShapeBuilder};
@@ -100,7 +100,7 @@ fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; TRIED.
         let shift = if window == Window::None {
             0.0
         } else {
-            (1.0 / record_s).min(-0.7 * isolated.pole.re)
+            (1.0 / record_s).min(-limits::SHARPENED_MOST * isolated.pole.re)
         };
         let kernel = window.kernel();
         let shape = LineShape {
@@ -154,8 +154,8 @@ fn best(
     for _ in 0..limits::STEPS {
         let step = damping * now.step(s, shape);
         let pole = now.pole;
-        let step = if step.norm() > -0.5 * pole.re {
-            step * (-0.5 * pole.re / step.norm())
+        let step = if step.norm() > -limits::LINE_SHAPE_STEP * pole.re {
+            step * (-limits::LINE_SHAPE_STEP * pole.re / step.norm())
         } else {
             step
         };
@@ -163,7 +163,7 @@ fn best(
         if trial.sse < now.sse {
             (now, damping) = (trial, 1.0);
         } else {
-            damping *= 0.3;
+            damping *= limits::LINE_SHAPE_SHORTER;
         }
         if step.norm() < -limits::STILL * pole.re {
             break;
@@ -213,7 +213,7 @@ impl Fitted {
     /// Step of Gauss and Newton; a force that drops makes the column no analytic function of
     /// the pole.
     fn step(&self, s: &[Complex64], shape: &LineShape) -> Complex64 {
-        let h = 1e-4 * self.pole.re;
+        let h = limits::LINE_SHAPE_DIFFERENCE * self.pole.re;
         let outside = [Complex64::ONE, Complex64::I].map(|along| {
             let sides = [h, -h].map(|h| shape.column(s, self.pole + along * h));
             let difference: Array2<Complex64> = (&sides[0] - &sides[1]) / Complex64::from(2.0 * h);

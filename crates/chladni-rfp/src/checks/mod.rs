@@ -1,6 +1,7 @@
 //! Enters: a model and what may be asked of its data; leaves: remarks on what is wrong with
 //! the data.
 
+pub(crate) mod around;
 pub(crate) mod case;
 pub(crate) mod correlation;
 pub(crate) mod delay;

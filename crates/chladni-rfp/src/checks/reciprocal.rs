@@ -13,10 +13,11 @@ pub(crate) fn not_reciprocal(case: &Case) -> Option<Checked> {
     let lines = case.data.lines.len() as f64;
     let noise = case.model.quality.relative_error;
     // neighbouring lines of a resonance carry one piece of evidence together
-    let deviation = |pair: &ReciprocalPair| pair.misfit / (lines / 8.0).max(1.0).sqrt();
+    let deviation =
+        |pair: &ReciprocalPair| pair.misfit / (lines / limits::LINES_TOGETHER).max(1.0).sqrt();
     let gain_error = |pair: &ReciprocalPair| (pair.gain - 1.0).norm();
     let wrong = |pair: &&ReciprocalPair| {
-        pair.misfit > limits::UNLIKE + 3.0 * noise
+        pair.misfit > limits::UNLIKE + limits::UNLIKE_ERRORS * noise
             || (pair.misfit < limits::UNLIKE
                 && gain_error(pair) > limits::GAIN.max(limits::RECIPROCAL_SIGMAS * deviation(pair)))
     };

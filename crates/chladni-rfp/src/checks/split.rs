@@ -7,11 +7,11 @@
 //! several on the other; with one reference nothing but the second order does. Where
 //! most modes of such a set come in twins, each is doubted without a look at that order.
 
+use crate::checks::around::{pole, strength, without_others};
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
-use crate::checks::moving::{pole, strength, without_others};
-use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Projection};
+use crate::poles::significance::threshold;
 use crate::tolerances as tol;
 use chladni_frf::{Finding, Mode, Reason, Trust};
 use chladni_linalg::LinalgError;

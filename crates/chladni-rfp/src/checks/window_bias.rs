@@ -6,9 +6,9 @@ use crate::checks::limits;
 use crate::checks::limits::DECIDES;
 use crate::checks::line_shape::likely_window;
 use crate::checks::witness::{decades, witness, Witness};
-use crate::damping::leakage::Leakage;
 use crate::data::layout::DataLayout;
-use crate::data::options::Window;
+use crate::data::window::kinds::Window;
+use crate::data::window::leakage::Leakage;
 use chladni_frf::{Finding, ModalModel, Mode, Scaling, Trust};
 use std::f64::consts::PI;
 

@@ -11,15 +11,15 @@
 //! Errors that FRFs share are leakage. Where noise is low it is what slope and curvature of
 //! an FRF leak, nearly white under a Hann window.
 
+use crate::checks::around::without_others;
 use crate::checks::case::Case;
 use crate::checks::correlation::{hypotheses, Correlation, Judged};
 use crate::checks::limits;
-use crate::checks::moving::without_others;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::peaks::running_median;
 use crate::data::screening::Screened;
-use crate::data::window::told;
+use crate::data::window::told::told;
 use chladni_frf::{FrfSet, ModalModel};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
@@ -72,7 +72,7 @@ pub(crate) fn witness(case: &Case) -> Option<Witness> {
     let data = case.values?;
     let lines = data.line_hz.len();
     let step_hz = data.line_spacing_hz();
-    let even = |two: &[f64]| (two[1] - two[0] - step_hz).abs() < 0.01 * step_hz;
+    let even = |two: &[f64]| (two[1] - two[0] - step_hz).abs() < limits::WITNESS_UNEVEN * step_hz;
     if lines < limits::STRETCH + limits::SIXTH.len() || !data.line_hz.windows(2).all(even) {
         return None;
     }
@@ -214,7 +214,7 @@ pub(crate) fn decades(gain: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::damping::window_kernel::{FLATTOP, HANN};
+    use crate::data::window::kernel::{FLATTOP, HANN};
     use chladni_linalg::fft;
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;

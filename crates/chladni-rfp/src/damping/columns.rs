@@ -6,11 +6,18 @@
 //! by Im λ over j stands for that by Re λ as well, from which it differs by half a loss
 //! factor: estimates lose η² of their information, steps converge by a factor of about η.
 
-use crate::damping::leakage::{Leakage, LeakingPole};
 use crate::damping::limits;
-use crate::data::columns::inverse;
+use crate::data::window::leakage::{Leakage, LeakingPole};
 use chladni_frf::Damping;
 use num_complex::Complex64;
+
+/// 1/z by one real division. Distances on a normalised axis have squares far inside the
+/// range of f64.
+#[inline]
+pub(crate) fn inverse(z: Complex64) -> Complex64 {
+    let scale = 1.0 / z.norm_sqr();
+    Complex64::new(z.re * scale, -z.im * scale)
+}
 
 /// Loss at x over that at the natural frequency.
 #[inline]
@@ -129,7 +136,11 @@ pub(crate) fn viscous_pole_of(lambda: Complex64) -> Complex64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::damping::window_kernel::WindowKernel;
+    use crate::data::window::kernel::WindowKernel;
+    use crate::data::window::kinds::Window;
+
+    /// T·ω_max: lines 1/500 of ω_max apart.
+    const RECORD: f64 = 500.0 * std::f64::consts::TAU;
 
     #[test]
     fn planes_of_both_laws_hold_the_same_resonances() {
@@ -182,6 +193,98 @@ mod tests {
             let pair = 1.0 / (over * (jy - s)) - 1.0 / (over * (jy - s.conj()));
             let column = resonance(Damping::Viscous, lambda, x);
             assert!((column - pair).norm() < 1e-13 * pair.norm(), "{x}");
+        }
+    }
+
+    /// The part that leakage adds to ∫₀^∞ e^{st}e^{−jωt} dt, by the trapezium rule on a
+    /// record whose force and response are `window` times noise and what it makes.
+    fn by_quadrature(window: &[f64], s: Complex64, y: f64) -> Complex64 {
+        let count = window.len();
+        let power: f64 = window.iter().map(|w| w * w).sum();
+        let step = RECORD / count as f64;
+        let turn = s - Complex64::new(0.0, y);
+        let value = |lag: usize| {
+            let shared: f64 = window.iter().zip(&window[lag..]).map(|(a, b)| a * b).sum();
+            let half = if lag == 0 { 0.5 } else { 1.0 };
+            shared / power * half * (turn * step * lag as f64).exp() * step
+        };
+        // Euler and Maclaurin: the slope at lag 0 is that of the exponential
+        (0..count).map(value).sum::<Complex64>() + step * step / 12.0 * turn + 1.0 / turn
+    }
+
+    #[test]
+    fn the_column_is_that_of_a_simulated_windowed_record() {
+        let count = 8000;
+        let hann: Vec<f64> = (0..count)
+            .map(|k| {
+                (std::f64::consts::PI * (k as f64 + 0.5) / count as f64)
+                    .sin()
+                    .powi(2)
+            })
+            .collect();
+        for law in [Damping::Structural, Damping::Viscous] {
+            // one line per half-power bandwidth
+            let lambda = Complex64::new(0.36, 0.0012);
+            let pole = leaking_pole(law, lambda);
+            for (kind, line) in [(0, 300), (1, 299), (2, 302), (1, 310)] {
+                let y = f64::from(line) / 500.0;
+                let leakage = Leakage::new(Window::Hann.kernel().unwrap(), RECORD, kind);
+                let added = leakage.added(&pole, y);
+                let expected =
+                    by_quadrature(&hann, pole.s, y) * pole.s.powi(kind) / (pole.s - pole.other);
+                assert!(
+                    (added - expected).norm() < 1e-4 * expected.norm(),
+                    "{law:?} {kind} {line}: {added} for {expected}"
+                );
+                // the column in the kind is the plain one and that
+                let column = Leaking::new(law, &leakage, lambda).at(y * y)[0];
+                let plain = resonance(law, lambda, y * y);
+                let of_kind = added / Complex64::new(0.0, y).powi(kind);
+                assert!(
+                    (column - plain - of_kind).norm() < 1e-12 * plain.norm(),
+                    "{law:?} {kind} {line}: {column} for {}",
+                    plain + of_kind
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_finite_differences() {
+        let windows = [
+            Window::Transient,
+            Window::Rectangular,
+            Window::Hann,
+            Window::Flattop,
+            Window::Kaiser { beta: 8.6 },
+            Window::Burst { part: 0.7 },
+        ];
+        for window in windows {
+            let leakage = Leakage::new(window.kernel().unwrap(), RECORD, 1);
+            for lambda in [Complex64::new(0.36, 0.0012), Complex64::new(0.36, -0.004)] {
+                // the derivative of the viscous law is one by j·Im λ
+                for (law, unit) in [
+                    (Damping::Structural, Complex64::ONE),
+                    (Damping::Structural, Complex64::I),
+                    (Damping::Viscous, Complex64::I),
+                ] {
+                    let step = 1e-7;
+                    let at = |lambda, y: f64| Leaking::new(law, &leakage, lambda).at(y * y);
+                    let lines = (285..315).map(|line| f64::from(line) / 500.0);
+                    let (mut off, mut size) = (0.0f64, 0.0f64);
+                    for y in lines {
+                        let sides = [1.0, -1.0].map(|sign| at(lambda + unit * (sign * step), y)[0]);
+                        let difference = (sides[0] - sides[1]) / (2.0 * step * unit);
+                        let slope = at(lambda, y)[1];
+                        off = off.max((difference - slope).norm());
+                        size = size.max(slope.norm());
+                    }
+                    assert!(
+                        off < 1e-2 * size,
+                        "{window} {law:?} {lambda}: {off} of {size}"
+                    );
+                }
+            }
         }
     }
 }

@@ -4,9 +4,10 @@
 //! 1/((ā − x)(b − x)) = [1/(ā − x) − 1/(b − x)]/(b − ā), and derivatives of that. No
 //! digit is lost: ā lies below the real axis and b above, however near a and b are.
 
+use crate::damping::columns::inverse;
 use crate::damping::columns::{loss, resonance, Leaking};
 use crate::damping::limits;
-use crate::data::columns::{inverse, Columns};
+use crate::data::columns::Columns;
 use chladni_frf::Damping;
 use chladni_linalg::blocked::blocked_matmul_h;
 use chladni_linalg::matmul_h;

@@ -1,5 +1,7 @@
 //! Every constant of this room: meaning, unit, where it comes from, and what happens at other
 //! values where that was tried.
+//!
+//! Where no origin is named, a value is judgement: nobody has calibrated it.
 
 // columns.rs
 
@@ -24,6 +26,11 @@ pub(super) const STEPS: usize = 20;
 pub(super) const PROMISED: f64 = 1e-2;
 /// Largest step of an angle, rad.
 pub(super) const TURN: f64 = 0.3;
+/// Largest step of a pole, half-bandwidths, and the part of its loss that a pole keeps at
+/// least.
+pub(super) const PHASED_STEP: f64 = 0.5;
+/// See [`PHASED_STEP`].
+pub(super) const PHASED_LOSS_KEPT: f64 = 0.2;
 
 // verdict.rs
 
@@ -41,23 +48,6 @@ pub(super) const ANGLES_EXPLAINED: f64 = 4.0;
 /// Loss factor from which on a pole of the band is background.
 pub(super) const BROAD: f64 = 0.3;
 
-// window_kernel.rs
-
-/// Below this |z| quotients lose digits and series are used.
-pub(super) const SERIES_BELOW: f64 = 1.0;
-
-/// Terms of a series: the last is below 1/22! of the sum.
-pub(super) const SERIES_TERMS: u32 = 20;
-
-/// Harmonics at the end of a series with less than this share of it are left out.
-pub(super) const CUT_SHARE: f64 = 1e-9;
-
-// leakage.rs
-
-/// Least part of its decay that a pole keeps where a window's broadening is taken off
-/// roughly.
-pub(super) const LEAST_DECAY_LEFT: f64 = 0.3;
-
 // saved.rs
 
 /// Levenberg-Marquardt damping at the start, and its change by a step that fails or serves.
@@ -68,17 +58,5 @@ pub(super) const SAVED_DAMPING_UP: f64 = 10.0;
 pub(super) const SAVED_SETTLED: f64 = 1e-9;
 /// Half-widths of a pole over which derivatives are differences.
 pub(super) const SAVED_DIFFERENCE: f64 = 1e-4;
-
-// block_errors.rs
-
-/// Places of a record at which force and windows are taken: lines up to half as many cycles
-/// from the middle of a band.
-pub(super) const RECORD_POINTS: usize = 64;
-/// Decay after which a response has forgotten its force, nepers (1 %).
-pub(super) const MEMORY_NEPERS: f64 = 4.6;
-/// Records that it is followed back at most.
-pub(super) const MEMORY_RECORDS: f64 = 3.0;
-/// From block to block over the record where nobody says it.
-pub(super) const HOP_ASSUMED: f64 = 0.5;
-/// Halvings of an interval that ends at what is known: to 1e-9 of it.
-pub(super) const HALVINGS: usize = 30;
+/// Part of itself that a frequency or a decay loses at most by a step; it may double.
+pub(super) const SAVED_LOSS_BY_STEP: f64 = 0.5;

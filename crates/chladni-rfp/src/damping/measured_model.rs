@@ -1,6 +1,7 @@
-//! The FRFs of a model as they were measured: with leakage, where that is known.
+//! The poles of a model in its law, and its FRFs as they were measured: with leakage, where
+//! that is known.
 
-use crate::damping::leakage::{Leakage, LeakingPole};
+use crate::data::window::leakage::{Leakage, LeakingPole};
 use chladni_frf::{Damping, FrfKind, ModalModel, Mode};
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -46,5 +47,14 @@ fn pole(law: Damping, mode: &Mode, omega_max: f64) -> LeakingPole {
         s,
         other,
         slope: Complex64::default(),
+    }
+}
+
+/// λ (structural) or s (viscous) of a mode in units of `omega_max`² or `omega_max`.
+pub(crate) fn value_of(mode: &Mode, damping: Damping, omega_max: f64) -> Complex64 {
+    let ratio = TAU * mode.frequency_hz / omega_max;
+    match damping {
+        Damping::Structural => ratio * ratio * Complex64::new(1.0, mode.loss_factor),
+        Damping::Viscous => mode.viscous_pole() / omega_max,
     }
 }

@@ -1,10 +1,8 @@
 //! Enters: lines and poles; leaves: columns, derivatives and inner products in one damping
 //! law, and which law holds.
 
-pub(crate) mod block_errors;
 pub(crate) mod columns;
 pub(crate) mod gram;
-pub(crate) mod leakage;
 mod limits;
 pub(crate) mod measured_model;
 pub(crate) mod phased;
@@ -12,4 +10,3 @@ pub(crate) mod saved;
 pub(crate) mod structural;
 pub(crate) mod verdict;
 pub(crate) mod viscous;
-pub(crate) mod window_kernel;

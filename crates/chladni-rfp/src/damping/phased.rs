@@ -116,9 +116,9 @@ impl Common {
                 Some((moved, point)) => {
                     ((lambda, turn), here) = (moved, point);
                     system = here.system();
-                    damping *= 0.1;
+                    damping *= tol::LM_DOWN;
                 }
-                None => damping = (damping * 10.0).max(1e-6),
+                None => damping = (damping * tol::LM_UP).max(tol::LM_LEAST),
             }
             if damping > tol::LM_GIVE_UP {
                 break;
@@ -147,9 +147,12 @@ fn moved(lambda: &[Complex64], turn: &[f64], step: &Array2<f64>) -> (Vec<Complex
     let n = lambda.len();
     let pole = |m: usize| {
         let delta = Complex64::new(step[[m, 0]], step[[n + m, 0]]);
-        let cap = 0.5 * lambda[m].im;
+        let cap = limits::PHASED_STEP * lambda[m].im;
         let next = lambda[m] + delta * (cap / delta.norm().max(cap));
-        Complex64::new(next.re, next.im.max(0.2 * lambda[m].im))
+        Complex64::new(
+            next.re,
+            next.im.max(limits::PHASED_LOSS_KEPT * lambda[m].im),
+        )
     };
     let angle = |m: usize| turn[m] + step[[2 * n + m, 0]].clamp(-limits::TURN, limits::TURN);
     ((0..n).map(pole).collect(), (0..n).map(angle).collect())

@@ -144,7 +144,7 @@ impl Point {
         let steps = step.axis_chunks_iter(Axis(0), 2);
         let moved = |(pole, step): (&Complex64, ndarray::ArrayView2<f64>)| {
             let (re, im) = (step[[0, 0]] * pole.im, step[[1, 0]] * pole.im);
-            let limited = |by: f64, size: f64| by.clamp(-0.5 * size, size);
+            let limited = |by: f64, size: f64| by.clamp(-limits::SAVED_LOSS_BY_STEP * size, size);
             pole + Complex64::new(limited(re, pole.re), limited(im, pole.im))
         };
         self.poles.iter().zip(steps).map(moved).collect()

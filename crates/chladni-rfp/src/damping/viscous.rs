@@ -5,7 +5,8 @@
 //! lines are stacked (real parts, then imaginary parts) and each mode has two real
 //! columns. Frequencies are in units of ω_max: y = ω/ω_max = √x.
 
-use crate::data::columns::{inverse, Columns};
+use crate::damping::columns::inverse;
+use crate::data::columns::Columns;
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 

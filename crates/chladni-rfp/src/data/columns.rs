@@ -6,7 +6,7 @@
 //! receptance back into the measured kind, so that residuals are those of the measurement
 //! and white noise stays white.
 
-use crate::damping::leakage::Leakage;
+use crate::data::window::leakage::Leakage;
 use chladni_frf::Damping;
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -139,14 +139,6 @@ impl Columns {
         }
         out
     }
-}
-
-/// 1/z by one real division. Distances on a normalised axis have squares far inside the
-/// range of f64.
-#[inline]
-pub(crate) fn inverse(z: Complex64) -> Complex64 {
-    let scale = 1.0 / z.norm_sqr();
-    Complex64::new(z.re * scale, -z.im * scale)
 }
 
 /// Mean of |row|² over the columns, per line.

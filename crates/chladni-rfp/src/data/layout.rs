@@ -1,11 +1,12 @@
 //! The data without their values: lines, FRFs, scale. All that comes after the passes
 //! over the data needs no more.
 
-use crate::damping::block_errors::BlockErrors;
-use crate::damping::leakage::Leakage;
 use crate::data::columns::Columns;
-use crate::data::options::{Effort, Window};
+use crate::data::options::Effort;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::window::block_errors::BlockErrors;
+use crate::data::window::kinds::Window;
+use crate::data::window::leakage::Leakage;
 use chladni_frf::{Damping, Dof, Estimation, Finding, FrfKind, FrfSet, Node, ReferenceUnit};
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;

@@ -1,5 +1,7 @@
 //! Every constant of this room: meaning, unit, where it comes from, and what happens at other
 //! values where that was tried.
+//!
+//! Where no origin is named, a value is judgement: nobody has calibrated it.
 
 // information.rs
 
@@ -67,6 +69,8 @@ pub(super) const RUN_MOST: usize = 2;
 pub(super) const OUTLIERS_SHARE_MOST: f64 = 0.15;
 /// Lines on both sides that the level is taken from.
 pub(super) const AROUND: usize = 20;
+/// One in so many lines, the strongest of the model, tells the usual share of misfit.
+pub(super) const STRONGEST_ONE_IN: usize = 7;
 
 // peaks.rs
 
@@ -83,6 +87,21 @@ pub(super) const STRIKING_OVER_NOISE_DB: f64 = 20.0;
 pub(super) const SEEDS_MOST: usize = 100;
 /// Records longer than this keep all lines near the peaks and thin out the rest.
 pub(super) const DECIMATE_ABOVE_LINES: usize = 4000;
+/// Fewest lines that fourth differences, and peaks, are looked for on.
+pub(super) const DIFFERENCES_LEAST_LINES: usize = 6;
+/// See [`DIFFERENCES_LEAST_LINES`].
+pub(super) const PEAKS_LEAST_LINES: usize = 5;
+/// Values of a running median over half a window: between them it is held.
+pub(super) const MEDIANS_PER_HALF_WINDOW: usize = 8;
+/// Fall from a peak at which its width is taken, dB: half power.
+pub(super) const WIDTH_DROP_DB: f64 = 3.0;
+/// Half-bandwidth of a starting pole over half of the width between lines: they lie
+/// outside it.
+pub(super) const START_OF_WIDTH: f64 = 0.7;
+/// Least half-width of a peak in lines, for what is kept around it.
+pub(super) const KEPT_LEAST_HALF_WIDTH: f64 = 0.5;
+/// Half-widths, and lines, kept on both sides of a peak of a long record.
+pub(super) const KEPT_AROUND: (f64, f64) = (25.0, 30.0);
 
 // products.rs
 
@@ -134,3 +153,39 @@ pub(super) const LEAST_KEPT: f64 = 0.1;
 pub(super) const OUTLIERS_SHOWN: usize = 8;
 /// FRFs that an error lists before it only counts.
 pub(super) const PAIRS_SHOWN: usize = 6;
+
+// window/kernel.rs
+
+/// Below this |z| quotients lose digits and series are used.
+pub(super) const SERIES_BELOW: f64 = 1.0;
+
+/// Terms of a series: the last is below 1/22! of the sum.
+pub(super) const SERIES_TERMS: u32 = 20;
+
+/// Harmonics at the end of a series with less than this share of it are left out.
+pub(super) const CUT_SHARE: f64 = 1e-9;
+
+// window/leakage.rs
+
+/// Least part of its decay that a pole keeps where a window's broadening is taken off
+/// roughly.
+pub(super) const LEAST_DECAY_LEFT: f64 = 0.3;
+
+// window/block_errors.rs
+
+/// Places of a record at which force and windows are taken: lines up to half as many cycles
+/// from the middle of a band.
+pub(super) const RECORD_POINTS: usize = 64;
+/// Decay after which a response has forgotten its force, nepers (1 %).
+pub(super) const MEMORY_NEPERS: f64 = 4.6;
+/// Records that it is followed back at most.
+pub(super) const MEMORY_RECORDS: f64 = 3.0;
+/// From block to block over the record where nobody says it.
+pub(super) const HOP_ASSUMED: f64 = 0.5;
+/// Halvings of an interval that ends at what is known: to 1e-9 of it.
+pub(super) const HALVINGS: usize = 30;
+/// Part of the transform that a gate fills where nothing was padded: less, and zeros
+/// follow.
+pub(super) const GATE_WHOLE: f64 = 0.99;
+/// Least decay over a record, nepers, that a memory is counted by.
+pub(super) const DECAY_LEAST_NEPERS: f64 = 1e-3;

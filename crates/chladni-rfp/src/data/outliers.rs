@@ -6,35 +6,10 @@
 //! many times the level around it while its neighbours are sound. A resonance, however
 //! narrow, has tails on the lines beside it.
 
-use crate::damping::measured_model::frf_matrix;
 use crate::data::layout::DataLayout;
 use crate::data::limits;
 use crate::data::peaks::running_median;
-use crate::data::screening::Screened;
-use crate::tolerances as tol;
-use chladni_frf::{Finding, ModalModel, Trust};
-use rayon::prelude::*;
-
-/// Positions among the lines used that are outliers under `model`; empty where there are
-/// none or too many.
-pub(crate) fn outliers(data: &Screened, model: &ModalModel) -> Vec<usize> {
-    if model.in_band_modes().next().is_none() {
-        return Vec::new(); // nothing to judge by
-    }
-    let spacing = data.line_spacing_hz();
-    let narrow = |f: f64, eta: f64| 0.5 * eta * f < tol::SPIKE_SPACINGS * spacing;
-    let mut without = model.clone();
-    without.modes.retain(|mode| {
-        mode.trust != Trust::Rejected
-            && !(mode.in_band && narrow(mode.frequency_hz, mode.loss_factor))
-    });
-    let (left, fitted): (Vec<f64>, Vec<f64>) = data
-        .lines
-        .par_iter()
-        .map(|&k| energies(data, &without, k))
-        .unzip();
-    single_lines(&left, &fitted)
-}
+use chladni_frf::Finding;
 
 /// The lines whose residual energy `left` stands alone above what it is around them;
 /// `fitted` is the energy of the model.
@@ -65,29 +40,13 @@ pub(crate) fn single_lines(left: &[f64], fitted: &[f64]) -> Vec<usize> {
     found
 }
 
-/// Energies of residual and model over all FRFs on one line, each times its weight.
-fn energies(data: &Screened, model: &ModalModel, k: usize) -> (f64, f64) {
-    let leakage = data.leakage.as_deref();
-    let in_units = (data.kind, data.omega_max);
-    let matrix = frf_matrix(model, leakage, in_units, data.frf.frequency_hz[k]);
-    data.pairs
-        .iter()
-        .fold((0.0, 0.0), |(left, fitted), &(i, j)| {
-            let (value, weight) = (matrix[[i, j]], data.weight_of((i, j)));
-            (
-                left + ((data.frf.values.get(i, j, k) - value) * weight).norm_sqr(),
-                fitted + (value * weight).norm_sqr(),
-            )
-        })
-}
-
 /// The usual residual on each line: its running median, and the usual share of the model
 /// on the strongest lines.
 fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
     let n = left.len();
     let mut strongest: Vec<usize> = (0..n).collect();
     strongest.sort_by(|&a, &b| fitted[b].total_cmp(&fitted[a]));
-    strongest.truncate((n / 7).max(1));
+    strongest.truncate((n / limits::STRONGEST_ONE_IN).max(1));
     let mut shares: Vec<f64> = strongest
         .iter()
         .map(|&k| left[k] / fitted[k].max(f64::MIN_POSITIVE))

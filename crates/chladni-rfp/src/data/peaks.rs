@@ -2,6 +2,7 @@
 
 use crate::data::columns::Columns;
 use crate::data::limits;
+use crate::tolerances as tol;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
@@ -48,7 +49,7 @@ pub(crate) fn peaks_at(rows: &[usize]) -> Vec<Peak> {
 pub(crate) fn fourth_difference_noise(b: &Array2<Complex64>, half_window: usize) -> Array1<f64> {
     let n = b.nrows();
     let mut energy = Array1::zeros(n);
-    if n < 6 {
+    if n < limits::DIFFERENCES_LEAST_LINES {
         return energy;
     }
     for column in b.columns() {
@@ -74,7 +75,7 @@ pub(crate) fn fourth_difference_noise(b: &Array2<Complex64>, half_window: usize)
 /// in between for long records.
 pub(crate) fn running_median(values: &[f64], half_window: usize) -> Vec<f64> {
     let n = values.len();
-    let stride = (half_window / 8).max(1);
+    let stride = (half_window / limits::MEDIANS_PER_HALF_WINDOW).max(1);
     let mut out = vec![0.0; n];
     let mut buffer = Vec::new();
     let mut k = 0;
@@ -100,12 +101,12 @@ pub(crate) fn running_median(values: &[f64], half_window: usize) -> Vec<f64> {
 /// Peaks of the mean |data|² in the measured kind, most prominent first.
 pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -> Vec<Peak> {
     let n = work.lines();
-    if n < 5 {
+    if n < limits::PEAKS_LEAST_LINES {
         return Vec::new();
     }
     let level: Vec<f64> = energy
         .iter()
-        .map(|e| 10.0 * e.max(1e-300).log10())
+        .map(|e| 10.0 * e.max(tol::TINY).log10())
         .collect();
     // what the largest of n lines of pure noise, averaged over the columns, may reach
     // (Laurent & Massart 2000)
@@ -118,12 +119,12 @@ pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -
             continue;
         }
         let prominence_db = prominence(&level, k);
-        let over_noise_db = level[k] - 10.0 * noise[k].max(1e-300).log10();
+        let over_noise_db = level[k] - 10.0 * noise[k].max(tol::TINY).log10();
         if prominence_db < limits::SEED_PROMINENCE_DB || over_noise_db < over_noise_least {
             continue;
         }
         // −3 dB width, or what is visible of it
-        let drop = (level[k] - 3.0).max(level[k] - prominence_db);
+        let drop = (level[k] - limits::WIDTH_DROP_DB).max(level[k] - prominence_db);
         let left = (0..k)
             .rev()
             .take_while(|&i| level[i] > drop && level[i] < level[k])
@@ -138,7 +139,7 @@ pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -
         .min(n - 1);
         let width = 0.5 * (work.x[right] - work.x[left]);
         let half_line = 0.5 * work.spacing(work.x[k]);
-        let lambda = Complex64::new(work.x[k], (0.7 * width).max(half_line));
+        let lambda = Complex64::new(work.x[k], (limits::START_OF_WIDTH * width).max(half_line));
         found.push(Peak {
             row: k,
             prominence_db,
@@ -183,8 +184,8 @@ pub(crate) fn thinned(work: &Columns, peaks: &[Peak]) -> Vec<usize> {
     }
     let mut keep = vec![false; n];
     for &Peak { row, lambda, .. } in peaks {
-        let half_width = (lambda.im / work.spacing(lambda.re)).max(0.5);
-        let reach = (25.0 * half_width).max(30.0) as usize;
+        let half_width = (lambda.im / work.spacing(lambda.re)).max(limits::KEPT_LEAST_HALF_WIDTH);
+        let reach = (limits::KEPT_AROUND.0 * half_width).max(limits::KEPT_AROUND.1) as usize;
         for flag in &mut keep[row.saturating_sub(reach)..(row + reach + 1).min(n)] {
             *flag = true;
         }

@@ -9,7 +9,7 @@ use crate::data::noisy_frfs::far_noisier;
 use crate::data::options::FitOptions;
 use crate::data::reading::{energy, visit, Usable};
 use crate::data::sketch::{Mixing, Sums};
-use crate::data::window::record_s;
+use crate::data::window::told::record_s;
 use chladni_frf::{Finding, FrfSet};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;

@@ -1,5 +1,6 @@
 //! Poles on their way to becoming modes, each with where it came from.
 
+use super::limits::EXPLAINS;
 use crate::data::columns::Columns;
 use crate::poles::refine::{refine, Refined};
 use chladni_linalg::LinalgError;
@@ -82,6 +83,6 @@ impl Candidates {
         self.refined
             .lambda
             .iter()
-            .any(|p| (p.re - lambda.re).abs() < 1.5 * p.im.max(lambda.im))
+            .any(|p| (p.re - lambda.re).abs() < EXPLAINS * p.im.max(lambda.im))
     }
 }

@@ -1,6 +1,9 @@
 //! Poles that several orders and both halves of the lines agree on.
 
-use super::limits::NUISANCE_MOST;
+use super::limits::{
+    AGREED_LEAST, LADDER, LADDER_EXTRA, LINES_PER_POLE, NUISANCE_MOST, SAME_POLE, STRONG_EXTRA,
+    VOTE_SEED,
+};
 use crate::data::columns::Columns;
 use crate::measured::candidates::Origin;
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
@@ -39,9 +42,9 @@ pub(crate) fn consensus(
     let even = work.select(&(0..n).filter(|k| k % 2 == 0).collect::<Vec<_>>());
     let mut ladders: Vec<(&[Complex64], [usize; 3])> = vec![(
         seeds,
-        [1.0, 1.5, 2.2].map(|f| (f * base as f64) as usize + 4),
+        LADDER.map(|f| (f * base as f64) as usize + LADDER_EXTRA),
     )];
-    ladders.extend(strong.map(|strong| (strong, [4, 8, 14].map(|extra| strong.len() + extra))));
+    ladders.extend(strong.map(|strong| (strong, STRONG_EXTRA.map(|extra| strong.len() + extra))));
     let halves = [(work, Half::All), (&odd, Half::Odd), (&even, Half::Even)];
     let plan: Vec<(usize, usize, usize)> = (0..ladders.len())
         .flat_map(|l| (0..3).flat_map(move |step| (0..3).map(move |half| (l, step, half))))
@@ -87,7 +90,7 @@ pub(crate) fn consensus(
 
 /// Inside the band and lightly enough damped to be a mode.
 fn is_candidate(work: &Columns, pole: Complex64) -> bool {
-    work.in_band(pole) && pole.im < 0.4 * pole.re
+    work.in_band(pole) && pole.im < tol::BACKGROUND_LOSS * pole.re
 }
 
 fn distance_outside(work: &Columns, pole: Complex64) -> f64 {
@@ -97,7 +100,7 @@ fn distance_outside(work: &Columns, pole: Complex64) -> f64 {
 
 /// Same pole: closer than half a half-bandwidth or half a line.
 fn same(work: &Columns, a: Complex64, b: Complex64) -> bool {
-    (a - b).norm() < 0.5 * a.im.max(b.im).max(work.spacing(a.re))
+    (a - b).norm() < SAME_POLE * a.im.max(b.im).max(work.spacing(a.re))
 }
 
 /// Stable poles of one run of vector fitting, of `order` or what the lines bear.
@@ -107,8 +110,8 @@ fn stable(
     order: usize,
     powers: &[i32],
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let order = order.min(part.lines() / 4).max(1);
-    let mixed = mixtures(part, tol::POOL_MIXTURES, 7);
+    let order = order.min(part.lines() / LINES_PER_POLE).max(1);
+    let mixed = mixtures(part, tol::POOL_MIXTURES, VOTE_SEED);
     let pool = vector_fit(
         &mixed,
         &starts(part, seeds, order),
@@ -130,7 +133,7 @@ fn vote(work: &Columns, runs: &[Run], runs_per_ladder: usize) -> Vec<Voted> {
     let mut agreed = Vec::new();
     while let Some((count, centre)) = most_shared(work, &open, runs_per_ladder) {
         let score = count as f64 / runs_per_ladder as f64;
-        if score < 0.5 {
+        if score < AGREED_LEAST {
             break;
         }
         let mut members = Vec::new();

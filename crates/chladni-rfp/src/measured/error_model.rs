@@ -1,9 +1,13 @@
 //! Noise as the data show it: per FRF, per line, additive and multiplicative (theory.md,
 //! eq. 22).
 
-use super::limits::{MEDIAN_TO_MEAN, MULTIPLICATIVE_RANGE};
+use super::limits::{
+    ADDITIVE_LEAST, LEVEL_WINDOW, MEDIAN_TO_MEAN, MULTIPLICATIVE_RANGE, MULTIPLICATIVE_START,
+    OWN_SHARE, STRONGEST_PERCENT,
+};
 use crate::data::columns::{line_energy, Columns};
 use crate::data::peaks::running_median;
+use crate::tolerances as tol;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
@@ -19,10 +23,10 @@ pub(crate) struct NoiseModel {
 impl NoiseModel {
     /// Start: additive noise from fourth differences, 2 % gain noise.
     pub fn start(additive: Array1<f64>) -> Self {
-        let floor = 1e-12 * additive.mean().unwrap_or(1.0).max(1e-300);
+        let floor = ADDITIVE_LEAST * additive.mean().unwrap_or(1.0).max(tol::TINY);
         Self {
             additive: additive.mapv(|v| v.max(floor)),
-            multiplicative: 0.02,
+            multiplicative: MULTIPLICATIVE_START,
         }
     }
 
@@ -41,7 +45,8 @@ impl NoiseModel {
         let n = residual.nrows();
         let error = line_energy(residual);
         let raw: Vec<f64> = error.to_vec();
-        let additive = running_median(&raw, (n / 16).clamp(20, 400))
+        let (one_in, least, most) = LEVEL_WINDOW;
+        let additive = running_median(&raw, (n / one_in).clamp(least, most))
             .into_iter()
             .map(|v| v / MEDIAN_TO_MEAN)
             .collect::<Array1<f64>>();
@@ -49,15 +54,15 @@ impl NoiseModel {
         order.sort_by(|&a, &b| fitted[a].total_cmp(&fitted[b]));
         let mut low: Vec<f64> = order[..n / 2].iter().map(|&k| error[k]).collect();
         let floor = median(&mut low) / MEDIAN_TO_MEAN;
-        let mut ratio: Vec<f64> = order[n - n * 15 / 100..]
+        let mut ratio: Vec<f64> = order[n - n * STRONGEST_PERCENT / 100..]
             .iter()
-            .map(|&k| (error[k] - floor) / fitted[k].max(1e-300))
+            .map(|&k| (error[k] - floor) / fitted[k].max(tol::TINY))
             .collect();
         let multiplicative = (median(&mut ratio) / MEDIAN_TO_MEAN)
             .max(0.0)
             .sqrt()
             .clamp(MULTIPLICATIVE_RANGE.0, MULTIPLICATIVE_RANGE.1);
-        let least = 1e-12 * fitted.iter().cloned().fold(0.0, f64::max);
+        let least = ADDITIVE_LEAST * fitted.iter().cloned().fold(0.0, f64::max);
         Self {
             additive: additive.mapv(|v| v.max(least)),
             multiplicative,
@@ -69,7 +74,7 @@ impl NoiseModel {
 pub(crate) fn normalised(variance: &Array1<f64>) -> Vec<f64> {
     let raw: Vec<f64> = variance
         .iter()
-        .map(|v| 1.0 / v.max(1e-300).sqrt())
+        .map(|v| 1.0 / v.max(tol::TINY).sqrt())
         .collect();
     let mean = (raw.iter().map(|w| w * w).sum::<f64>() / raw.len().max(1) as f64).sqrt();
     raw.iter().map(|w| w / mean).collect()
@@ -100,7 +105,7 @@ pub(crate) fn column_scales(work: &Columns) -> Vec<f64> {
                 })
                 .collect();
             let noise = median(&mut differences) / (70.0 * std::f64::consts::LN_2);
-            (noise + 1e-4 * mean_square).sqrt().max(1e-300)
+            (noise + OWN_SHARE * mean_square).sqrt().max(tol::TINY)
         })
         .collect()
 }

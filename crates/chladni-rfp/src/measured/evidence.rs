@@ -1,12 +1,13 @@
 //! Evidence about one pole: what the residual, the neighbourhood and the other runs say
 //! of it.
 
-use super::limits::FEWEST;
+use super::limits::{FEWEST, MISFIT_WINDOW, PEAK_WINDOW, SURROUNDINGS};
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::Origin;
 use crate::measured::record::Record;
 use crate::poles::refine::Refined;
+use crate::tolerances as tol;
 use ndarray::{s, Array1, Array2};
 use num_complex::Complex64;
 
@@ -74,7 +75,7 @@ pub(crate) fn look(
     q: usize,
 ) -> Evidence {
     let lambda = refined.lambda[q];
-    let window = plain.window(lambda, 1.5, 2);
+    let window = plain.window(lambda, MISFIT_WINDOW.0, MISFIT_WINDOW.1);
     let local = plain.rows(window.clone());
     let strength = squares(refined.coefficients.row(q).iter());
     let modal = squares(basis(&local, &[lambda], &[]).iter()) * strength;
@@ -104,8 +105,8 @@ pub(crate) fn look(
         gain_of_skirts: f64::MAX,
         deviation: 0.0,
         scatter: None,
-        misfit: (misfit / modal.max(1e-300)).sqrt(),
-        part: (modal / response.max(1e-300)).sqrt(),
+        misfit: (misfit / modal.max(tol::TINY)).sqrt(),
+        part: (modal / response.max(tol::TINY)).sqrt(),
         half_width_lines: lambda.im / record.work.spacing(lambda.re),
         stands_out_db,
         edge: (lambda.re - low).min(high - lambda.re) / lambda.im,
@@ -124,19 +125,25 @@ fn squares<'v>(values: impl Iterator<Item = &'v Complex64>) -> f64 {
 fn alone_db(residues: &[Complex64]) -> f64 {
     let mut squares: Vec<f64> = residues.iter().map(|r| r.norm_sqr()).collect();
     squares.sort_by(|a, b| b.total_cmp(a));
-    10.0 * (squares[0] / squares[1].max(1e-300)).log10()
+    10.0 * (squares[0] / squares[1].max(tol::TINY)).log10()
 }
 
 fn stand(residues: &[Complex64]) -> Complex64 {
-    residues.iter().map(|r| r * r).sum::<Complex64>() / squares(residues.iter()).max(1e-300)
+    residues.iter().map(|r| r * r).sum::<Complex64>() / squares(residues.iter()).max(tol::TINY)
 }
 
 /// Response at the pole, dB, and the same over the median of the lines within 30 widths
 /// (at least 30 lines).
 fn height(work: &Columns, lambda: Complex64) -> (f64, f64) {
-    let at = |k: usize| squares(work.b.row(k).iter()).max(1e-300);
-    let near = work.window(lambda, 1.0, 1).map(at).fold(1e-300, f64::max);
-    let mut around: Vec<f64> = work.window(lambda, 60.0, 30).map(at).collect();
+    let at = |k: usize| squares(work.b.row(k).iter()).max(tol::TINY);
+    let near = work
+        .window(lambda, PEAK_WINDOW.0, PEAK_WINDOW.1)
+        .map(at)
+        .fold(tol::TINY, f64::max);
+    let mut around: Vec<f64> = work
+        .window(lambda, SURROUNDINGS.0, SURROUNDINGS.1)
+        .map(at)
+        .collect();
     around.sort_by(f64::total_cmp);
     let median = around.get(around.len() / 2).copied().unwrap_or(near);
     (10.0 * near.log10(), 10.0 * (near / median).log10())

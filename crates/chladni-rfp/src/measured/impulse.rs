@@ -1,8 +1,12 @@
 //! Evidence of the record itself, through its impulse response: was it padded with zeros,
 //! was it windowed (theory.md, eq. 24)?
 
-use super::limits::{CUT_DB, LINES_LEAST, SEGMENTS, WINDOWED_DB};
+use super::limits::{
+    CUT_DB, LINES_LEAST, SEGMENTS, TREND_SEGMENTS, TREND_SHARE, UNEVEN, WINDOWED_DB,
+    WRAPPED_SEGMENTS,
+};
 use crate::data::columns::Columns;
+use crate::tolerances as tol;
 use chladni_linalg::fft;
 use num_complex::Complex64;
 
@@ -16,7 +20,7 @@ fn decay(work: &Columns, frequency: &[f64]) -> Option<[f64; SEGMENTS]> {
     let step = (frequency[n - 1] - frequency[0]) / (n - 1) as f64;
     if frequency
         .windows(2)
-        .any(|w| ((w[1] - w[0]) - step).abs() >= 0.05 * step)
+        .any(|w| ((w[1] - w[0]) - step).abs() >= UNEVEN * step)
     {
         return None;
     }
@@ -29,7 +33,7 @@ fn decay(work: &Columns, frequency: &[f64]) -> Option<[f64; SEGMENTS]> {
             energy[i * SEGMENTS / n] += v.norm_sqr();
         }
     }
-    Some(energy.map(|e| 10.0 * e.max(1e-300).log10()))
+    Some(energy.map(|e| 10.0 * e.max(tol::TINY).log10()))
 }
 
 /// Factor (2 or 4) by which the time record was padded with zeros, or 1.
@@ -45,10 +49,10 @@ pub(crate) fn padding_factor(work: &Columns, frequency: &[f64]) -> usize {
         // the last segment before the cut, and everything after it but the wrap-around at
         // the end
         let before = level[end - 1];
-        let after = &level[end + 1..SEGMENTS - 2];
+        let after = &level[end + 1..SEGMENTS - WRAPPED_SEGMENTS];
         let drop = before - after.iter().cloned().fold(f64::MIN, f64::max);
-        let trend = level[end - 3] - before;
-        if drop > CUT_DB && trend < 0.5 * drop {
+        let trend = level[end - TREND_SEGMENTS] - before;
+        if drop > CUT_DB && trend < TREND_SHARE * drop {
             return factor;
         }
     }

@@ -4,7 +4,9 @@
 //! others stands still. That costs the square of a handful of poles on some tens of
 //! lines, where a refit of the whole costs the square of all on all.
 
-use super::limits::{CLEAR, MOST, NEAR, NEEDED, POWERS, REACH};
+use super::limits::{
+    CLEAR, LOCAL_LINES_TO_SPARE, MOST, NEAR, NEEDED, NEIGHBOUR_WIDTHS, POWERS, REACH,
+};
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::{Candidates, Change};
@@ -38,7 +40,7 @@ impl Neighbourhood {
         let width = pole.im.max(work.spacing(pole.re));
         let distance = |q: usize| (refined.lambda[q].re - pole.re).abs();
         // a broad neighbour is not followed to its ends
-        let bounded = |q: usize| refined.lambda[q].im.clamp(0.0, 2.0 * width);
+        let bounded = |q: usize| refined.lambda[q].im.clamp(0.0, NEIGHBOUR_WIDTHS * width);
         let mut near: Vec<usize> = (0..refined.lambda.len())
             .filter(|&q| {
                 work.in_band(refined.lambda[q]) && distance(q) < NEAR * width.max(bounded(q))
@@ -183,7 +185,7 @@ fn refitted_gain(
     let (moved, without) = hood.replace(refined, &[q], &[])?;
     let (with, without) = hood.compare(work, pole, &with, &without.projection);
     Ok((
-        (without - with) / with.max(1e-300),
+        (without - with) / with.max(tol::TINY),
         Change {
             removed: Some(q),
             moved,
@@ -296,7 +298,7 @@ fn tried(
 ) -> Result<Option<(Change, f64)>, LinalgError> {
     let refined = &candidates.refined;
     let hood = Neighbourhood::around(work, refined, start);
-    if hood.local.lines() < hood.near.len() + POWERS.len() + 2 {
+    if hood.local.lines() < hood.near.len() + POWERS.len() + LOCAL_LINES_TO_SPARE {
         return Ok(None);
     }
     let (_, without) = hood.replace(refined, &[], &[])?;
@@ -309,7 +311,7 @@ fn tried(
         return Ok(None);
     };
     let (with, without) = hood.compare(work, pole, &with.projection, &without.projection);
-    let gain = (without - with) / with.max(1e-300);
+    let gain = (without - with) / with.max(tol::TINY);
     let change = Change {
         removed: None,
         moved,

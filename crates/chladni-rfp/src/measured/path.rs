@@ -1,7 +1,7 @@
 //! The measured-data path as one walk: screen the record, search each section (votes of
 //! several orders, error model, local tests, twins), join what was found, grade it.
 
-use super::limits::COLUMNS_MOST;
+use super::limits::{COLUMNS_MOST, EXPLAINS, PEAK_WIDTHS, SAME_POLE};
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
@@ -15,9 +15,10 @@ use crate::measured::error_model::{column_scales, normalised};
 use crate::measured::evidence::Evidence;
 use crate::measured::grade::{grade_all, DampingDoubt, Graded};
 use crate::measured::impulse::{padding_factor, windowed};
-use crate::measured::record::Record;
+use crate::measured::record::{noise_window, Record};
 use crate::measured::search::{Finished, Search};
-use crate::poles::estimate::{more_than_asked, Grade};
+use crate::poles::estimate::more_than_asked;
+use crate::poles::pole::Grade;
 use crate::poles::refine::{refine, refine_inside, Refined};
 use crate::poles::sections::{split, Section};
 use crate::tolerances as tol;
@@ -188,7 +189,7 @@ fn visible(data: &DataLayout, mut work: Columns) -> (Visible, Vec<Finding>) {
     if windowed {
         warnings.push(broadened());
     }
-    let noise = fourth_difference_noise(&work.b, (work.lines() / 20).clamp(30, 400));
+    let noise = fourth_difference_noise(&work.b, noise_window(work.lines()));
     let seen = peaks(&work, &line_energy(&work.b), &noise);
     let rows = thinned(&work, &seen);
     let seen = Visible {
@@ -254,7 +255,7 @@ fn join(work: &Columns, finished: &[Finished]) -> (Vec<Evidence>, Vec<f64>) {
     if finished.len() > 1 {
         all.dedup_by(|b, a| {
             (a.lambda - b.lambda).norm()
-                < 0.5 * a.lambda.im.max(b.lambda.im).max(work.spacing(a.lambda.re))
+                < SAME_POLE * a.lambda.im.max(b.lambda.im).max(work.spacing(a.lambda.re))
         });
     }
     // where sections overlap the later one's error model stands: both saw the lines
@@ -315,7 +316,11 @@ fn unexplained<'a>(
 ) -> impl Iterator<Item = &'a Peak> {
     let explains = |peak: &Peak, pole: Complex64| {
         (pole.re - peak.lambda.re).abs()
-            < 1.5 * peak.lambda.im.max(pole.im.min(2.0 * peak.lambda.im))
+            < EXPLAINS
+                * peak
+                    .lambda
+                    .im
+                    .max(pole.im.min(PEAK_WIDTHS * peak.lambda.im))
     };
     let accepted = move |peak: &Peak| {
         evidence.iter().zip(graded).any(|(e, (grade, _))| {

@@ -1,5 +1,6 @@
 //! The record that a search is part of.
 
+use super::limits::NOISE_WINDOW;
 use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
 use ndarray::Array1;
@@ -24,4 +25,10 @@ pub(crate) struct Record<'a> {
     pub leaks: bool,
     /// Hz per √x.
     pub hz: f64,
+}
+
+/// Half window, in lines, of the noise under the peaks of `lines` lines.
+pub(crate) fn noise_window(lines: usize) -> usize {
+    let (one_in, least, most) = NOISE_WINDOW;
+    (lines / one_in).clamp(least, most)
 }

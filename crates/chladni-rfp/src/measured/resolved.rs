@@ -1,7 +1,7 @@
 //! Isolated modes that the lines resolve: what the peak itself says, free of the error
 //! model.
 
-use super::limits::{ALONE, RESOLVED_LINES, WINDOW};
+use super::limits::{ALONE, ALONE_OF_OTHER, RESOLVED_LEAST_LINES, RESOLVED_LINES, WINDOW};
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::measured::sandwich::variances;
@@ -24,7 +24,9 @@ pub(crate) fn refine_resolved(
     let mut lambda = refined.lambda.clone();
     for (q, slot) in lambda.iter_mut().enumerate() {
         let pole = refined.lambda[q];
-        let far = |p: &Complex64| (p.re - pole.re).abs() > (ALONE * pole.im).max(2.0 * p.im.abs());
+        let far = |p: &Complex64| {
+            (p.re - pole.re).abs() > (ALONE * pole.im).max(ALONE_OF_OTHER * p.im.abs())
+        };
         let alone = refined
             .lambda
             .iter()
@@ -33,7 +35,7 @@ pub(crate) fn refine_resolved(
         if !plain.in_band(pole) || pole.im < RESOLVED_LINES * plain.spacing(pole.re) || !alone {
             continue;
         }
-        let window = plain.window(pole, WINDOW, 6);
+        let window = plain.window(pole, WINDOW, RESOLVED_LEAST_LINES);
         let local = plain.rows(window.clone());
         // the mode's own part and the residual, without everything else
         let own = matmul(

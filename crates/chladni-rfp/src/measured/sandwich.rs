@@ -1,6 +1,7 @@
 //! Covariance from the residual as it is: H⁻¹GH⁻¹ with neighbouring lines correlated
 //! (theory.md, eq. 23).
 
+use super::limits::{LAGS, LAGS_ONE_IN};
 use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::{covariance, kept_share};
@@ -44,8 +45,8 @@ pub(crate) fn variances(
                 return f64::INFINITY;
             }
             let pole = refined.lambda[q];
-            let lag_most =
-                ((4.0 * pole.im / work.spacing(pole.re)) as usize).clamp(1, work.lines() / 4);
+            let lag_most = ((LAGS * pole.im / work.spacing(pole.re)) as usize)
+                .clamp(1, work.lines() / LAGS_ONE_IN);
             let column = influence.column(q);
             let at = |lag: usize| -> f64 {
                 (lag..work.lines())

@@ -1,6 +1,9 @@
 //! The search for modes in one section: votes, error model, local tests, twins.
 
-use super::limits::{APART, RESEED, RESEED_BELOW, RESEED_OVER_NOISE_DB, WEIGHT_ROUNDS};
+use super::limits::{
+    APART, BASE_LEAST, NEAREST_LINES, ODD_EVEN_SIGMAS, OWNED_BEYOND, OWN_POLE_FARTHEST, RESEED,
+    RESEED_BELOW, RESEED_OVER_NOISE_DB, SHADOW, STRONG_DB, WEIGHT_ROUNDS,
+};
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::options::Asked;
@@ -10,7 +13,7 @@ use crate::measured::consensus::consensus;
 use crate::measured::error_model::NoiseModel;
 use crate::measured::evidence::{look, Evidence};
 use crate::measured::local::{add, one_column_gains, remove, remove_unneeded, try_add};
-use crate::measured::record::Record;
+use crate::measured::record::{noise_window, Record};
 use crate::measured::resolved::refine_resolved;
 use crate::measured::sandwich::variances;
 use crate::measured::twins::{merge, own_poles};
@@ -61,12 +64,12 @@ impl<'a> Search<'a> {
         let strongest = seen.iter().map(|p| p.level_db).fold(f64::MIN, f64::max);
         let strong: Vec<Complex64> = seen
             .iter()
-            .filter(|p| p.level_db > strongest - 30.0)
+            .filter(|p| p.level_db > strongest - STRONG_DB)
             .map(|p| p.lambda)
             .collect();
         let second =
             (strong.len() * 2 < seeds.len() && !strong.is_empty()).then_some(strong.as_slice());
-        let base = asked.unwrap_or(0).max(seeds.len()).max(4);
+        let base = asked.unwrap_or(0).max(seeds.len()).max(BASE_LEAST);
         let votes = consensus(&weighted, &seeds, base, second, &POWERS)?;
         let (start, origin): (Vec<Complex64>, Vec<Origin>) = votes.into_iter().unzip();
         let refined = refine(
@@ -137,7 +140,7 @@ impl<'a> Search<'a> {
     fn residual(&self) -> Array2<Complex64> {
         let mut out = self.candidates.refined.projection.residual.clone();
         for (k, mut row) in out.rows_mut().into_iter().enumerate() {
-            let ratio = self.weighted.g[k] / self.plain.g[k].max(1e-300);
+            let ratio = self.weighted.g[k] / self.plain.g[k].max(tol::TINY);
             row.mapv_inplace(|v| v / ratio);
         }
         out
@@ -148,7 +151,7 @@ impl<'a> Search<'a> {
         let residual = self
             .weighted
             .with_columns(self.candidates.refined.projection.residual.clone());
-        let noise = fourth_difference_noise(&residual.b, (residual.lines() / 20).clamp(30, 400));
+        let noise = fourth_difference_noise(&residual.b, noise_window(residual.lines()));
         let mut changed = false;
         for peak in peaks(&residual, &line_energy(&residual.b), &noise)
             .into_iter()
@@ -179,7 +182,7 @@ impl<'a> Search<'a> {
                     .any(|(o, other)| o != q && in_band(other) && near(other))
             };
             let doubtful = |q: usize| match self.candidates.origin[q] {
-                Origin::Agreed { score, .. } if score >= 0.75 => {
+                Origin::Agreed { score, .. } if score >= SHADOW.0 => {
                     look(
                         self.record,
                         &self.plain,
@@ -188,7 +191,7 @@ impl<'a> Search<'a> {
                         q,
                     )
                     .part
-                        < 0.1
+                        < SHADOW.1
                 }
                 _ => true,
             };
@@ -204,8 +207,8 @@ impl<'a> Search<'a> {
     /// True where the pole is this section's to report; half a width beyond a cut counts,
     /// its twin is dropped later.
     pub fn owns(&self, pole: Complex64) -> bool {
-        self.section.core.start - 0.5 * pole.im <= pole.re
-            && pole.re < self.section.core.end + 0.5 * pole.im
+        self.section.core.start - OWNED_BEYOND * pole.im <= pole.re
+            && pole.re < self.section.core.end + OWNED_BEYOND * pole.im
     }
 
     /// Owned modes that may be dropped where the user asks for fewer, and the one of least
@@ -331,8 +334,8 @@ impl<'a> Search<'a> {
         let refined = &self.candidates.refined;
         let (robust, white) = variances(&self.weighted, refined)?;
         let gains = one_column_gains(&self.weighted, refined, 0)?;
-        let without_two = one_column_gains(&self.weighted, refined, 2)?;
-        let without_four = one_column_gains(&self.weighted, refined, 4)?;
+        let without_two = one_column_gains(&self.weighted, refined, NEAREST_LINES[0])?;
+        let without_four = one_column_gains(&self.weighted, refined, NEAREST_LINES[1])?;
         let residual = self.residual();
         let mut evidence = Vec::new();
         for q in 0..refined.lambda.len() {
@@ -347,7 +350,7 @@ impl<'a> Search<'a> {
                 e.scatter = Some(scatter / pole.im);
                 deviation = deviation.max(scatter / (frfs as f64).sqrt());
             }
-            deviation = deviation.max(e.odd_even().unwrap_or(0.0) * pole.im / 4.0);
+            deviation = deviation.max(e.odd_even().unwrap_or(0.0) * pole.im / ODD_EVEN_SIGMAS);
             e.deviation = deviation / pole.im;
             evidence.push(e);
         }
@@ -412,7 +415,10 @@ fn weighted_scatter(refined: &Refined, q: usize, own: &[Complex64]) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
     for (p, r) in own.iter().zip(refined.coefficients.row(q)) {
         let weight = r.norm_sqr();
-        sum += weight * (p - pole).norm_sqr().min(4.0 * pole.im * pole.im);
+        sum += weight
+            * (p - pole)
+                .norm_sqr()
+                .min(OWN_POLE_FARTHEST * pole.im * pole.im);
         total += weight;
     }
     if total > 0.0 {

@@ -1,7 +1,9 @@
 //! Twins: two poles that stand for one mode which moves between FRFs (roving mass,
 //! temperature).
 
-use super::limits::{OWN_OVER_PAIR, SAME_SHAPE_MAC, TWINS_NEAR};
+use super::limits::{
+    OWN_OVER_PAIR, SAME_SHAPE_MAC, SHAPE_LEAST_COLUMNS, TWINS_NEAR, TWINS_STEPS, TWINS_WINDOW,
+};
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::{Candidates, Change};
@@ -26,7 +28,11 @@ pub(crate) fn own_poles(
         .map(|&q| refined.lambda[q].im)
         .fold(0.0, f64::max);
     let rows: Vec<usize> = work
-        .window(Complex64::new(centre.re, width), 6.0, 8)
+        .window(
+            Complex64::new(centre.re, width),
+            TWINS_WINDOW.0,
+            TWINS_WINDOW.1,
+        )
         .collect();
     let local = work.select(&rows);
     let mut shapes = basis(&local, &refined.lambda, &refined.powers);
@@ -54,7 +60,7 @@ pub(crate) fn own_poles(
             &local.with_columns(column),
             &[Complex64::new(centre.re, width)],
             &[0],
-            20,
+            TWINS_STEPS,
             tol::ROUGH_STEP,
         )?;
         own.push(single.lambda[0]);
@@ -127,7 +133,7 @@ fn find(
         }
         let (own, own_sse, pair_sse) = own_poles(work, refined, &[a, b])?;
         let shape = |q: usize| refined.coefficients.row(q).to_vec();
-        let same_shape = work.columns() >= 3
+        let same_shape = work.columns() >= SHAPE_LEAST_COLUMNS
             && crate::validation::mac::mac(&shape(a), &shape(b)) > SAME_SHAPE_MAC;
         if own_sse < OWN_OVER_PAIR * pair_sse || same_shape {
             return Ok(Some((a, b, own)));

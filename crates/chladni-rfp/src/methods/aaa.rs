@@ -24,7 +24,7 @@
 //! P. Lietaert, K. Meerbergen, J. Pérez, B. Vandereycken, IMA J. Numer. Anal. 42 (2022)
 //! 1087–1115 (set-valued).
 
-use super::limits::{POLISHING_STEPS, REPRODUCED};
+use super::limits::{POLISHING_STEP, POLISHING_STEPS, REPRODUCED};
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
@@ -164,7 +164,7 @@ impl Barycentric {
             }
             let step = value / slope;
             // a long step would leave for another zero
-            if !step.is_finite() || step.norm() > 0.1 * pole.im.abs() {
+            if !step.is_finite() || step.norm() > POLISHING_STEP * pole.im.abs() {
                 break;
             }
             pole -= step;

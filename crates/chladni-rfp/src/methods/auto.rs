@@ -4,7 +4,7 @@
 use super::limits::MOSTLY_LEFT;
 use crate::damping::structural::POWERS;
 use crate::data::options::FitOptions;
-use crate::data::outliers::{self, single_lines};
+use crate::data::outliers::single_lines;
 use crate::data::products::Projected;
 use crate::data::source::{By, Source, Way};
 use crate::data::watch::Watch;
@@ -13,6 +13,7 @@ use crate::methods::found::Stabilization;
 use crate::model::build::Shaped;
 use crate::model::decide::decide;
 use crate::model::in_law::in_law;
+use crate::model::outlier_lines::outlier_lines;
 use crate::poles::chain::{fast_chain, Chain, Outcome};
 use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
 use crate::poles::prune::unphysical;
@@ -100,7 +101,7 @@ pub(crate) fn auto<S: Source>(
     let measured = found.measured;
     let (model, left) = finished(data, found, options, watch)?;
     let outliers = match data.values().filter(|_| sought && measured) {
-        Some(values) => outliers::outliers(values, &model),
+        Some(values) => outlier_lines(values, &model),
         None => Vec::new(),
     };
     if !outliers.is_empty() {

@@ -13,7 +13,9 @@ use crate::data::options::FitOptions;
 use crate::data::peaks::Peak;
 use crate::data::screening::Screened;
 use crate::methods::equation_error::largest_order;
-use crate::methods::limits::{ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS};
+use crate::methods::limits::{
+    CUT_LEAVES_ONE_IN, LINES_IN_PARTS, ORDER_HELD, PEAKS_PER_BAND, SPARE_PAIRS,
+};
 use crate::methods::survey::Survey;
 use chladni_frf::Finding;
 use ndarray::Array1;
@@ -119,7 +121,7 @@ fn split(visible: &[Peak], mean: &Array1<f64>, rows: Range<usize>, bands: &mut V
         });
         return;
     }
-    let quarter = visible.len() / 4;
+    let quarter = visible.len() / CUT_LEAVES_ONE_IN;
     let cut = (quarter..visible.len() - quarter - 1)
         .map(|left| {
             let (a, b) = (visible[left].row, visible[left + 1].row);
@@ -144,7 +146,7 @@ fn share(bands: &mut [Band], visible: usize, asked: Option<usize>) {
     for _ in visible..asked.unwrap_or(visible) {
         if let Some(roomy) = bands
             .iter_mut()
-            .max_by_key(|band| 1000 * band.rows.len() / (band.order + 1))
+            .max_by_key(|band| LINES_IN_PARTS * band.rows.len() / (band.order + 1))
         {
             roomy.order += 1;
         }

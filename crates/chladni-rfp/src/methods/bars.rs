@@ -15,20 +15,19 @@ use crate::data::information::covariance;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use crate::data::watch::Watch;
-use crate::methods::found::Stabilization;
-use crate::methods::found::{Finder, MethodPoles};
-use crate::methods::lscf::lscf;
+use crate::methods::found::{Finder, MethodPoles, Stabilization};
 use crate::methods::selection::{rises, variance_left};
 use crate::methods::survey::{Compressed, Survey};
 use crate::model::build::Shaped;
 use crate::model::identified::Identified;
-use crate::poles::estimate::{self, Grade};
+use crate::poles::estimate;
 use crate::poles::limits::UNCERTAIN;
+use crate::poles::pole::Grade;
 use crate::poles::pole::{structural_pole, viscous_pole, Pole};
-use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Projection, Refined};
+use crate::poles::significance::threshold;
 use crate::tolerances as tol;
-use chladni_frf::{Damping, Finding, FrfSet, ModalModel, Reason, Trust};
+use chladni_frf::{Damping, Finding, ModalModel, Reason, Trust};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -104,20 +103,6 @@ fn mostly_unexplained(relative_error: f64) -> Finding {
     Finding::fault("mostly-unexplained", words)
         .value("relative_error", relative_error)
         .help("use the method auto, or fit a narrower band")
-}
-
-/// Poles of rising order for a stabilization diagram, by the method lscf in the band of
-/// `options`.
-///
-/// # Errors
-/// [`FitError`]: as [`crate::fit()`]; [`FitError::UnevenAxis`].
-pub fn stabilization(frf: &FrfSet, options: &FitOptions) -> Result<Stabilization, FitError> {
-    let data = Screened::new(frf, options)?;
-    let survey = Survey::new(&data, options.seed);
-    let columns = survey.compress()?;
-    Ok(lscf(&survey, &columns, options)?
-        .stabilization
-        .unwrap_or_default())
 }
 
 /// Takes poles of pure resonances to those of the lines that a window broadens: no method

@@ -23,7 +23,10 @@
 //! Trans. Instrum. Meas. 25 (1976) 8–14 (circle). P. J. Petersan, S. M. Anlage, J. Appl.
 //! Phys. 84 (1998) 3392–3402 (angle against frequency).
 
-use super::limits::{ANGLE_STEPS, ARC_HALF_WIDTHS, ARC_LEAST_LINES, ROUND};
+use super::limits::{
+    ANGLE_STEP, ANGLE_STEPS, ANGLE_STILL, ARC_HALF_WIDTHS, ARC_LEAST_LINES, CIRCLE_LEAST_POINTS,
+    CIRCLE_ROUNDING, ROUND,
+};
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
@@ -127,13 +130,18 @@ fn resonance(x: &[f64], points: &[Complex64], start: Complex64) -> Option<(Compl
     let angles: Vec<f64> = points.iter().map(|p| (p - centre).arg()).collect();
     let pole = from_angles(x, &angles, start)?;
     let inside = pole.re >= x[0] && pole.re <= x[x.len() - 1];
-    inside.then(|| (pole, (radius / misfit.max(1e-12 * radius)).powi(2)))
+    inside.then(|| {
+        (
+            pole,
+            (radius / misfit.max(CIRCLE_ROUNDING * radius)).powi(2),
+        )
+    })
 }
 
 /// Centre and radius that minimise Σ(|p|² − 2 Re c̄p + q)².
 fn kasa(points: &[Complex64]) -> Option<(Complex64, f64)> {
     let scale = points.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    if points.len() < 4 || scale == 0.0 {
+    if points.len() < CIRCLE_LEAST_POINTS || scale == 0.0 {
         return None;
     }
     let unit: Vec<Complex64> = points.iter().map(|p| p / scale).collect();
@@ -178,10 +186,10 @@ fn from_angles(x: &[f64], angles: &[f64], start: Complex64) -> Option<Complex64>
         }
         let step = solve_hermitian(normal.view(), right.view()).ok()?;
         let move_by = Complex64::new(step[[1, 0]], step[[2, 0]]) * pole.im;
-        let short = (0.5 * pole.im / move_by.norm()).min(1.0);
+        let short = (ANGLE_STEP * pole.im / move_by.norm()).min(1.0);
         pole += move_by * short;
         psi += step[[0, 0]] * short;
-        if move_by.norm() < 1e-12 * pole.im {
+        if move_by.norm() < ANGLE_STILL * pole.im {
             break;
         }
     }

@@ -4,6 +4,7 @@
 use crate::data::screening::Screened;
 use crate::methods::bands::Band;
 use crate::methods::equation_error::{BandEquations, Root};
+use crate::methods::found::negative_damping;
 use crate::methods::limits::{BROADEST, CONDITION_HELD, MOST_UNCERTAIN};
 use chladni_frf::Finding;
 use num_complex::Complex64;
@@ -83,19 +84,4 @@ pub(crate) fn health(
         ));
     }
     warnings
-}
-
-/// The finding where most poles of a band gain energy; `label` ends with a colon and a
-/// blank, or is empty.
-pub(crate) fn negative_damping(label: &str, negative: usize, all: usize) -> Finding {
-    Finding::caution(
-        "negative-damping",
-        format!(
-            "{label}{negative} of {all} poles in the band have negative damping; the data may \
-             follow e^(-jwt), or hold no mode"
-        ),
-    )
-    .value("poles_negative", negative as f64)
-    .value("poles", all as f64)
-    .help("read the data with the other time sign, if they follow e^(-jwt)")
 }

@@ -119,3 +119,18 @@ pub struct Stabilization {
     /// Poles by order, then by frequency.
     pub poles: Vec<OrderPole>,
 }
+
+/// The finding where most poles of a band gain energy; `label` ends with a colon and a
+/// blank, or is empty.
+pub(crate) fn negative_damping(label: &str, negative: usize, all: usize) -> Finding {
+    Finding::caution(
+        "negative-damping",
+        format!(
+            "{label}{negative} of {all} poles in the band have negative damping; the data may \
+             follow e^(-jwt), or hold no mode"
+        ),
+    )
+    .value("poles_negative", negative as f64)
+    .value("poles", all as f64)
+    .help("read the data with the other time sign, if they follow e^(-jwt)")
+}

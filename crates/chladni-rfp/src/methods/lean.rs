@@ -18,7 +18,7 @@
 //!
 //! Equations: theory.md, section 2.
 
-use super::limits::BROAD;
+use super::limits::{BROAD, HELPERS_AT};
 use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
@@ -30,9 +30,9 @@ use crate::methods::survey::Survey;
 use crate::methods::vf::{pool, signed};
 use crate::poles::estimate::{graded, PoleEstimate};
 use crate::poles::pool::Products;
-use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, refined_poles, removable, Refined};
 use crate::poles::scan::usual_loss;
+use crate::poles::significance::threshold;
 use crate::tolerances as tol;
 use chladni_linalg::{qr_thin, LinalgError};
 use num_complex::Complex64;
@@ -73,8 +73,8 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions) -> Result<PoleEstimate
     let needed = needed(&projected.work, &rough, data.pairs.len())?;
     let refined = fine(&projected.work, &needed, options, data.pairs.len())?;
     let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();
-    let variance =
-        (projected.line_residual(&refined.projection.residual).sum() / freedom as f64).max(1e-30);
+    let variance = (projected.line_residual(&refined.projection.residual).sum() / freedom as f64)
+        .max(tol::VARIANCE_LEAST);
     let found = inside(&projected.work, &refined.lambda);
     let (grades, spread) = graded(&refined, &projected.work, variance);
     Ok(PoleEstimate {
@@ -145,7 +145,7 @@ fn beyond(work: &Columns, lambda: &[Complex64]) -> impl Iterator<Item = Complex6
     let (low, high) = work.range();
     let (loss, reach) = (
         usual_loss(work, lambda),
-        2.0 * (high - low) / lambda.len().max(1) as f64,
+        HELPERS_AT * (high - low) / lambda.len().max(1) as f64,
     );
     [low - reach, high + reach]
         .into_iter()

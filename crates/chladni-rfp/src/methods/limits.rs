@@ -1,4 +1,6 @@
 //! Limits of the classic methods.
+//!
+//! Where no origin is named, a value is judgement: nobody has calibrated it.
 
 /// Numerator terms beyond two per mode, for modes outside the band. Zero to four do
 /// equally well once there are spare pole pairs.
@@ -40,6 +42,8 @@ pub(super) const REPRODUCED: f64 = 1e-13;
 /// Newton steps on the denominator after the eigenvalues, which lose digits where the sum
 /// of the weights is small.
 pub(super) const POLISHING_STEPS: usize = 3;
+/// Half-bandwidths of a step beyond which it would leave for another zero.
+pub(super) const POLISHING_STEP: f64 = 0.1;
 
 // auto.rs
 
@@ -67,6 +71,14 @@ pub(super) const ARC_LEAST_LINES: usize = 3;
 pub(super) const ANGLE_STEPS: usize = 12;
 /// Part of its diameter that the points may miss a circle by (rms) and still count.
 pub(super) const ROUND: f64 = 0.2;
+/// Fewest points of a circle with a centre, a radius and a misfit.
+pub(super) const CIRCLE_LEAST_POINTS: usize = 4;
+/// Misfit over the radius below which it is rounding.
+pub(super) const CIRCLE_ROUNDING: f64 = 1e-12;
+/// Largest step of the pole, half-bandwidths, and that which ends the fit.
+pub(super) const ANGLE_STEP: f64 = 0.5;
+/// See [`ANGLE_STEP`].
+pub(super) const ANGLE_STILL: f64 = 1e-12;
 
 // clusters.rs
 
@@ -116,6 +128,9 @@ pub(super) const VANISHING: f64 = 1e-16;
 /// Loss factor over the usual one from which a pole of the band, beyond as many as are
 /// asked for or visible, is no mode.
 pub(super) const BROAD: f64 = 3.0;
+/// Mean distances of modes beyond the ends of the band at which poles stand for what lies
+/// there.
+pub(super) const HELPERS_AT: f64 = 2.0;
 
 // local.rs
 
@@ -128,8 +143,11 @@ pub(super) const CLUSTER_SPACINGS: f64 = 0.25;
 pub(super) const CLUSTER_SHARE: usize = 3;
 /// Members from which the scatter says more than the single fits.
 pub(super) const SCATTER_MEMBERS: usize = 6;
+/// Standard deviation over the median absolute deviation, and that of a median over that
+/// of a mean, of normal scatter (1/Φ⁻¹(3/4) and √(π/2)).
+pub(super) const OF_NORMAL_SCATTER: (f64, f64) = (1.4826, 1.2533);
 
-// lscf.rs
+// stabilization.rs, the highest order
 
 /// Highest order: poles per expected mode, and more for what lies outside the band. Twice
 /// per mode misses weak modes, four times doubles the time for a third less bias.
@@ -161,11 +179,15 @@ pub(super) const MOST_RIDGE: f64 = 1e-6;
 /// Outputs whose normal equations are summed one after the other, for sums that do not
 /// depend on threads.
 pub(super) const OUTPUTS_TOGETHER: usize = 8;
+/// Ridge after one that did not do, over it.
+pub(super) const RIDGE_UP: f64 = 10.0;
 
 // peak.rs
 
 /// Least drop of power on one side of a peak that says something about its width.
 pub(super) const LEAST_DROP: f64 = 1.2;
+/// Rise of power over the lowest on the way from a peak at which its flank ends.
+pub(super) const FLANK_ENDS: f64 = 2.0;
 
 // plane.rs
 
@@ -201,6 +223,8 @@ pub(super) const TWINS: f64 = 0.5;
 pub(super) const BACKGROUND: f64 = 4.0;
 /// Variance of a residue over that of its pole alone beyond which the pole adds nothing.
 pub(super) const MOST_INFLATION: f64 = 1e10;
+/// Part of that distance within which a pole stands for it already.
+pub(super) const HELPER_TAKEN: f64 = 0.5;
 
 // sanathanan_koerner.rs
 
@@ -232,6 +256,10 @@ pub(super) const HEAVIEST: f64 = 0.2;
 pub(super) const BEYOND: f64 = 0.1;
 /// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
 pub(super) const STABILIZATION_CLUSTER_SPACINGS: f64 = 0.25;
+/// Orders that must agree at least.
+pub(super) const AGREED_LEAST: f64 = 2.0;
+/// Lines per mode at least.
+pub(super) const LINES_PER_MODE: usize = 3;
 
 // survey.rs
 
@@ -241,6 +269,8 @@ pub(super) const NOISE_HALF_WINDOW: usize = 40;
 /// Poles beyond the modes asked for: they take up noise and what lies outside the band.
 /// The reference panel needs four.
 pub(super) const SPARE_POLES: usize = 6;
+/// Modes to expect over those that show: a third more.
+pub(super) const EXPECTED: (usize, usize) = (4, 3);
 
 // vf.rs
 
@@ -260,3 +290,10 @@ pub(super) const WINDOWS_SPARE_POLES: usize = 6;
 pub(super) const LEEWAY: f64 = 0.35;
 /// Lines beyond twice the order that a fraction needs.
 pub(super) const LEAST_LINES: usize = 8;
+
+// bands.rs
+
+/// One in so many peaks is left on each side of a cut.
+pub(super) const CUT_LEAVES_ONE_IN: usize = 4;
+/// Parts that lines per mode are compared in, as whole numbers.
+pub(super) const LINES_IN_PARTS: usize = 1000;

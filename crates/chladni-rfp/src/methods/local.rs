@@ -26,7 +26,9 @@
 //! M. H. Richardson, D. L. Formenti, *Parameter estimation from frequency response
 //! measurements using rational fraction polynomials*, Proc. IMAC 1 (1982) 167–181.
 
-use super::limits::{CLUSTER_SHARE, CLUSTER_SPACINGS, FRFS_USED, SCATTER_MEMBERS};
+use super::limits::{
+    CLUSTER_SHARE, CLUSTER_SPACINGS, FRFS_USED, OF_NORMAL_SCATTER, SCATTER_MEMBERS,
+};
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
@@ -153,7 +155,7 @@ fn summary(roots: &[Root]) -> Root {
     let quantities = |root: &Root| [root.s.norm(), -2.0 * root.s.re / root.s.norm()];
     // standard deviation from the median absolute deviation, and of a median relative to
     // that of a mean, normal scatter
-    let (from_mad, of_median) = (1.4826, 1.2533);
+    let (from_mad, of_median) = OF_NORMAL_SCATTER;
     let shrink = |members: usize| {
         if members > 2 {
             of_median / (members as f64).sqrt()

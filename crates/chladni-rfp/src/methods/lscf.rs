@@ -22,13 +22,14 @@
 //! Auweraer, P. Guillaume, P. Verboven, S. Vanlanduit, J. Dyn. Syst. Meas. Control 123
 //! (2001) 651–658.
 
-use super::limits::{LINES_PER_POLE, MORE_POLES, POLES_PER_MODE};
 use crate::data::error::FitError;
 use crate::data::options::{FitOptions, Method};
-use crate::methods::found::MethodPoles;
+use crate::data::screening::Screened;
+use crate::methods::found::{MethodPoles, Stabilization};
 use crate::methods::matrix_fraction::{Circle, MatrixFraction};
-use crate::methods::stabilization::Ladder;
+use crate::methods::stabilization::{highest, Ladder};
 use crate::methods::survey::{Compressed, Survey};
+use chladni_frf::FrfSet;
 use ndarray::Axis;
 
 /// Poles by LSCF with stabilization.
@@ -51,9 +52,16 @@ pub(crate) fn lscf(
     )?)
 }
 
-/// Poles of the highest order.
-pub(crate) fn highest(expected: usize, survey: &Survey) -> usize {
-    (POLES_PER_MODE * expected + MORE_POLES)
-        .min(survey.data.lines.len() / LINES_PER_POLE)
-        .max(1)
+/// Poles of rising order for a stabilization diagram, by the method lscf in the band of
+/// `options`.
+///
+/// # Errors
+/// [`FitError`]: as [`crate::fit()`]; [`FitError::UnevenAxis`].
+pub fn stabilization(frf: &FrfSet, options: &FitOptions) -> Result<Stabilization, FitError> {
+    let data = Screened::new(frf, options)?;
+    let survey = Survey::new(&data, options.seed);
+    let columns = survey.compress()?;
+    Ok(lscf(&survey, &columns, options)?
+        .stabilization
+        .unwrap_or_default())
 }

@@ -24,7 +24,7 @@
 //!
 //! Cost: 8·n³·r²·outputs flop for order n, 25·(nr)³ for the eigenvalues at each order.
 
-use super::limits::{GAP, MOST_RIDGE, OUTPUTS_TOGETHER, RIDGE, SPARSEST, UNEVEN};
+use super::limits::{GAP, MOST_RIDGE, OUTPUTS_TOGETHER, RIDGE, RIDGE_UP, SPARSEST, UNEVEN};
 use crate::data::error::FitError;
 use crate::data::options::Method;
 use crate::methods::survey::Survey;
@@ -125,7 +125,7 @@ fn factored(mut matrix: Array2<Complex64>) -> Result<Array2<Complex64>, LinalgEr
         matrix.diag_mut().mapv_inplace(|v| v + ridge);
         match cholesky(matrix.view()) {
             Err(LinalgError::NotPositiveDefinite { .. }) if ridge < MOST_RIDGE * scale => {
-                ridge *= 10.0
+                ridge *= RIDGE_UP
             }
             result => return result,
         }

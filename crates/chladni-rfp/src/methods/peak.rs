@@ -16,7 +16,7 @@
 //! the frequency is known to a fraction of the line spacing at best. It is here to teach,
 //! and for a first look.
 
-use super::limits::LEAST_DROP;
+use super::limits::{FLANK_ENDS, LEAST_DROP};
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::found::MethodPoles;
@@ -115,7 +115,7 @@ fn half_width(
             let part = ((rise(0.5 * highest) - from) / (to - from)).clamp(0.0, 1.0);
             return Some((x[before] + part * (x[k] - x[before]) - vertex).abs());
         }
-        if power[k] > 2.0 * power[lowest] {
+        if power[k] > FLANK_ENDS * power[lowest] {
             break;
         }
         if power[k] < power[lowest] {

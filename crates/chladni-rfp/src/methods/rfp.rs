@@ -31,7 +31,7 @@ use crate::damping::structural::POWERS;
 use crate::damping::verdict::{verdict, Fitted};
 use crate::data::error::FitError;
 use crate::data::options::{FitOptions, RfpWeight};
-use crate::methods::classic::negative_damping;
+use crate::methods::found::negative_damping;
 use crate::methods::found::MethodPoles;
 use crate::methods::local::local;
 use crate::methods::plane::Plane;

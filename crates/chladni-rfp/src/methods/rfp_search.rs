@@ -1,7 +1,9 @@
 //! The search of `rfp` in the plane of one law: poles of each band, thinned, then
 //! one fraction for all that is left.
 
-use super::limits::{BACKGROUND, CLAIM, LAST_STEPS, MOST_INFLATION, REWEIGHTED, TWINS};
+use super::limits::{
+    BACKGROUND, CLAIM, HELPERS_AT, HELPER_TAKEN, LAST_STEPS, MOST_INFLATION, REWEIGHTED, TWINS,
+};
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::options::{FitOptions, RfpWeight};
@@ -12,9 +14,10 @@ use crate::methods::sanathanan_koerner::sanathanan_koerner;
 use crate::methods::selection::{inside, left_by};
 use crate::methods::survey::{Compressed, Survey};
 use crate::methods::windows::{order, windows, Window};
-use crate::poles::prune::{threshold, unphysical};
+use crate::poles::prune::unphysical;
 use crate::poles::refine::removable;
 use crate::poles::scan::usual_loss;
+use crate::poles::significance::threshold;
 use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
@@ -239,9 +242,13 @@ fn drop_background(work: &Columns, poles: &mut Vec<Complex64>, least: usize) {
 /// more than the bands found.
 fn helpers<'a>(work: &'a Columns, poles: &'a [Complex64]) -> impl Iterator<Item = Complex64> + 'a {
     let (low, high) = work.range();
-    let reach = 2.0 * (high - low) / poles.len().max(1) as f64;
+    let reach = HELPERS_AT * (high - low) / poles.len().max(1) as f64;
     let loss = usual_loss(work, poles);
-    let taken = move |x: f64| poles.iter().any(|pole| (pole.re - x).abs() < 0.5 * reach);
+    let taken = move |x: f64| {
+        poles
+            .iter()
+            .any(|pole| (pole.re - x).abs() < HELPER_TAKEN * reach)
+    };
     [low - reach, high + reach]
         .into_iter()
         .filter(move |x| *x > 0.0 && !taken(*x))

@@ -7,8 +7,8 @@
 //! decided by their residues.
 
 use super::limits::{
-    AGREED, BEYOND, HEAVIEST, ORDERS, STABILIZATION_CLUSTER_SPACINGS, STABLE_DAMPING,
-    STABLE_FREQUENCY,
+    AGREED, AGREED_LEAST, BEYOND, HEAVIEST, LINES_PER_MODE, LINES_PER_POLE, MORE_POLES, ORDERS,
+    POLES_PER_MODE, STABILIZATION_CLUSTER_SPACINGS, STABLE_DAMPING, STABLE_FREQUENCY,
 };
 use crate::data::options::FitOptions;
 use crate::methods::clusters::{clusters, median_pole};
@@ -21,6 +21,13 @@ use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+
+/// The highest order looked at, in poles.
+pub(crate) fn highest(expected: usize, survey: &Survey) -> usize {
+    (POLES_PER_MODE * expected + MORE_POLES)
+        .min(survey.data.lines.len() / LINES_PER_POLE)
+        .max(1)
+}
 
 /// Poles at every order up to the highest.
 pub(crate) struct Ladder {
@@ -83,7 +90,7 @@ impl Ladder {
                     .map(move |(s, _)| (i, *s))
             })
             .collect();
-        let enough = (AGREED * self.orders.len() as f64).max(2.0);
+        let enough = (AGREED * self.orders.len() as f64).max(AGREED_LEAST);
         let [low, high] = [work.range().0.sqrt(), work.range().1.sqrt()];
         let margin = BEYOND * (high - low);
         let near = |s: Complex64| s.im >= low - margin && s.im <= high + margin;
@@ -99,7 +106,7 @@ impl Ladder {
             .map(|members| median_pole(members[members.len() / 2..].iter().map(|&i| settled[i].1)))
             .filter(|s| near(*s))
             .map(|s| -s * s)
-            .take(work.lines() / 3)
+            .take(work.lines() / LINES_PER_MODE)
             .collect();
         let mut found = modes_of(survey, &lambda, options, how)?;
         found.stabilization = Some(self.diagram(survey));

@@ -8,14 +8,14 @@
 //! ratio; no method sees the truth of another's poles. N. Halko, P. G. Martinsson, J. A.
 //! Tropp, SIAM Rev. 53 (2011) 217–288.
 
-use super::limits::{NOISE_HALF_WINDOW, SPARE_POLES};
+use super::limits::{EXPECTED, LINES_PER_MODE, NOISE_HALF_WINDOW, SPARE_POLES};
 use crate::data::columns::{line_energy, Columns};
 use crate::data::options::FitOptions;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::products::project;
 use crate::data::screening::Screened;
 use crate::data::source::Source;
-use crate::poles::start::rank_over_noise;
+use crate::poles::rank::rank_over_noise;
 use crate::tolerances as tol;
 use chladni_linalg::{matmul, qr_thin, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};
@@ -122,14 +122,16 @@ impl<'a> Survey<'a> {
     pub fn expected(&self, columns: &Compressed, options: &FitOptions) -> usize {
         options
             .modes
-            .unwrap_or(self.peaks.len().max(columns.rank) * 4 / 3)
+            .unwrap_or(self.peaks.len().max(columns.rank) * EXPECTED.0 / EXPECTED.1)
             .max(1)
     }
 
     /// Poles to start with for so many modes: some to spare for noise and for what lies
     /// outside the band.
     pub fn pool_size(&self, modes: usize) -> usize {
-        (modes + SPARE_POLES).min(self.data.lines.len() / 3).max(1)
+        (modes + SPARE_POLES)
+            .min(self.data.lines.len() / LINES_PER_MODE)
+            .max(1)
     }
 }
 

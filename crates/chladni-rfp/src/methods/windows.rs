@@ -9,7 +9,7 @@
 use super::limits::{LEAST_LINES, LEEWAY, OVERLAP, WINDOWS_PEAKS_PER_BAND, WINDOWS_SPARE_POLES};
 use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
-use crate::poles::start::visible_rank;
+use crate::poles::rank::visible_rank;
 use chladni_linalg::LinalgError;
 use ndarray::Array1;
 use std::ops::Range;

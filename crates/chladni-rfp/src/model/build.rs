@@ -1,10 +1,10 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
-use crate::damping::block_errors::BlockErrors;
 use crate::damping::verdict::shifts;
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
+use crate::data::window::block_errors::BlockErrors;
 use crate::model::free_fit::{expressible, FreeFit};
 use crate::model::identified::Identified;
 use crate::model::limits;

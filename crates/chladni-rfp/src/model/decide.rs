@@ -85,10 +85,12 @@ fn words_on_law(
         Verdict::IfPhasesTrue(other, degrees) if other != law && !real => {
             Some(verdict::contradicted(law, Some(degrees)))
         }
-        Verdict::IfPhasesTrue(own, degrees) if own == law && free && shift > 1.0 => {
+        Verdict::IfPhasesTrue(own, degrees) if own == law && free && shift > limits::LAW_SHIFTS => {
             Some(verdict::if_phases_true(law, degrees))
         }
-        Verdict::Undecidable if free && shift > 1.0 => Some(verdict::undecidable(law, shift)),
+        Verdict::Undecidable if free && shift > limits::LAW_SHIFTS => {
+            Some(verdict::undecidable(law, shift))
+        }
         _ => None,
     }
 }

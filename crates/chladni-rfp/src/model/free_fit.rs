@@ -173,6 +173,7 @@ impl FreeFit {
 
 /// True where the model's fields can hold the pole.
 pub(crate) fn expressible(damping: Damping, pole: &Pole) -> bool {
-    let values = pole.omega > 1e-6 && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;
+    let values =
+        pole.omega > limits::NO_FREQUENCY && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;
     values && (damping == Damping::Structural || pole.loss_factor < tol::VISCOUS_LOSS_MOST)
 }

@@ -1,5 +1,6 @@
 //! Poles of a model, to be fitted to other FRFs of the same structure.
 
+use crate::damping::measured_model::value_of;
 use crate::data::columns::Columns;
 use crate::model::identified::Identified;
 use crate::model::residues::linear;
@@ -16,15 +17,6 @@ pub(crate) struct GivenPoles {
     poles: Vec<Pole>,
     /// Powers of x of the residual terms.
     pub powers: Vec<i32>,
-}
-
-/// λ (structural) or s (viscous) of a mode in units of `omega_max`² or `omega_max`.
-pub(crate) fn value_of(mode: &Mode, damping: Damping, omega_max: f64) -> Complex64 {
-    let ratio = TAU * mode.frequency_hz / omega_max;
-    match damping {
-        Damping::Structural => ratio * ratio * Complex64::new(1.0, mode.loss_factor),
-        Damping::Viscous => mode.viscous_pole() / omega_max,
-    }
 }
 
 impl GivenPoles {

@@ -2,7 +2,8 @@
 
 use crate::damping::verdict::shift;
 use crate::data::columns::Columns;
-use crate::poles::estimate::{uncertainty_grade, Grade, PoleEstimate};
+use crate::poles::estimate::{uncertainty_grade, PoleEstimate};
+use crate::poles::pole::Grade;
 use crate::poles::pole::{structural_pole, value_in, Pole};
 use crate::shapes::structure::Structured;
 use chladni_frf::{Damping, Finding, Reason, Trust};

@@ -1,5 +1,7 @@
 //! Every constant of this room: meaning, unit, where it comes from, and what happens at other
 //! values where that was tried.
+//!
+//! Where no origin is named, a value is judgement: nobody has calibrated it.
 
 // build.rs
 
@@ -16,6 +18,8 @@ pub(super) const RISE_ROUNDING: f64 = 1e-12;
 /// Loss factor below which the two damping laws differ by less (about η²/4 in frequency)
 /// than measured line shapes can tell.
 pub(super) const LAW_ALIKE: f64 = 0.02;
+/// Error bars that the wrong law must shift a mode by to be worth a word.
+pub(super) const LAW_SHIFTS: f64 = 1.0;
 
 // modes.rs
 
@@ -58,3 +62,10 @@ pub(super) const TRACK_SLOPE_STEP: f64 = 1e-5;
 pub(super) const TRACK_MISFIT: f64 = 3.0;
 /// Misfit that is granted to any model.
 pub(super) const LEAST_MISFIT: f64 = 0.01;
+/// Part of itself by which a loss factor changes at most in a step.
+pub(super) const TRACK_LOSS_STEP: f64 = 0.5;
+
+// free_fit.rs
+
+/// Natural frequency over that of the last line below which a pole has none.
+pub(super) const NO_FREQUENCY: f64 = 1e-6;

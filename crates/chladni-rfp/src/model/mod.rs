@@ -11,5 +11,6 @@ pub(crate) mod in_law;
 mod limits;
 pub(crate) mod modes;
 pub(crate) mod moved_poles;
+pub(crate) mod outlier_lines;
 pub(crate) mod residual_energy;
 pub(crate) mod residues;

@@ -58,7 +58,7 @@ pub fn poles_of(model: &ModalModel, frf: &FrfSet) -> Result<MovedPoles> {
             let [frequency, loss] = [step.change[2 * k], step.change[2 * k + 1]];
             largest = largest.max(frequency.abs() / mode.loss_factor.max(f64::MIN_POSITIVE));
             mode.frequency_hz *= 1.0 + frequency.clamp(-mode.loss_factor, mode.loss_factor);
-            mode.loss_factor *= 1.0 + loss.clamp(-0.5, 0.5);
+            mode.loss_factor *= 1.0 + loss.clamp(-limits::TRACK_LOSS_STEP, limits::TRACK_LOSS_STEP);
             mode.damping_ratio = 0.5 * mode.loss_factor;
         }
         covariance = step.covariance;

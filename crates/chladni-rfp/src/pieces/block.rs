@@ -8,7 +8,7 @@ use crate::data::pair_weights::Giver;
 use crate::data::reading::Usable;
 use crate::data::screening::Screened;
 use crate::data::sketch::{self, Mixing};
-use crate::data::window::told;
+use crate::data::window::told::told;
 use crate::pieces::error::PieceError;
 use crate::pieces::partial::{named, Block, Partial, ProductSums, Run, SketchSums, Sums};
 use crate::pieces::plan::Plan;

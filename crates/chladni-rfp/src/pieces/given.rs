@@ -5,7 +5,7 @@ use crate::data::options::FitOptions;
 use crate::data::products::project;
 use crate::data::screening::Screened;
 use crate::data::source::Source;
-use crate::data::window::told;
+use crate::data::window::told::told;
 use crate::model::build::Shaped;
 use crate::model::given::GivenPoles;
 use crate::pieces::error::PieceError;

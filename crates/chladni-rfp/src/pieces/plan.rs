@@ -2,9 +2,10 @@
 
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
-use crate::data::options::{Effort, FitOptions, Window};
+use crate::data::options::{Effort, FitOptions};
 use crate::data::screening::lines_in_band;
-use crate::data::window::record_s;
+use crate::data::window::kinds::Window;
+use crate::data::window::told::record_s;
 use chladni_frf::{Error, FrfKind, FrfSet, ReferenceUnit};
 use ndarray::ArrayView1;
 use serde::{Deserialize, Serialize};

@@ -33,7 +33,7 @@ pub(crate) trait Point: Sized {
 fn step_cap(work: &Columns, lambda: Complex64) -> f64 {
     let (low, high) = work.range();
     let outside = (low - lambda.re).max(lambda.re - high).max(0.0);
-    0.5 * lambda.im + 0.3 * outside
+    limits::STEP_INSIDE * lambda.im + limits::STEP_OUTSIDE * outside
 }
 
 /// A pole after a step as a model can hold it, with a loss and a natural frequency above
@@ -111,7 +111,7 @@ impl<'a> Descent<'a> {
                     Complex64::new(diagonal * (1.0 + self.damping) + f64::MIN_POSITIVE, 0.0);
             }
             let Ok(step) = solve_hermitian(damped.view(), gradient.view()) else {
-                self.damping = (self.damping * 10.0).max(1e-8);
+                self.damping = (self.damping * tol::LM_UP).max(limits::LM_LEAST_UNSOLVED);
                 system = Some((information, gradient));
                 if self.damping > tol::LM_GIVE_UP {
                     return true;
@@ -132,7 +132,7 @@ impl<'a> Descent<'a> {
                 Some(next) if next.sse() <= point.sse() + point.rounding(self.energy) => {
                     self.lambda = trial;
                     *point = next;
-                    self.damping *= 0.1;
+                    self.damping *= tol::LM_DOWN;
                     if enough {
                         return true;
                     }
@@ -140,7 +140,7 @@ impl<'a> Descent<'a> {
                 None if !P::LAST => return false,
                 _ if enough => return true,
                 _ => {
-                    self.damping = (self.damping * 10.0).max(1e-6);
+                    self.damping = (self.damping * tol::LM_UP).max(tol::LM_LEAST);
                     system = Some((information, gradient));
                     if self.damping > tol::LM_GIVE_UP {
                         return true;

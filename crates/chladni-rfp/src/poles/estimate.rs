@@ -4,13 +4,11 @@
 use super::limits::{FAINT, FAINT_OVER_USUAL, UNCERTAIN};
 use crate::data::columns::Columns;
 use crate::data::information::covariance;
+use crate::poles::pole::Grade;
 use crate::poles::refine::Refined;
 use chladni_frf::{Finding, Reason, Trust};
 use ndarray::Array2;
 use num_complex::Complex64;
-
-/// Grade of one pole with its reasons.
-pub(crate) type Grade = (Trust, Vec<Reason>);
 
 /// The poles that a path found.
 #[derive(Debug, Clone)]

@@ -71,8 +71,9 @@ fn misfit(
         size,
         tol::POOL_ITERATIONS,
     )?;
-    let stands_for =
-        |pole: &Complex64, peak: &Peak| (pole.re - peak.lambda.re).abs() < 1.5 * peak.lambda.im;
+    let stands_for = |pole: &Complex64, peak: &Peak| {
+        (pole.re - peak.lambda.re).abs() < limits::PEAK_EXPLAINED * peak.lambda.im
+    };
     let strong: Vec<Complex64> = refined
         .lambda
         .iter()

@@ -1,5 +1,7 @@
 //! Every constant of this room: meaning, unit, where it comes from, and what happens at other
 //! values where that was tried.
+//!
+//! Where no origin is named, a value is judgement: nobody has calibrated it.
 
 // several files
 
@@ -29,6 +31,12 @@ pub(super) const PROMISED: f64 = 1e-6;
 pub(super) const KEPT: f64 = 0.2;
 /// Largest loss factor that a step gives a viscous pole: critical damping is 2.
 pub(super) const LOSS_MOST: f64 = 1.9;
+/// Largest step of a pole, half-bandwidths, and over its distance outside the band.
+pub(super) const STEP_INSIDE: f64 = 0.5;
+/// See [`STEP_INSIDE`].
+pub(super) const STEP_OUTSIDE: f64 = 0.3;
+/// Least damping where the system cannot be solved as it is.
+pub(super) const LM_LEAST_UNSOLVED: f64 = 1e-8;
 
 // first_look.rs
 
@@ -39,6 +47,8 @@ pub(super) const FIRST_LOOK_ABOVE: usize = 50;
 pub(super) const ASKED: usize = 3;
 /// Excess over what white noise allows that a mode missed by a rough fit hardly makes.
 pub(super) const CLEAR: f64 = 3.0;
+/// Half-bandwidths of a peak within which a pole explains it.
+pub(super) const PEAK_EXPLAINED: f64 = 1.5;
 
 // normal.rs
 
@@ -75,6 +85,18 @@ pub(super) const SAME: f64 = 1e-12;
 pub(super) const POOL_SETTLED: f64 = 2e-3;
 /// Part of a basis column outside those before it below which it is rounding.
 pub(super) const DEPENDENT: f64 = 1e-11;
+/// Loss factor of a pole that no peak gives, and its half-bandwidth over the highest x at
+/// least.
+pub(super) const START_LOSS: f64 = 0.01;
+/// See [`START_LOSS`].
+pub(super) const START_WIDTH_LEAST: f64 = 1e-6;
+/// Half-bandwidths of the narrower up to which starting poles are moved apart.
+pub(super) const START_GAP: f64 = 0.05;
+/// Half-bandwidth of a relocated pole over the highest x at least.
+pub(super) const RELOCATED_WIDTH_LEAST: f64 = 1e-9;
+/// Ridge on the scaled normal equations at first, that beyond which something else is
+/// wrong, and the step between.
+pub(super) const POOL_RIDGE: (f64, f64, f64) = (1e-14, 1e-4, 100.0);
 
 // prune.rs
 
@@ -105,6 +127,23 @@ pub(super) const NARROWEST: f64 = 0.01;
 pub(super) const BLOCK: usize = 64;
 /// Loss factor where no pole of the band tells the usual one.
 pub(super) const UNKNOWN_LOSS: f64 = 0.01;
+/// Least x that a loss factor is counted by.
+pub(super) const PLACE_LEAST: f64 = 1e-12;
+/// Places per line at most.
+pub(super) const PLACES_PER_LINE: usize = 4;
+/// Part of a column outside the model below which it is rounding.
+pub(super) const OUTSIDE_LEAST: f64 = 1e-6;
+/// Half-bandwidths of the broader within which a peak of the residual is misfit of a
+/// known pole.
+pub(super) const MISFIT_REACH: f64 = 3.0;
+/// Standard deviations beyond what the largest of all lines reaches by chance.
+pub(super) const PEAK_BEYOND_CHANCE: f64 = 6.0;
+/// Natural frequencies outside the band at which a mode is sought, over that of its end.
+pub(super) const BELOW: [f64; 2] = [0.8, 0.45];
+/// See above.
+pub(super) const ABOVE: [f64; 3] = [1.03, 1.12, 1.35];
+/// Loss factor that such a search begins with.
+pub(super) const OUTSIDE_LOSS: f64 = 0.02;
 
 // sections.rs
 
@@ -128,18 +167,24 @@ pub(super) const LEANS_WITHIN: f64 = 10.0;
 
 /// Rounds of adding poles at residual peaks before the order stands.
 pub(super) const SCAN_ROUNDS: usize = 6;
-/// Natural frequencies outside the band at which a mode is sought, over that of its end.
-pub(super) const BELOW: [f64; 2] = [0.8, 0.45];
-/// See above.
-pub(super) const ABOVE: [f64; 3] = [1.03, 1.12, 1.35];
-/// Loss factor that such a search begins with.
-pub(super) const OUTSIDE_LOSS: f64 = 0.02;
+/// Changes of the order for each of these rounds at most.
+pub(super) const CHANGES_PER_ROUND: usize = 3;
 
 // start.rs
 
 /// Place of a pole of no natural frequency, and the lowest that a step goes to: at so much
 /// of the x of the first line.
 pub(super) const FAR_BELOW: f64 = 0.01;
+/// Poles beside the modes asked for.
+pub(super) const SPARE_ASKED: usize = 6;
+/// Poles of a pool over the directions that stand out of the noise, as a fraction.
+pub(super) const POOL_OVER_RANK: (usize, usize) = (13, 10);
+/// Poles beside these where the noise floor is seen, and where it is not.
+pub(super) const SPARE_SEEN: usize = 6;
+/// See [`SPARE_SEEN`].
+pub(super) const SPARE_UNSEEN: usize = 8;
+/// Lines per pole at least.
+pub(super) const LINES_PER_POLE: usize = 3;
 
 // whiteness.rs
 
@@ -168,6 +213,12 @@ pub(super) const WHITE_FALSE_ALARM: f64 = 0.01;
 /// Share of the data's energy below which a residual is rounding and need not be white:
 /// −140 dB, what no converter resolves.
 pub(super) const EXPLAINED: f64 = 1e-14;
+/// Parts of the band whose noise is compared, and fewest lines of one.
+pub(super) const NOISE_PARTS: usize = 10;
+/// See [`NOISE_PARTS`].
+pub(super) const NOISE_PART_LINES: usize = 16;
+/// Least limit that a look is compared with: rounding.
+pub(super) const LOOK_LEAST: f64 = 1e-12;
 
 // by_hand.rs
 
@@ -189,3 +240,25 @@ pub(crate) const UNCERTAIN: f64 = 0.3;
 pub(super) const FAINT: f64 = 0.01;
 /// See above.
 pub(super) const FAINT_OVER_USUAL: f64 = 300.0;
+
+// rank.rs
+
+/// The noise is told by the singular values behind this share of them, and its floor is
+/// seen where fewer than this share stand out.
+pub(super) const BEFORE_NOISE: (usize, usize) = (3, 4);
+/// Singular value over the largest that noise alone makes, from which on it counts: it
+/// covers the bias of the tail that the noise is told by.
+pub(super) const RANK_OVER_TAIL: f64 = 1.6;
+/// Least |1 − √(columns/lines)| that the limit of noise is divided by: it grows without
+/// bounds for square data.
+pub(super) const SQUARE_LEAST: f64 = 0.2;
+
+// significance.rs
+
+/// Places of a pole per line that are looked at.
+pub(super) const LOOKS_PER_LINE: f64 = 4.0;
+
+// sketched.rs
+
+/// Half window of the noise under the peaks, lines.
+pub(super) const SKETCH_NOISE_HALF_WINDOW: usize = 40;

@@ -9,10 +9,10 @@ use crate::data::products::{energies, Projected};
 use crate::data::screening::Screened;
 use crate::data::source::{By, Source, Way};
 use crate::poles::limits;
-use crate::poles::prune::threshold;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::scan::{residual_peak, Scan};
 use crate::poles::settle::settle;
+use crate::poles::significance::threshold;
 use crate::tolerances as tol;
 use chladni_linalg::blocked::projected;
 use chladni_linalg::{qr_thin, LinalgError};
@@ -258,5 +258,5 @@ pub(crate) fn on_all_lines(
 fn full_variance(data: &DataLayout, projected: &Projected, refined: &Refined) -> f64 {
     let dof = (data.lines.len() - refined.unknowns().min(data.lines.len() - 1)) * data.pairs.len();
     let left = projected.line_residual(&refined.projection.residual).sum();
-    (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(1e-30)
+    (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(tol::VARIANCE_LEAST)
 }

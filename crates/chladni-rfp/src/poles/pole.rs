@@ -1,11 +1,13 @@
 //! One pole as every later step sees it: frequency, damping, their error bars, its grade.
 
 use crate::damping::columns::viscous_pole_of;
-use crate::poles::estimate::Grade;
 use crate::poles::limits;
-use chladni_frf::Damping;
+use chladni_frf::{Damping, Reason, Trust};
 use ndarray::Array2;
 use num_complex::Complex64;
+
+/// Grade of one pole with its reasons.
+pub(crate) type Grade = (Trust, Vec<Reason>);
 
 /// Shapes and participations of some poles that are given: (row, response) and (row,
 /// reference).

@@ -53,7 +53,9 @@ pub(crate) fn starts(work: &Columns, seeds: &[Complex64], count: usize) -> Vec<C
     let fill = count - poles.len();
     for i in 0..fill {
         let x = low + (high - low) * (i as f64 + 0.5) / fill as f64;
-        let width = (0.01 * x).max(work.spacing(x)).max(1e-6 * high);
+        let width = (limits::START_LOSS * x)
+            .max(work.spacing(x))
+            .max(limits::START_WIDTH_LEAST * high);
         poles.push(Complex64::new(x, width));
     }
     separate(&mut poles);
@@ -64,7 +66,7 @@ pub(crate) fn starts(work: &Columns, seeds: &[Complex64], count: usize) -> Vec<C
 fn separate(poles: &mut [Complex64]) {
     poles.sort_by(|a, b| a.re.total_cmp(&b.re));
     for i in 1..poles.len() {
-        let gap = 0.05 * poles[i - 1].im.min(poles[i].im);
+        let gap = limits::START_GAP * poles[i - 1].im.min(poles[i].im);
         if (poles[i] - poles[i - 1]).norm() < gap {
             poles[i] = poles[i - 1] + Complex64::new(gap, 0.5 * gap);
         }
@@ -104,7 +106,7 @@ pub(crate) fn vector_fit(
         pool.lambda = next
             .into_iter()
             .map(|p| {
-                let floor = 1e-9 * work.range().1;
+                let floor = limits::RELOCATED_WIDTH_LEAST * work.range().1;
                 Complex64::new(p.re, p.im.abs().max(floor))
             })
             .collect();
@@ -375,7 +377,7 @@ fn minimise(
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
     let size = gram.nrows();
     let right = Array2::from_shape_fn((size, 1), |(i, _)| sums[i].conj() * scale[i]);
-    let mut ridge = 1e-14;
+    let (mut ridge, most, up) = limits::POOL_RIDGE;
     loop {
         let matrix = Array2::from_shape_fn((size, size), |(i, j)| {
             let value = gram[[i, j]] * scale[i] * scale[j];
@@ -395,8 +397,8 @@ fn minimise(
                     .collect();
                 return Ok((sigma, total * total / along.norm()));
             }
-            Err(error) if ridge > 1e-4 => return Err(error),
-            Err(_) => ridge *= 100.0,
+            Err(error) if ridge > most => return Err(error),
+            Err(_) => ridge *= up,
         }
     }
 }

@@ -6,17 +6,10 @@ use crate::poles::limits;
 use crate::poles::normal::Normal;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::removal::Removable;
+use crate::poles::significance::threshold;
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
-
-/// Rise of the sum of squares, in units of σ², that one more pole over r columns must
-/// bring: the tail of χ² with K looks.
-pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
-    let r = columns as f64;
-    let looks = (4.0 * lines as f64).ln();
-    r + limits::SIGNIFICANCE * (2.0 * (r * looks).sqrt() + 2.0 * looks)
-}
 
 /// A pole that one bad line may make.
 pub(crate) fn unphysical(work: &Columns, lambda: Complex64) -> bool {

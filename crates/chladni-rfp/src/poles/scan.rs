@@ -15,7 +15,7 @@ pub(crate) fn usual_loss(work: &Columns, lambda: &[Complex64]) -> f64 {
     let mut losses: Vec<f64> = lambda
         .iter()
         .filter(|p| work.in_band(**p))
-        .map(|p| p.im / p.re.max(1e-12))
+        .map(|p| p.im / p.re.max(limits::PLACE_LEAST))
         .collect();
     losses.sort_by(f64::total_cmp);
     losses
@@ -31,12 +31,22 @@ pub(crate) fn resonance_grid(work: &Columns, lambda: &[Complex64]) -> Vec<Comple
     let (low, high) = work.range();
     let mut grid = Vec::new();
     let mut x = low;
-    while x <= high && grid.len() < 4 * work.lines() {
+    while x <= high && grid.len() < limits::PLACES_PER_LINE * work.lines() {
         let width = (loss * x).max(work.spacing(x));
         grid.push(Complex64::new(x, width));
         x += width;
     }
     grid
+}
+
+/// Poles outside the band from which a mode there is sought.
+pub(crate) fn places_beyond(work: &Columns) -> impl Iterator<Item = Complex64> {
+    let (low, high) = work.range();
+    let places = limits::BELOW
+        .map(|f| low * f * f)
+        .into_iter()
+        .chain(limits::ABOVE.map(|f| high * f * f));
+    places.map(|x| Complex64::new(x, limits::OUTSIDE_LOSS * x))
 }
 
 /// The part of the residual that one more pole would take, place by place, the best
@@ -57,7 +67,7 @@ pub(crate) fn scan(work: &Columns, refined: &Refined) -> Scan {
             let whole = squares(columns.column(i));
             let norm = whole - squares(inside.column(i));
             let gain = squares(matched.row(i)) / norm;
-            (norm >= 1e-6 * whole).then_some((gain, pole))
+            (norm >= limits::OUTSIDE_LEAST * whole).then_some((gain, pole))
         };
         chunk.iter().enumerate().filter_map(gain).collect()
     };
@@ -110,8 +120,11 @@ pub(crate) fn residual_peak(
         // what is near a known pole is misfit of that pole, not another mode
         let near = lambda
             .iter()
-            .any(|p| (p.re - pole.re).abs() < 3.0 * p.im.max(pole.im));
-        if !near && score > looks.sqrt() + 6.0 && best.is_none_or(|(s, _)| score > s) {
+            .any(|p| (p.re - pole.re).abs() < limits::MISFIT_REACH * p.im.max(pole.im));
+        if !near
+            && score > looks.sqrt() + limits::PEAK_BEYOND_CHANCE
+            && best.is_none_or(|(s, _)| score > s)
+        {
             best = Some((score, k));
         }
     }

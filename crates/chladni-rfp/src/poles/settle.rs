@@ -3,9 +3,10 @@
 
 use crate::data::columns::Columns;
 use crate::poles::limits;
-use crate::poles::prune::{crutch, is_spike, threshold};
+use crate::poles::prune::{crutch, is_spike};
 use crate::poles::refine::{refine, Projection, Refined};
-use crate::poles::scan::{scan, Scan};
+use crate::poles::scan::{places_beyond, scan, Scan};
+use crate::poles::significance::threshold;
 use crate::poles::whiteness::correlates_everywhere;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
@@ -28,7 +29,7 @@ pub(crate) fn settle(
     let limit = threshold(frfs, work.lines());
     let mut vain = InVain::new(refined);
     let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
-    for _ in 0..limits::SCAN_ROUNDS * 3 {
+    for _ in 0..limits::SCAN_ROUNDS * limits::CHANGES_PER_ROUND {
         if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
             tried.extend(gone);
             *refined = fewer;
@@ -119,16 +120,6 @@ fn beyond_the_band(work: &Columns, tried: &[Complex64]) -> Option<Complex64> {
         return None;
     }
     places_beyond(work).find(|place| !tried.contains(place))
-}
-
-/// Poles outside the band from which a mode there is sought.
-pub(crate) fn places_beyond(work: &Columns) -> impl Iterator<Item = Complex64> {
-    let (low, high) = work.range();
-    let places = limits::BELOW
-        .map(|f| low * f * f)
-        .into_iter()
-        .chain(limits::ABOVE.map(|f| high * f * f));
-    places.map(|x| Complex64::new(x, limits::OUTSIDE_LOSS * x))
 }
 
 /// Poles that the data do not need, and the fit without them: all that stand for no mode

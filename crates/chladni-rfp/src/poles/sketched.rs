@@ -12,9 +12,10 @@ use crate::poles::first_look::first_look;
 use crate::poles::limits;
 use crate::poles::passes::{basis_of, Start};
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
-use crate::poles::prune::{is_spike, threshold};
+use crate::poles::prune::is_spike;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::settle::settle;
+use crate::poles::significance::threshold;
 use crate::poles::start::{self, pool_size, started};
 use crate::poles::whiteness::{judge_columns, Whiteness};
 use crate::tolerances as tol;
@@ -64,7 +65,7 @@ pub(crate) fn of_sketch(
 ) -> Result<First, FitError> {
     let hz = data.hz();
     let ended = |doubt| Ok(First::Ended(doubt));
-    let noise = fourth_difference_noise(&sketch.b, 40);
+    let noise = fourth_difference_noise(&sketch.b, limits::SKETCH_NOISE_HALF_WINDOW);
     let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
     let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
 
@@ -148,7 +149,8 @@ impl Pool {
         let first = self.judged(&start.refined);
         if first.misfit_share > limits::MISFIT_SHARE && asked.is_none() {
             // many modes hide behind few peaks, or few FRFs
-            let larger = self.started((2 * self.size).min(self.sketch.lines() / 3))?;
+            let larger =
+                self.started((2 * self.size).min(self.sketch.lines() / limits::LINES_PER_POLE))?;
             if larger.variance < limits::LARGER_POOL_GAIN * start.variance {
                 let first = self.judged(&larger.refined);
                 return Ok((larger, first));

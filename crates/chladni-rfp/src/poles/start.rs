@@ -6,11 +6,12 @@ use crate::data::columns::Columns;
 use crate::poles::limits;
 use crate::poles::pool::{starts, vector_fit, Products};
 use crate::poles::prune::prune;
+use crate::poles::rank::visible_rank;
 use crate::poles::refine::{refine, removable, Refined};
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
-use chladni_linalg::{svd_thin, LinalgError};
+use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
 /// Poles of a pool that noise alone cannot make, roughly refined.
@@ -59,35 +60,6 @@ pub(crate) fn started(
     })
 }
 
-/// Number of singular values above the noise, and whether the noise floor was seen at
-/// all.
-pub(crate) fn visible_rank(work: &Columns) -> Result<(usize, bool), LinalgError> {
-    // eigenvalues of the small Gram would square the condition; a thin QR first keeps the
-    // SVD small
-    let r = if work.lines() > work.columns() {
-        chladni_linalg::qr_r(work.b.view())?
-    } else {
-        work.b.clone()
-    };
-    Ok(rank_over_noise(
-        &svd_thin(r.view())?.1.to_vec(),
-        work.lines(),
-    ))
-}
-
-/// The same of falling singular values of columns with `lines` lines.
-pub(crate) fn rank_over_noise(singular_values: &[f64], lines: usize) -> (usize, bool) {
-    let count = singular_values.len();
-    let tail = &singular_values[count * 3 / 4..];
-    let noise = tail.iter().map(|v| v * v).sum::<f64>() / tail.len().max(1) as f64;
-    // the largest singular value of noise alone is (1 + √(r/N)) times the typical one;
-    // 1.6 covers the tail's own bias
-    let ratio = (count as f64 / lines as f64).sqrt();
-    let limit = 1.6 * noise.sqrt() * (1.0 + ratio) / (1.0 - ratio).abs().max(0.2);
-    let rank = singular_values.iter().filter(|v| **v > limit).count();
-    (rank, rank * 4 < count * 3)
-}
-
 /// Starting order of the pool.
 pub(crate) fn pool_size(
     work: &Columns,
@@ -95,16 +67,18 @@ pub(crate) fn pool_size(
     asked: Option<usize>,
 ) -> Result<usize, LinalgError> {
     let (rank, floor_seen) = visible_rank(work)?;
+    let (part, whole) = limits::POOL_OVER_RANK;
     let wanted = match asked {
-        Some(modes) => modes + 6,
-        None if floor_seen => (13 * rank.max(seeds)) / 10 + 6,
-        None => ((13 * rank) / 10).max(2 * seeds) + 8,
+        Some(modes) => modes + limits::SPARE_ASKED,
+        None if floor_seen => (part * rank.max(seeds)) / whole + limits::SPARE_SEEN,
+        None => ((part * rank) / whole).max(2 * seeds) + limits::SPARE_UNSEEN,
     };
-    Ok(wanted.min(work.lines() / 3).max(1))
+    Ok(wanted.min(work.lines() / limits::LINES_PER_POLE).max(1))
 }
 
 /// Noise variance of the sketch from the over-fitted pool.
 pub(crate) fn pool_variance(work: &Columns, pool: &Removable) -> f64 {
     let dof = (work.lines() - pool.alone.len().min(work.lines() - 1)) * work.columns();
-    (pool.sse / dof as f64).max(1e-30 * work.energy() / (work.lines() * work.columns()) as f64)
+    (pool.sse / dof as f64)
+        .max(tol::VARIANCE_LEAST * work.energy() / (work.lines() * work.columns()) as f64)
 }

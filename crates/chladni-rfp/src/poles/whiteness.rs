@@ -109,7 +109,7 @@ pub(crate) fn judge(
         .copied()
         .filter(|p| work.in_band(*p))
         .collect();
-    let tenths = 10.min(n / 16).max(1);
+    let tenths = limits::NOISE_PARTS.min(n / limits::NOISE_PART_LINES).max(1);
     let level = Level {
         line_residual,
         mean,
@@ -206,7 +206,7 @@ fn correlation(sample: &Array2<Complex64>, lines: usize, frfs: usize, chance: Ch
 impl Whiteness {
     /// Judged by the look that comes nearest to its limit, or goes farthest beyond it.
     fn of(looks: &[Look], misfit_share: f64, shapeless: bool) -> Self {
-        let ratio = |l: &Look| l.seen / l.limit.max(1e-12);
+        let ratio = |l: &Look| l.seen / l.limit.max(limits::LOOK_LEAST);
         let (excess, words) = looks
             .iter()
             .map(|l| (ratio(l), l.words.as_str()))

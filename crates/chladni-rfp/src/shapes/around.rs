@@ -5,7 +5,7 @@ use crate::damping::saved;
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::poles::refine::{refine, Projection};
-use crate::poles::settle::places_beyond;
+use crate::poles::scan::places_beyond;
 use crate::shapes::limits;
 use crate::shapes::step::State;
 use crate::shapes::target::Target;

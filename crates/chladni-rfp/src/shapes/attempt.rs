@@ -4,7 +4,7 @@
 use crate::data::layout::DataLayout;
 use crate::data::options::ShapeModel;
 use crate::poles::estimate::PoleEstimate;
-use crate::poles::prune::threshold;
+use crate::poles::significance::threshold;
 use crate::shapes::around::{fused, Around, Rest};
 use crate::shapes::limits;
 use crate::shapes::order::{grown, merged, shed};

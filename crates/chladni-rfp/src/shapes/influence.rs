@@ -1,11 +1,11 @@
 //! Poles and residues as sums over the errors of lines (theory.md, eq. F4e): to first order
 //! δλ = H⁻¹·Σ_l R̄_l∘(DᴴP⊥E_l) and δR_l = A⁺(E_l − D·R_l∘δλ).
 
-use crate::damping::block_errors::BlockErrors;
 use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::{covariance, kept_share};
 use crate::data::layout::DataLayout;
+use crate::data::window::block_errors::BlockErrors;
 use crate::poles::pole::Pole;
 use crate::poles::refine::Projection;
 use crate::shapes::limits;
@@ -212,7 +212,9 @@ impl<'a> Influence<'a> {
                 if cycles > limits::CYCLES_APART {
                     break;
                 }
-                let near = known.iter().find(|(at, _)| (at - cycles).abs() < 1e-6);
+                let near = known
+                    .iter()
+                    .find(|(at, _)| (at - cycles).abs() < limits::SAME_CYCLES);
                 let value = near.map(|(_, value)| *value).unwrap_or_else(|| {
                     let value = correlation(if q == k { 0.0 } else { cycles });
                     known.push((cycles, value));

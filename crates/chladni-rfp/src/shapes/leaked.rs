@@ -3,8 +3,8 @@
 //! Leakage is a sum over poles of what each leaks, times its residue, the same in all FRFs of
 //! one force: a few forms of the force, of which every shape takes its part.
 
-use crate::damping::block_errors::{Band, Form, Leak};
 use crate::damping::columns::{leaking_pole, resonance};
+use crate::data::window::block_errors::{Band, Form, Leak};
 use crate::shapes::influence::Influence;
 use crate::shapes::limits;
 use chladni_linalg::matmul;

@@ -1,5 +1,7 @@
 //! Every constant of this room: meaning, unit, where it comes from, and what happens at other
 //! values where that was tried.
+//!
+//! Where no origin is named, a value is judgement: nobody has calibrated it.
 
 // several files
 
@@ -45,6 +47,8 @@ pub(super) const RANK_ONE_CHANGE: f64 = 1e-9;
 /// Part of the energy of free residues above which the misfit of low rank is told by a
 /// difference of sums.
 pub(super) const RANK_ONE_KNOWN: f64 = 1e-6;
+/// Misfit over the energy of free residues below which it is rounding.
+pub(super) const RANK_ONE_ROUNDING: f64 = 1e-12;
 
 // residues.rs
 
@@ -55,6 +59,8 @@ pub(super) const POWER_STEPS: usize = 4;
 /// the largest that noise makes; below it the weak direction costs more in noise than it
 /// explains.
 pub(super) const RANK_OVER_NOISE: f64 = 1.5;
+/// Trace of ridge on a diagonal, over its own value and over the largest.
+pub(super) const RESIDUES_RIDGE: (f64, f64) = (1e-12, 1e-18);
 
 // scale.rs
 
@@ -118,6 +124,8 @@ pub(super) const STRUCTURED_ROUGH_STEP: f64 = 1e-4;
 /// Step, in half-bandwidths, that ends structured refinement: clusters stepped apart
 /// converge linearly, so the error left is of the step's own size.
 pub(super) const STRUCTURED_FINE_STEP: f64 = 1e-11;
+/// Part of its loss that a pole keeps at least by a step.
+pub(super) const STRUCTURED_LOSS_KEPT: f64 = 0.1;
 
 // tangent.rs
 
@@ -146,3 +154,8 @@ pub(super) const FORCES_MOST: usize = 4;
 /// Variance beside modes over the one foretold, beyond which the residual is believed and not
 /// the averages that the set names: by chance it varies by a quarter.
 pub(super) const LEAKS_AS_TOLD: f64 = 2.0;
+
+// influence.rs
+
+/// Cycles per record within which two distances of lines are one.
+pub(super) const SAME_CYCLES: f64 = 1e-6;

@@ -1,7 +1,7 @@
 //! Error bars from errors that neighbouring lines, and FRFs measured at once, share
 //! (theory.md, eq. F4e).
 
-use crate::damping::block_errors::BlockErrors;
+use crate::data::window::block_errors::BlockErrors;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::ShapeBars;
 use crate::shapes::influence::{square, Found, Influence};

@@ -66,7 +66,8 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
             } else {
                 problem.misfit(&next, &made)
             };
-            let change = limits::RANK_ONE_CHANGE * risen.max(1e-12 * halves.total);
+            let change =
+                limits::RANK_ONE_CHANGE * risen.max(limits::RANK_ONE_ROUNDING * halves.total);
             if risen > before + change {
                 // too far: on from the best, one step at a time
                 acceleration = Acceleration::default();

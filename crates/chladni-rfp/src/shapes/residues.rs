@@ -116,9 +116,10 @@ pub(crate) fn significant_rank(
 /// the residue between them.
 pub(crate) fn ridge(matrix: &Array2<Complex64>) -> Array2<Complex64> {
     let mut out = matrix.clone();
+    let (own, of_largest) = limits::RESIDUES_RIDGE;
     let largest = matrix.diag().iter().fold(0.0_f64, |m, v| m.max(v.re));
     out.diag_mut()
-        .mapv_inplace(|v| v * (1.0 + 1e-12) + 1e-18 * largest + f64::MIN_POSITIVE);
+        .mapv_inplace(|v| v * (1.0 + own) + of_largest * largest + f64::MIN_POSITIVE);
     out
 }
 

@@ -233,7 +233,9 @@ impl State {
                 largest = largest.max(size);
                 lambda[n] +=
                     moves[n] * (limits::STRUCTURED_STEP / size.max(limits::STRUCTURED_STEP));
-                lambda[n].im = lambda[n].im.max(0.1 * self.lambda[n].im);
+                lambda[n].im = lambda[n]
+                    .im
+                    .max(limits::STRUCTURED_LOSS_KEPT * self.lambda[n].im);
             }
         }
         Ok((
@@ -259,14 +261,14 @@ impl State {
                     clusters =
                         (largest < limits::MATRIX_KEPT && next.pivot == self.pivot).then_some(kept);
                     self = next;
-                    damping *= 0.1;
+                    damping *= tol::LM_DOWN;
                     if enough.is_reached(largest, drop) {
                         break;
                     }
                 }
                 Ok(((_, largest), _)) if largest < limits::STRUCTURED_FINE_STEP => break,
                 _ => {
-                    damping = (damping * 10.0).max(1e-6);
+                    damping = (damping * tol::LM_UP).max(tol::LM_LEAST);
                     if damping > tol::LM_GIVE_UP {
                         break;
                     }

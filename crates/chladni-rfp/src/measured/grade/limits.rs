@@ -1,6 +1,8 @@
 //! Every limit of the grades. They are limits of judgement, tried on the measured sets of the
 //! tests: a pole without any doubt should be one that nobody disputes. Half-bandwidths are
 //! half-power.
+//!
+//! Where no origin is named, a value is judgement: nobody has calibrated it.
 
 /// Share of model orders and line halves that find a mode.
 pub(super) const FEW_ORDERS: f64 = 0.75;
@@ -80,3 +82,8 @@ pub(super) const BEST_KNOWN: f64 = 0.01;
 pub(super) const FEW: f64 = 3.0;
 /// See above.
 pub(super) const COMMON: f64 = 0.9;
+
+// rules.rs
+
+/// Least half-width in lines that a distance is counted by: rounding.
+pub(super) const LEAST_HALF_WIDTH_LINES: f64 = 1e-9;

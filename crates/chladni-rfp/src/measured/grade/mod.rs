@@ -8,7 +8,7 @@ mod usual;
 use crate::measured::candidates::Origin;
 use crate::measured::evidence::Evidence;
 use crate::measured::record::Record;
-use crate::poles::estimate::Grade;
+use crate::poles::pole::Grade;
 use crate::tolerances as tol;
 use chladni_frf::{Reason, Trust};
 pub(crate) use damping_doubt::DampingDoubt;

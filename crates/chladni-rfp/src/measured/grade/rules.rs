@@ -26,7 +26,7 @@ impl Seen<'_> {
     /// True where a peak that is stronger by `fall_db` lies within the reach of its side
     /// lobes.
     fn beside_stronger(&self, fall_db: f64) -> bool {
-        let line = self.own.lambda.im / self.own.half_width_lines.max(1e-9);
+        let line = self.own.lambda.im / self.own.half_width_lines.max(LEAST_HALF_WIDTH_LINES);
         self.others.iter().any(|other| {
             let lines = (other.lambda.re - self.own.lambda.re).abs() / line;
             lines <= SIDE_LOBE_LINES && other.level_db - self.own.level_db > fall_db

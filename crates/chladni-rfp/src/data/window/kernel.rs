@@ -16,7 +16,7 @@
 //!
 //! (theory.md, eq. F4).
 
-use crate::damping::limits;
+use crate::data::limits;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 

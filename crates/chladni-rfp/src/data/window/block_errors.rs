@@ -14,8 +14,8 @@
 //! poles are taken in a band about one frequency, on [`limits::RECORD_POINTS`] places of a
 //! record.
 
-use crate::damping::limits;
-use crate::data::options::Window;
+use crate::data::limits;
+use crate::data::window::kinds::Window;
 use chladni_frf::{Estimation, Forcing};
 use chladni_linalg::matmul;
 use ndarray::{s, Array2, ArrayView1};
@@ -54,7 +54,8 @@ impl BlockErrors {
             Window::None => return None,
             Window::Transient => {
                 let rate = made.and_then(|made| made.window.rate_per_s());
-                let padded = made.is_some_and(|made| made.gate_s < 0.99 * made.transform_s);
+                let padded =
+                    made.is_some_and(|made| made.gate_s < limits::GATE_WHOLE * made.transform_s);
                 if rate.is_none() && !padded {
                     return None;
                 }
@@ -162,7 +163,7 @@ impl BlockErrors {
     pub fn band(&self, cycles: Vec<f64>, decay: f64) -> Option<Band<'_>> {
         let force = self.force.as_ref()?;
         let points = limits::RECORD_POINTS;
-        let memory = limits::MEMORY_NEPERS / (decay * self.record).max(1e-3);
+        let memory = limits::MEMORY_NEPERS / (decay * self.record).max(limits::DECAY_LEAST_NEPERS);
         let before = match self.rest {
             true => 0,
             false => (memory.min(limits::MEMORY_RECORDS) * points as f64).ceil() as usize,

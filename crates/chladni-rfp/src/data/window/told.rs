@@ -4,14 +4,15 @@
 //! in the mean, not the transform of h(t) but of h(t)·ρ(t), ρ the autocorrelation of the
 //! window: every line is broadened, and damping comes out too high by about 1/(πb), b
 //! lines per half-power bandwidth. No residual shows it. The columns of the fit have the
-//! same line shape where the window is known: `damping/leakage.rs`.
+//! same line shape where the window is known: `data/window/leakage.rs`.
 //!
 //! Theory.md, eq. F4; J. Bendat, A. Piersol, Random Data, 4th ed. (2010), chapter 11. For
 //! the exponential window see `model/exponential.rs`.
 
 use crate::data::error::FitError;
 use crate::data::limits;
-use crate::data::options::{FitOptions, Window};
+use crate::data::options::FitOptions;
+use crate::data::window::kinds::Window;
 use chladni_frf::{BlockWindow, Estimation, Forcing, FrfSet};
 
 /// The options with what the set says itself where they leave it open.

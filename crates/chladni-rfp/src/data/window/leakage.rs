@@ -10,8 +10,8 @@
 //! column: −s in the structural law, s* in the viscous one. κ is 1 at the pole. What the
 //! other pole leaks is of order 1/(ωT) and left out.
 
-use crate::damping::limits;
-use crate::damping::window_kernel::WindowKernel;
+use crate::data::limits;
+use crate::data::window::kernel::WindowKernel;
 use num_complex::Complex64;
 
 /// The forward model of one set of FRFs.
@@ -130,104 +130,10 @@ impl Leakage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::damping::columns::{leaking_pole, resonance, Leaking};
-    use crate::data::options::Window;
-    use chladni_frf::Damping;
+    use crate::data::window::kinds::Window;
 
     /// T·ω_max: lines 1/500 of ω_max apart.
     const RECORD: f64 = 500.0 * std::f64::consts::TAU;
-
-    /// The part that leakage adds to ∫₀^∞ e^{st}e^{−jωt} dt, by the trapezium rule on a
-    /// record whose force and response are `window` times noise and what it makes.
-    fn by_quadrature(window: &[f64], s: Complex64, y: f64) -> Complex64 {
-        let count = window.len();
-        let power: f64 = window.iter().map(|w| w * w).sum();
-        let step = RECORD / count as f64;
-        let turn = s - Complex64::new(0.0, y);
-        let value = |lag: usize| {
-            let shared: f64 = window.iter().zip(&window[lag..]).map(|(a, b)| a * b).sum();
-            let half = if lag == 0 { 0.5 } else { 1.0 };
-            shared / power * half * (turn * step * lag as f64).exp() * step
-        };
-        // Euler and Maclaurin: the slope at lag 0 is that of the exponential
-        (0..count).map(value).sum::<Complex64>() + step * step / 12.0 * turn + 1.0 / turn
-    }
-
-    #[test]
-    fn the_column_is_that_of_a_simulated_windowed_record() {
-        let count = 8000;
-        let hann: Vec<f64> = (0..count)
-            .map(|k| {
-                (std::f64::consts::PI * (k as f64 + 0.5) / count as f64)
-                    .sin()
-                    .powi(2)
-            })
-            .collect();
-        for law in [Damping::Structural, Damping::Viscous] {
-            // one line per half-power bandwidth
-            let lambda = Complex64::new(0.36, 0.0012);
-            let pole = leaking_pole(law, lambda);
-            for (kind, line) in [(0, 300), (1, 299), (2, 302), (1, 310)] {
-                let y = f64::from(line) / 500.0;
-                let leakage = Leakage::new(Window::Hann.kernel().unwrap(), RECORD, kind);
-                let added = leakage.added(&pole, y);
-                let expected =
-                    by_quadrature(&hann, pole.s, y) * pole.s.powi(kind) / (pole.s - pole.other);
-                assert!(
-                    (added - expected).norm() < 1e-4 * expected.norm(),
-                    "{law:?} {kind} {line}: {added} for {expected}"
-                );
-                // the column in the kind is the plain one and that
-                let column = Leaking::new(law, &leakage, lambda).at(y * y)[0];
-                let plain = resonance(law, lambda, y * y);
-                let of_kind = added / Complex64::new(0.0, y).powi(kind);
-                assert!(
-                    (column - plain - of_kind).norm() < 1e-12 * plain.norm(),
-                    "{law:?} {kind} {line}: {column} for {}",
-                    plain + of_kind
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn slopes_are_those_of_finite_differences() {
-        let windows = [
-            Window::Transient,
-            Window::Rectangular,
-            Window::Hann,
-            Window::Flattop,
-            Window::Kaiser { beta: 8.6 },
-            Window::Burst { part: 0.7 },
-        ];
-        for window in windows {
-            let leakage = Leakage::new(window.kernel().unwrap(), RECORD, 1);
-            for lambda in [Complex64::new(0.36, 0.0012), Complex64::new(0.36, -0.004)] {
-                // the derivative of the viscous law is one by j·Im λ
-                for (law, unit) in [
-                    (Damping::Structural, Complex64::ONE),
-                    (Damping::Structural, Complex64::I),
-                    (Damping::Viscous, Complex64::I),
-                ] {
-                    let step = 1e-7;
-                    let at = |lambda, y: f64| Leaking::new(law, &leakage, lambda).at(y * y);
-                    let lines = (285..315).map(|line| f64::from(line) / 500.0);
-                    let (mut off, mut size) = (0.0f64, 0.0f64);
-                    for y in lines {
-                        let sides = [1.0, -1.0].map(|sign| at(lambda + unit * (sign * step), y)[0]);
-                        let difference = (sides[0] - sides[1]) / (2.0 * step * unit);
-                        let slope = at(lambda, y)[1];
-                        off = off.max((difference - slope).norm());
-                        size = size.max(slope.norm());
-                    }
-                    assert!(
-                        off < 1e-2 * size,
-                        "{window} {law:?} {lambda}: {off} of {size}"
-                    );
-                }
-            }
-        }
-    }
 
     #[test]
     fn a_broadened_decay_leads_back() {
