@@ -2,9 +2,10 @@
 
 use super::cones::{dot, inverse_entry, Cone, Cones, Scaling};
 use crate::tolerances;
-use chladni_linalg::{cholesky, matmul_h};
-use ndarray::{s, Array2};
+use chladni_linalg::{cholesky, matmul, matmul_h};
+use ndarray::{s, Array2, ArrayView1, ArrayView2, Axis};
 use std::f64::consts::SQRT_2;
+use std::ops::Range;
 
 /// A program: least cost·x with rows·x + constant inside the cones.
 pub(crate) struct StandardForm {
@@ -62,22 +63,22 @@ impl<'a> NormalEquations<'a> {
     /// The sum under a scaling; `None` where rounding leaves it without a factor.
     pub(crate) fn factor(&self, scaling: &Scaling) -> Option<Factor> {
         let variables = self.form.cost.len();
-        let mut scaled = Array2::zeros((self.scaled_rows, variables));
+        let mut scaled = vec![0.0; self.scaled_rows * variables];
         let mut sum = Array2::zeros((variables, variables));
         let mut next = 0;
         for (k, (cone, part)) in self.form.cones.0.iter().zip(&self.parts).enumerate() {
             let (w, eta) = (scaling.w(cone), scaling.eta(k));
             match part {
                 Part::Dense => {
-                    self.add_scaled(cone, w, eta, &mut scaled, next);
-                    next += cone.rows().len();
+                    let count = cone.rows().len();
+                    self.scale_rows(cone, w, eta, &mut scaled[next * variables..]);
+                    next += count;
                 }
                 Part::Wide(fixed) => {
-                    let rows = self.form.rows.slice(s![cone.rows(), ..]);
-                    let mut row = scaled.row_mut(next);
-                    for (i, (w, of_cone)) in w.iter().zip(rows.rows()).enumerate() {
+                    let row = &mut scaled[next * variables..][..variables];
+                    for (i, (w, of_cone)) in w.iter().zip(self.rows_of(cone)).enumerate() {
                         let sign = if i == 0 { 1.0 } else { -1.0 };
-                        row.scaled_add(sign * SQRT_2 * w / eta, &of_cone);
+                        add_multiple(row, sign * SQRT_2 * w / eta, of_cone);
                     }
                     sum.scaled_add(eta.powi(-2), fixed);
                     next += 1;
@@ -85,7 +86,8 @@ impl<'a> NormalEquations<'a> {
                 Part::Sparse(terms) => add_sparse(cone, w, eta, terms, &mut sum),
             }
         }
-        sum += &matmul_h(scaled.view(), scaled.view());
+        let scaled = ArrayView2::from_shape((self.scaled_rows, variables), &scaled).ok()?;
+        sum += &matmul_h(scaled, scaled);
         let mean = sum.diag().sum() / variables as f64;
         sum.diag_mut()
             .mapv_inplace(|value| value + mean * tolerances::CONIC_RIDGE);
@@ -95,42 +97,53 @@ impl<'a> NormalEquations<'a> {
         Some(Factor { lower })
     }
 
-    /// Writes W⁻¹F of a cone.
-    fn add_scaled(&self, cone: &Cone, w: &[f64], eta: f64, to: &mut Array2<f64>, first: usize) {
-        let rows = self.form.rows.slice(s![cone.rows(), ..]);
-        for i in 0..rows.nrows() {
-            let mut row = to.row_mut(first + i);
-            match cone {
-                Cone::NotNegative(_) => row.scaled_add(1.0 / w[i], &rows.row(i)),
-                Cone::Norm(_) => {
-                    for (j, of_cone) in rows.rows().into_iter().enumerate() {
-                        row.scaled_add(inverse_entry(w, eta, i, j), &of_cone);
+    /// Adds W⁻¹F of a cone to rows in standard order.
+    fn scale_rows(&self, cone: &Cone, w: &[f64], eta: f64, to: &mut [f64]) {
+        let to = to.chunks_exact_mut(self.form.cost.len().max(1));
+        match cone {
+            Cone::NotNegative(_) => {
+                for ((to, row), w) in to.zip(self.rows_of(cone)).zip(w) {
+                    add_multiple(to, 1.0 / w, row);
+                }
+            }
+            Cone::Norm(rows) => {
+                for (i, to) in to.take(rows.len()).enumerate() {
+                    for (j, row) in self.rows_of(cone).enumerate() {
+                        add_multiple(to, inverse_entry(w, eta, i, j), row);
                     }
                 }
             }
         }
     }
 
+    /// The rows F of a cone.
+    fn rows_of(&self, cone: &Cone) -> impl Iterator<Item = &[f64]> {
+        let variables = self.form.cost.len();
+        let rows = self.form.rows.as_slice().unwrap_or_default();
+        let Range { start, end } = cone.rows();
+        rows[start * variables..end * variables].chunks_exact(variables.max(1))
+    }
+
     /// F·x.
     pub(crate) fn times(&self, x: &[f64]) -> Vec<f64> {
-        let variables = x.len().max(1);
-        let rows = self.form.rows.as_slice().unwrap_or_default();
-        rows.chunks_exact(variables)
-            .map(|row| dot(row, x))
-            .collect()
+        product(self.form.rows.view(), x)
     }
 
     /// Fᵀ·z.
     pub(crate) fn transposed(&self, z: &[f64]) -> Vec<f64> {
-        let variables = self.form.cost.len();
-        let rows = self.form.rows.as_slice().unwrap_or_default();
-        let mut sum = vec![0.0; variables];
-        for (row, z) in rows.chunks_exact(variables.max(1)).zip(z) {
-            for (sum, value) in sum.iter_mut().zip(row) {
-                *sum += z * value;
-            }
-        }
-        sum
+        product(self.form.rows.t(), z)
+    }
+}
+
+fn product(matrix: ArrayView2<f64>, vector: &[f64]) -> Vec<f64> {
+    let column = ArrayView1::from(vector).insert_axis(Axis(1));
+    matmul(matrix, column).into_raw_vec_and_offset().0
+}
+
+/// a ← a + factor·b.
+fn add_multiple(a: &mut [f64], factor: f64, b: &[f64]) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a += factor * b;
     }
 }
 
