@@ -40,21 +40,7 @@ impl<'a> Calibrated<'a> {
     ) -> Result<Self> {
         let actuators = &scene.actuators;
         let Some(calibration) = actuators.calibration.as_deref() else {
-            if actuators.dead.is_empty() {
-                return Ok(Self {
-                    model: Cow::Borrowed(model),
-                    scene: Cow::Borrowed(scene),
-                    findings: Vec::new(),
-                });
-            }
-            let mut model = model.clone();
-            silence(&mut model, &actuators.dead)?;
-            let scene = without_dead(&model, scene, &actuators.dead)?;
-            return Ok(Self {
-                model: Cow::Owned(model),
-                scene: Cow::Owned(scene),
-                findings: Vec::new(),
-            });
+            return Self::uncalibrated(model, scene);
         };
         let dead = dead_of(actuators);
         let mut rig = model.clone();
@@ -97,6 +83,26 @@ impl<'a> Calibrated<'a> {
             model: Cow::Owned(rig),
             scene: Cow::Owned(scene),
             findings,
+        })
+    }
+
+    /// The same of a scene that names no calibration.
+    fn uncalibrated(model: &'a ModalModel, scene: &'a Scene) -> Result<Self> {
+        let dead = &scene.actuators.dead;
+        if dead.is_empty() {
+            return Ok(Self {
+                model: Cow::Borrowed(model),
+                scene: Cow::Borrowed(scene),
+                findings: Vec::new(),
+            });
+        }
+        let mut model = model.clone();
+        silence(&mut model, dead)?;
+        let scene = without_dead(&model, scene, dead)?;
+        Ok(Self {
+            model: Cow::Owned(model),
+            scene: Cow::Owned(scene),
+            findings: Vec::new(),
         })
     }
 }
