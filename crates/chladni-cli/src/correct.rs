@@ -72,7 +72,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         ));
     }
     console.stage("correcting");
-    let (weights, calibration) = corrected(&model, &scene, &played, &inputs)?;
+    let (weights, calibration) = corrected(&model, &scene, &played, &inputs)
+        .map_err(|error| with_file(error, args, &model, &scene, &played))?;
     console.find_all(weights.findings.iter());
     let mut text = text(&weights);
     if let (Some(path), Some(output)) = (&args.calibration, &calibration_output) {
@@ -99,7 +100,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 pub fn corrected(
     model: &ModalModel,
     scene: &Scene,
-    played: &[(Weights, MeasuredField, Option<String>)],
+    played: &[Pair],
     inputs: &[PathBuf],
 ) -> Result<(Weights, Calibration)> {
     let (mut weights, mut calibration) =
@@ -113,6 +114,39 @@ pub fn corrected(
         }
     }
     Ok((weights, calibration))
+}
+
+/// A pair of weights and field, and the checksum of the weights.
+type Pair = (Weights, MeasuredField, Option<String>);
+
+/// The error with the file that it is about: of the first pair that is refused by itself.
+fn with_file(
+    error: Error,
+    args: &Args,
+    model: &ModalModel,
+    scene: &Scene,
+    played: &[Pair],
+) -> Error {
+    let options = RenderOptions::default();
+    let files = args.weights.iter().zip(&args.field);
+    for (pair, (weights, field)) in played.iter().zip(files) {
+        let alone = calibrate(model, scene, std::slice::from_ref(pair), &options);
+        let Err(alone) = alone.map(drop) else {
+            continue;
+        };
+        // what is wrong whatever was played is of no pair
+        if alone.message != error.message || alone.field != error.field {
+            continue;
+        }
+        let elsewhere = pair.1.frequency_hz != scene.frequency_hz && scene.other_tones.is_empty();
+        return match error.field.as_deref() {
+            Some("weights" | "weights.frequency_hz") => error.file(weights),
+            Some("weights_sha256" | "response") => error.file(field),
+            Some("frequency_hz") if elsewhere => error.file(field),
+            _ => error,
+        };
+    }
+    error
 }
 
 /// Options that do not go together.

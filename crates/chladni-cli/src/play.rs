@@ -121,6 +121,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let channels = args.channel_map.as_deref().map(channel_map).transpose()?;
     let sources = inputs
         .iter()
+        .chain(&scene.actuators.calibration_file)
         .map(|file| source(file))
         .collect::<Result<Vec<_>>>()?;
     console.stage("rendering");

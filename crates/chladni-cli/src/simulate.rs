@@ -164,7 +164,7 @@ fn play(file: &Path, args: &Args, console: &Console) -> Result<Outcome> {
     let panel = Panel::read(&args.panel, args.memory)?;
     let weights = read_weights(file)?;
     let layout = panel.layout();
-    let drive = forces(&weights, &layout).map_err(|error| error.file(file))?;
+    let drive = forces(&weights, &layout, &panel).map_err(|error| error.file(file))?;
     console.stage("simulating the field");
     let frequency_hz = weights.frequency_hz;
     let top_hz = panel.frf.stop_hz.max(frequency_hz);
@@ -202,15 +202,33 @@ fn play(file: &Path, args: &Args, console: &Console) -> Result<Outcome> {
 }
 
 /// The weights as forces on the references of the panel, N.
-fn forces(weights: &Weights, layout: &Layout) -> Result<Array1<Complex64>> {
-    let mut drive = Array1::zeros(layout.reference_dofs.len());
+fn forces(weights: &Weights, layout: &Layout, panel: &Panel) -> Result<Array1<Complex64>> {
+    let count = layout.reference_dofs.len();
+    let per_volt = panel.references.newtons_per_volt.as_ref();
+    let (unit, newtons) = match per_volt {
+        Some(force) => (ReferenceUnit::Volt, force.of_references(count)),
+        None => (ReferenceUnit::Newton, vec![1.0; count]),
+    };
+    let mut drive = Array1::zeros(count);
     for weight in &weights.weights {
-        if weight.unit != ReferenceUnit::Newton {
-            return Err(Error::bad_data("a panel is driven by forces")
+        if weight.unit != unit {
+            let (message, help) = match unit {
+                ReferenceUnit::Volt => (
+                    "this panel is driven by voltages",
+                    "render with a model whose references are volts, or take newtons_per_volt out \
+                     of the panel",
+                ),
+                ReferenceUnit::Newton => (
+                    "this panel is driven by forces",
+                    "give newtons_per_volt under [references] of the panel, or render with a model \
+                     whose references are forces",
+                ),
+            };
+            return Err(Error::bad_data(message)
                 .field("weights")
                 .found(format!("a weight in {}", weight.unit))
-                .expected("weights in N")
-                .help("render with a model whose references are forces"));
+                .expected(format!("weights in {unit}"))
+                .help(help));
         }
         let same = |dof: &chladni_frf::Dof| dof.same_axis(weight.reference);
         let place = layout.reference_dofs.iter().position(same).ok_or_else(|| {
@@ -226,7 +244,7 @@ fn forces(weights: &Weights, layout: &Layout) -> Result<Array1<Complex64>> {
         })?;
         let sense =
             weight.reference.direction.sign() * layout.reference_dofs[place].direction.sign();
-        drive[place] += weight.value() * sense;
+        drive[place] += weight.value() * (sense * newtons[place]);
     }
     Ok(drive)
 }

@@ -72,7 +72,7 @@ pub use edges::{Edge, Edges};
 pub use layout::Layout;
 pub use modes::PlateModes;
 pub use noise::{add_noise_of_variance, add_white_noise, gain_noise, mean_square, outliers};
-pub use panel::{Measurement, Panel, ReferenceFrame, ResponseGrid};
+pub use panel::{Measurement, NewtonsPerVolt, Panel, ReferenceFrame, ResponseGrid};
 pub use plate::{LossFactor, Plate};
 pub use point_mass::PointMass;
 pub use point_spring::PointSpring;

@@ -76,6 +76,62 @@ pub struct ReferenceFrame {
     pub stiffness_n_per_m: f64,
     /// Damping of each actuator to the ground, N s/m.
     pub damping_n_s_per_m: f64,
+    /// Force of each actuator per volt: with it the references are volts. `None`: they are
+    /// newtons.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub newtons_per_volt: Option<NewtonsPerVolt>,
+}
+
+/// Force of actuators per volt, amplifier and coil together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a number or an array of numbers, one per reference"
+)]
+pub enum NewtonsPerVolt {
+    /// The same for all references.
+    Common(f64),
+    /// One per reference.
+    PerReference(Vec<f64>),
+}
+
+impl NewtonsPerVolt {
+    /// That of each of `count` references.
+    pub fn of_references(&self, count: usize) -> Vec<f64> {
+        match self {
+            Self::Common(value) => vec![*value; count],
+            Self::PerReference(list) => list.clone(),
+        }
+    }
+
+    /// Checks the number of entries, and that one of them drives.
+    fn check(&self, references: usize) -> Result<()> {
+        let wrong = |found: String, expected: String| {
+            Err(Error::bad_data("not a usable force per volt")
+                .field("references.newtons_per_volt")
+                .found(found)
+                .expected(expected))
+        };
+        let list = match self {
+            Self::Common(value) => std::slice::from_ref(value),
+            Self::PerReference(list) => list,
+        };
+        if list.len() != references && matches!(self, Self::PerReference(_)) {
+            let found = format!("{} numbers", list.len());
+            return wrong(
+                found,
+                format!("one for each of the {references} references"),
+            );
+        }
+        if let Some(value) = list.iter().find(|value| !value.is_finite()) {
+            return wrong(value.to_string(), "finite numbers of N/V".into());
+        }
+        if list.iter().all(|value| *value == 0.0) {
+            let expected = "at least one that is not 0; 0 is a dead actuator";
+            return wrong("nothing but 0".into(), expected.into());
+        }
+        Ok(())
+    }
 }
 
 impl Default for ReferenceFrame {
@@ -87,6 +143,7 @@ impl Default for ReferenceFrame {
             mass_kg: 0.0,
             stiffness_n_per_m: 0.0,
             damping_n_s_per_m: 0.0,
+            newtons_per_volt: None,
         }
     }
 }
@@ -168,6 +225,10 @@ impl Panel {
                 .field("references.edge_count")
                 .found("[0, 0]")
                 .expected("points along each long and each short edge, one of them at least 1"));
+        }
+        if let Some(force) = &references.newtons_per_volt {
+            let [long, short] = references.edge_count;
+            force.check(long.saturating_add(short).saturating_mul(2))?;
         }
         let shorter = self.plate.length_m.min(self.plate.width_m);
         if references.inset_m > shorter / 2.0 {

@@ -38,6 +38,7 @@ const SECTIONS: [(&str, &[&str]); 4] = [
             "mass_kg",
             "stiffness_n_per_m",
             "damping_n_s_per_m",
+            "newtons_per_volt",
         ],
     ),
     (
@@ -273,6 +274,18 @@ mod tests {
             (
                 "[references]\ninset_m = 0.1",
                 ["line 2", "references.inset_m", "middle"],
+            ),
+            (
+                "[references]\n\nnewtons_per_volt = [0.1, 0.2]",
+                ["line 3", "references.newtons_per_volt", "34 references"],
+            ),
+            (
+                "[references]\nnewtons_per_volt = 0.0",
+                ["line 2", "references.newtons_per_volt", "dead actuator"],
+            ),
+            (
+                "[references]\nnewtons_per_volt = \"x\"",
+                ["line 2", "references.newtons_per_volt", "array of numbers"],
             ),
             (
                 "[frf]\nkind = \"mobillity\"",

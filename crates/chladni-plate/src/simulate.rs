@@ -11,7 +11,7 @@ use chladni_frf::{
     ModalModel, Mode, Quality, ReferenceUnit, ResidualTerm, ResidualTerms, Result, Scaling, Trust,
     CREATED_BY, MODEL_FORMAT,
 };
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -58,18 +58,28 @@ pub fn simulate(panel: &Panel, seed: Option<u64>, snr_db: Option<f64>) -> Result
         &layout.references_m,
         &frequency_hz,
     )?;
+    let force = panel.references.newtons_per_volt.as_ref();
+    if let Some(force) = force {
+        let of_each = force.of_references(layout.references_m.len());
+        for (mut column, newtons) in values.axis_iter_mut(Axis(1)).zip(of_each) {
+            column.mapv_inplace(|value| value * newtons);
+        }
+    }
     let noise_variance = add_white_noise(&mut values, panel.frf.snr_db, panel.frf.seed)?;
     let relative_error = (noise_variance / mean_square(&values)).sqrt();
 
     let findings = findings(&panel, &plate);
-    let truth = truth(&panel, &layout, &plate, relative_error)?;
+    let mut truth = truth(&panel, &layout, &plate, relative_error)?;
+    if let Some(force) = force {
+        per_volt(&mut truth, &force.of_references(layout.references_m.len()));
+    }
     let frf = FrfSet {
         frequency_hz,
         values: FrfValues::F64(values),
         responses: layout.response_dofs,
         references: layout.reference_dofs,
         kind: Some(panel.frf.kind),
-        reference_unit: ReferenceUnit::Newton,
+        reference_unit: truth.reference_unit,
         coherence: None,
         variance: None,
         estimation: None,
@@ -134,6 +144,32 @@ fn truth(
             path: None,
         },
     })
+}
+
+/// The model with references in volts: its shapes lose their scale, the largest value of
+/// each is 1.
+fn per_volt(model: &mut ModalModel, newtons_per_volt: &[f64]) {
+    model.reference_unit = ReferenceUnit::Volt;
+    model.scaling = Scaling::Unscaled;
+    for mode in &mut model.modes {
+        let sizes = mode.shape.0.iter().map(|value| value.norm());
+        let largest = sizes.fold(f64::MIN_POSITIVE, f64::max);
+        mode.shape.0.iter_mut().for_each(|value| *value /= largest);
+        for (value, newtons) in mode.participation.0.iter_mut().zip(newtons_per_volt) {
+            *value *= largest * newtons;
+        }
+    }
+    for term in &mut model.residual_terms.terms {
+        for (mut column, &newtons) in term
+            .matrix
+            .0
+            .columns_mut()
+            .into_iter()
+            .zip(newtons_per_volt)
+        {
+            column.mapv_inplace(|value| value * newtons);
+        }
+    }
 }
 
 /// The rigid-body modes as a residual term; `None` where the plate has none.

@@ -144,7 +144,7 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     // what a calibration says of the channels holds for measured lines, too
     let columns = operator.mobility.columns_mut().into_iter();
     for (mut column, &reference) in columns.zip(&operator.references) {
-        let gain = gain_of(&scene.actuators, reference);
+        let gain = gain_of(&scene.actuators, reference, frequency_hz)?;
         column.mapv_inplace(|value| value * gain);
     }
     if operator.unit != weights.unit() {

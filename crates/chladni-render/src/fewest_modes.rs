@@ -14,6 +14,8 @@ use crate::methods::Decision;
 use crate::operator::Operator;
 use crate::options::RenderOptions;
 use crate::problem::{Drive, Problem, Rows};
+use crate::rig::gain_of;
+use crate::scene::Actuators;
 use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::{Dof, Error, Finding, FrfSet, ModalModel, Result};
@@ -50,12 +52,12 @@ impl Judge {
         }
     }
 
-    /// The measured line at the drive frequency.
+    /// The measured line at the drive frequency, with the gains that `actuators` says.
     ///
     /// # Errors
     /// No such line; an actuator in use, or every response, was not measured; other
     /// units.
-    pub(crate) fn of_line(setup: &Setup, frf: &FrfSet) -> Result<Self> {
+    pub(crate) fn of_line(setup: &Setup, frf: &FrfSet, actuators: &Actuators) -> Result<Self> {
         let operator = &setup.operator;
         let line = Operator::of_line(frf, operator.frequency_hz, Some(&operator.references))?;
         if line.unit != operator.unit {
@@ -76,6 +78,10 @@ impl Judge {
             Some((column, sign))
         };
         let columns: Vec<(usize, f64)> = operator.references.iter().filter_map(column).collect();
+        let gains = line.references.iter();
+        let gains: Vec<Complex64> = gains
+            .map(|&reference| gain_of(actuators, reference, operator.frequency_hz))
+            .collect::<Result<_>>()?;
         let row = |k: usize| {
             let dof = operator.responses[setup.judged[k]];
             Some((k, place(&line.responses, dof)?))
@@ -90,7 +96,7 @@ impl Judge {
         }
         let mobility = Array2::from_shape_fn((pairs.len(), columns.len()), |(i, j)| {
             let (column, sign) = columns[j];
-            line.mobility[[pairs[i].1, column]] * sign
+            line.mobility[[pairs[i].1, column]] * gains[column] * sign
         });
         let positions_m = pairs
             .iter()

@@ -234,7 +234,9 @@ fn still_frequencies(
             ..scene.clone()
         };
         let inside = model.band_hz[0] <= frequency_hz && frequency_hz <= model.band_hz[1];
-        if !inside || there.limits().is_err() {
+        let calibration = scene.actuators.calibration.as_deref();
+        let covered = calibration.is_none_or(|known| known.covers(frequency_hz));
+        if !inside || !covered || there.limits().is_err() {
             continue;
         }
         let setup = Setup::new(model, &there, &options.drift)?;

@@ -111,8 +111,8 @@ pub use render::{render, render_measured, render_with_others, Rendering};
 pub use rig::{
     calibrate, correct, evaluate_field, evaluate_signal, play, stress_in_time, Agreement,
     CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Correction, Estimator,
-    FieldEvaluation, Hypothesis, KalmanOperator, Place, PointAgreement, TakenField,
-    CALIBRATION_FORMAT, CALIBRATION_VERSION,
+    FieldEvaluation, GainTable, Hypothesis, KalmanOperator, Place, PointAgreement, TableGain,
+    TakenField, CALIBRATION_FORMAT, CALIBRATION_VERSION,
 };
 pub use rig_draw::StressOptions;
 pub use scene::{

@@ -11,8 +11,8 @@ use crate::methods::{Method, MethodChoice, Solution};
 use crate::options::RenderOptions;
 use crate::outcome::Outcome;
 use crate::problem::Drive;
-use crate::rig::{Calibrated, Calibration};
-use crate::scene::{Limits, Scene};
+use crate::rig::Calibrated;
+use crate::scene::{Actuators, Limits, Scene};
 use crate::setup::Setup;
 use crate::shortcomings::{ground_lost, replayed_worse, shortfall, strength};
 use crate::touch::{findings as touch_findings, judged, TouchIndices, TouchPlan};
@@ -110,13 +110,16 @@ fn render_tone(
 ) -> Result<Rendering> {
     let others = set_up(model, others, options)?;
     let calibration = scene.actuators.calibration.as_deref();
-    let gain_error = calibration.and_then(Calibration::gain_error);
+    let gain_error = calibration.and_then(|known| known.gain_error(scene.frequency_hz));
+    // at other frequencies the rig has other gains
+    let asked = (model, scene);
     let Calibrated {
         model,
         scene,
         mut findings,
     } = Calibrated::new(model, scene, Some(scene.frequency_hz), &options.drift)?;
     let (model, scene) = (&*model, &*scene);
+    let measured = measured.map(|frf| (frf, &asked.1.actuators));
     let mut found = Found::new(model, scene, &others, options, measured)?;
     findings.append(&mut found.findings);
     let outcome = Outcome::of(&found.setup, &found.drive)?;
@@ -136,7 +139,7 @@ fn render_tone(
     let touch = under_fingers(model, scene, setup, drive);
     if let Some(told) = &touch {
         let touched_db = found.solution.touched_db;
-        findings.extend(of_fingers(told, model, scene, setup, touched_db, options)?);
+        findings.extend(of_fingers(told, asked, setup, touched_db, options)?);
     }
     findings.extend(found.judge.findings);
     findings.extend(strength(&outcome.field, &setup.limits));
@@ -183,12 +186,12 @@ impl Found {
         scene: &Scene,
         others: &[Setup],
         options: &RenderOptions,
-        measured: Option<&FrfSet>,
+        measured: Option<(&FrfSet, &Actuators)>,
     ) -> Result<Self> {
         let whole = Setup::new(model, scene, &options.drift)?;
         check_actuators(&whole, others)?;
         let judge = match measured {
-            Some(frf) => Judge::of_line(&whole, frf)?,
+            Some((frf, actuators)) => Judge::of_line(&whole, frf, actuators)?,
             None => Judge::of_model(&whole, options.modes == Count::Auto),
         };
         let Reduced {
@@ -334,8 +337,7 @@ fn under_fingers(
 /// that bears it.
 fn of_fingers(
     told: &TouchIndices,
-    model: &ModalModel,
-    scene: &Scene,
+    (model, scene): (&ModalModel, &Scene),
     setup: &Setup,
     touched_db: Option<f64>,
     options: &RenderOptions,

@@ -20,7 +20,7 @@ use self::keys::KEYS;
 use self::read_threshold::read_threshold;
 use self::read_zones::read_zones;
 use crate::drift::Drift;
-use crate::rig::calibration::CalibratedOperator;
+use crate::rig::calibration::{CalibratedOperator, Calibration};
 use crate::threshold::{Threshold, ThresholdTable};
 use crate::time::{read_time, TimeTable};
 use crate::tones::{is_same, read_tones, Share, Tone};
@@ -62,6 +62,9 @@ pub struct Scene {
     /// Errors that measured fields have left of the mobility; of scenes over a calibrated
     /// model.
     pub learned: Option<Arc<CalibratedOperator>>,
+    /// Gains over frequency that each tone still takes at its own; of scenes of several
+    /// tones over a calibrated model.
+    pub tone_gains: Option<Arc<Calibration>>,
 }
 
 impl Scene {
@@ -149,6 +152,7 @@ impl Scene {
                 .transpose()?,
             time,
             learned: None,
+            tone_gains: None,
         })
     }
 

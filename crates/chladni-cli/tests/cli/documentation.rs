@@ -56,7 +56,8 @@ enum Step {
     Run(String),
 }
 
-/// Commands of `sh` blocks, and `toml` blocks after words that name a file in backquotes.
+/// Commands of `sh` blocks, and `toml` and `csv` blocks after words that name a file in
+/// backquotes.
 fn steps(page: &str) -> Vec<Step> {
     let mut steps = Vec::new();
     let (mut rest, mut words) = (page, String::new());
@@ -65,14 +66,13 @@ fn steps(page: &str) -> Vec<Step> {
         let (kind, body) = after.split_once('\n').unwrap();
         let (body, tail) = body.split_once("```").unwrap();
         match kind {
-            "toml" => {
+            "toml" | "csv" => {
+                let ending = format!(".{kind}");
                 let name = words
                     .rsplit('`')
-                    .find(|word| word.ends_with(".toml") && !word.contains([' ', '\n']));
-                steps.push(Step::Save(
-                    name.unwrap_or("example.toml").to_owned(),
-                    body.to_owned(),
-                ));
+                    .find(|word| word.ends_with(&ending) && !word.contains([' ', '\n']));
+                let name = name.map_or(format!("example{ending}"), str::to_owned);
+                steps.push(Step::Save(name, body.to_owned()));
             }
             "sh" => steps.extend(body.lines().filter_map(command).map(Step::Run)),
             _ => {}
@@ -180,9 +180,36 @@ fn the_tutorial_does_what_it_says() {
     ] {
         assert!(folder.path().join(written).is_file(), "{written}");
     }
+    the_loop_in_volts_closes(&folder);
     if beam {
         the_beam_is_found(&folder);
     }
+}
+
+/// Part 4, after the tutorial has been followed: its figures are those of the page.
+fn the_loop_in_volts_closes(folder: &Folder) {
+    let judged = |number: usize, scene: &str| {
+        let line = format!(
+            "evaluate volts-{number}.json --scene {scene}.toml --on volts.json \
+             --field scan-{number}.csv --json"
+        );
+        folder.run(&line).exits(0).json()["indices"]["points"].clone()
+    };
+    let before = judged(0, "corner");
+    let quiet = 53.0 * before["cold_ratio"].as_f64().unwrap();
+    assert!((quiet - 44.0).abs() < 2.5, "the page says 44: {quiet}");
+    for after in [judged(1, "corner"), judged(2, "opposite")] {
+        assert_eq!(after["min_ratio"], 1.0, "{after}");
+        // 3 mA through 8.07 ohms
+        let largest = after["max_voltage_v"].as_f64().unwrap();
+        assert!(largest <= 0.0242, "{after}");
+    }
+    let rig: serde_json::Value = serde_json::from_str(&folder.text("rig.json")).unwrap();
+    assert_eq!(rig["dead"], serde_json::json!(["108:+Z"]));
+    assert_eq!(rig["gain_tables"][0]["gain"][1], 0.95);
+    let sidecar: serde_json::Value = serde_json::from_str(&folder.text("coils.json")).unwrap();
+    assert_eq!(sidecar["channels"][0]["full_scale"], 0.05);
+    assert_eq!(sidecar["source"][3]["file"], "amplifiers.csv");
 }
 
 /// Part 3, after the tutorial has been followed.

@@ -323,3 +323,149 @@ fn bad_calibrations_are_refused_by_name() {
     }
     assert!(!folder.names().contains(&"no.json".to_owned()));
 }
+
+#[test]
+fn of_several_fields_the_bad_one_is_named() {
+    let folder = prepared();
+    let good = folder.text("field.csv");
+    folder.write("other.csv", good.replace("= 330.0", "= 331.0"));
+    folder.write("stranger.csv", good.replace("\n1:+Z,", "\n4711:+Z,"));
+    let sha256 = format!("# weights_sha256 = {}\n{good}", "ab".repeat(32));
+    folder.write("foreign.csv", sha256);
+    folder.write("words.csv", good.replace("\n1:+Z,", "\n1:+Z,x"));
+    folder.write(
+        "scene-2.toml",
+        folder.text("scene.toml").replace("330.0", "331.0"),
+    );
+    folder
+        .run("render model.json scene-2.toml -o w-2.json -q")
+        .exits(0);
+    let line = |weights: &str, field: &str| {
+        format!(
+            "correct model.json scene.toml --weights w0.json --field field.csv \
+             --weights {weights} --field {field} -o no.json --json"
+        )
+    };
+    for (weights, field, named) in [
+        ("w0.json", "other.csv", "other.csv"),
+        ("w0.json", "stranger.csv", "stranger.csv"),
+        ("w0.json", "foreign.csv", "foreign.csv"),
+        ("w0.json", "words.csv", "words.csv"),
+        ("w-2.json", "field.csv", "w-2.json"),
+    ] {
+        let error = folder.run(&line(weights, field)).exits(65).json();
+        assert_eq!(error["error"]["file"], named, "{error}");
+    }
+}
+
+/// The gains of every channel over frequency, as a data sheet has them.
+const GAINS: &str = "frequency_hz,gain_db,phase_deg\n200,0,-10\n400,-2,-30\n";
+
+#[test]
+fn a_person_may_write_a_calibration() {
+    let folder = prepared();
+    folder.write("gains.csv", GAINS);
+    folder.write(
+        "gains.json",
+        r#"{"format": "chladni.calibration", "version": 1, "gain_tables": [
+            {"frequency_hz": [200, 400], "gain": [1.0, 0.7943282347242815],
+             "phase_deg": [-10, -30]}]}"#,
+    );
+    let scene = folder.text("scene.toml");
+    let largest = |name: &str, calibration: &str| -> f64 {
+        folder.write(name, format!("{scene}[actuators]\n{calibration}\n"));
+        let line = format!("render model.json {name} -o {name}.json --force");
+        folder.run(&line).exits(0);
+        let weights = weights_in(&folder, &format!("{name}.json"));
+        weights["weights"][strongest(&weights)]["amplitude"]
+            .as_f64()
+            .unwrap()
+    };
+    let plain = largest("plain.toml", "");
+    // 330 Hz lies at 65 % of the way
+    folder.write("there.csv", "gain_db,phase_deg\n-1.3,-23\n");
+    let there = largest("there.toml", "calibration = \"there.csv\"");
+    assert!((there / plain - 1.0).abs() > 0.01, "{there} {plain}");
+    for file in ["gains.csv", "gains.json"] {
+        let own = largest("own.toml", &format!("calibration = \"{file}\""));
+        assert!((own / there - 1.0).abs() < 1e-5, "{file}: {own} {there}");
+    }
+    let drive = "play model.json own.toml --weights own.toml.json -o drive.csv -q";
+    folder.run(drive).exits(0);
+    folder
+        .run("evaluate own.toml.json --scene own.toml --on model.json -q")
+        .exits(0);
+    // outside of the table, and tables that are none
+    let narrow = GAINS.replace("400,", "320,");
+    let wrong_name = GAINS.replace("gain_db", "level");
+    let wrong_key = folder.text("gains.json").replace("phase_deg", "phase");
+    for (file, text, words) in [
+        ("narrow.csv", narrow, "200 to 320 Hz"),
+        ("wrong.csv", wrong_name, "level"),
+        ("wrong.json", wrong_key, "unknown field `phase`"),
+    ] {
+        folder.write(file, text);
+        folder.write(
+            "bad.toml",
+            format!("{scene}[actuators]\ncalibration = \"{file}\"\n"),
+        );
+        let run = folder
+            .run("render model.json bad.toml -o no.json")
+            .exits(65);
+        assert!(
+            run.stderr.contains(words) && run.stderr.contains(file),
+            "{file}: {}",
+            run.stderr
+        );
+    }
+}
+
+#[test]
+fn a_panel_in_volts_takes_weights_in_volts() {
+    let folder = Folder::new();
+    let measured = "[responses]\nspacing_m = 0.02\n[frf]\nstop_hz = 400.0\nstep_hz = 2.0\n";
+    folder.write("newtons.toml", measured);
+    folder.write(
+        "volts.toml",
+        format!("{measured}[references]\nnewtons_per_volt = 0.05\n"),
+    );
+    for name in ["newtons", "volts"] {
+        let line = format!("simulate {name}.toml -o {name}.h5 --truth {name}.json --snr-db inf -q");
+        folder.run(&line).exits(0);
+    }
+    // the FRFs are those of the model, a twentieth of those per newton
+    let models = ["newtons", "volts"]
+        .map(|n| chladni_io::read_model(&folder.path().join(format!("{n}.json"))));
+    let [newtons, volts] = models.map(Result::unwrap);
+    assert_eq!(volts.reference_unit, chladni_frf::ReferenceUnit::Volt);
+    for hz in [10.0, 100.0, 333.0] {
+        let [own, other] =
+            [&newtons, &volts].map(|m| m.frf_matrix(chladni_frf::FrfKind::Mobility, hz));
+        let error = own.iter().zip(&other).map(|(a, b)| (a * 0.05 - b).norm());
+        let largest = other.iter().map(|b| b.norm()).fold(0.0, f64::max);
+        assert!(error.fold(0.0, f64::max) < 1e-12 * largest, "{hz} Hz");
+    }
+    let files = [folder.path().join("volts.h5")];
+    let (frf, ..) = chladni_io::read_frf(&files, &Default::default()).unwrap();
+    assert_eq!(frf.reference_unit, volts.reference_unit);
+    folder.write(
+        "scene.toml",
+        "frequency_hz = 330.0\n[zones]\ngrid = [2, 2]\nhot = [1]\n[actuators]\nmax_voltage_v = 2.0\n",
+    );
+    folder
+        .run("render volts.json scene.toml -o w.json -q")
+        .exits(0);
+    folder
+        .run("simulate volts.toml --play w.json -o field.csv --snr-db 60 -q")
+        .exits(0);
+    let judge = "evaluate w.json --scene scene.toml --on volts.json --field field.csv --json";
+    let judged = folder.run(judge).exits(0).json();
+    assert_eq!(
+        judged["agreement"]["hypotheses"][0]["kind"], "nothing",
+        "{judged}"
+    );
+    let run = folder
+        .run("simulate newtons.toml --play w.json -o no.csv")
+        .exits(65);
+    assert!(run.stderr.contains("newtons_per_volt"), "{}", run.stderr);
+}

@@ -40,25 +40,18 @@ impl<'a> Calibrated<'a> {
     ) -> Result<Self> {
         let actuators = &scene.actuators;
         let Some(calibration) = actuators.calibration.as_deref() else {
-            if actuators.dead.is_empty() {
-                return Ok(Self {
-                    model: Cow::Borrowed(model),
-                    scene: Cow::Borrowed(scene),
-                    findings: Vec::new(),
-                });
-            }
-            let mut model = model.clone();
-            silence(&mut model, &actuators.dead)?;
-            let scene = without_dead(&model, scene, &actuators.dead)?;
-            return Ok(Self {
-                model: Cow::Owned(model),
-                scene: Cow::Owned(scene),
-                findings: Vec::new(),
-            });
+            return Self::uncalibrated(model, scene);
         };
         let dead = dead_of(actuators);
         let mut rig = model.clone();
-        scale(&mut rig, calibration)?;
+        let of_file = |error: Error| match &actuators.calibration_file {
+            Some(file) => error.file(file),
+            None => error,
+        };
+        scale(&mut rig, calibration).map_err(of_file)?;
+        if let Some(hz) = frequency_hz {
+            take_tables(&mut rig, calibration, hz).map_err(of_file)?;
+        }
         let same_model = move_poles(&mut rig, calibration);
         let known = frequency_hz
             .filter(|_| same_model)
@@ -68,12 +61,16 @@ impl<'a> Calibrated<'a> {
         }
         silence(&mut rig, &dead)?;
         let mut scene = without_dead(model, scene, &dead)?;
+        let gain_error = calibration.gain_error(frequency_hz.unwrap_or(scene.frequency_hz));
+        if frequency_hz.is_none() && !calibration.gain_tables.is_empty() {
+            scene.tone_gains = actuators.calibration.clone();
+        }
         match known {
             Some(known) if scene.drift.is_none() => scene.learned = Some(known.clone().into()),
             _ => {}
         }
         if scene.drift.is_none() {
-            scene.drift = calibration.gain_error().map(|drive_relative| Drift {
+            scene.drift = gain_error.map(|drive_relative| Drift {
                 drive_relative,
                 ..*drift
             });
@@ -86,6 +83,26 @@ impl<'a> Calibrated<'a> {
             model: Cow::Owned(rig),
             scene: Cow::Owned(scene),
             findings,
+        })
+    }
+
+    /// The same of a scene that names no calibration.
+    fn uncalibrated(model: &'a ModalModel, scene: &'a Scene) -> Result<Self> {
+        let dead = &scene.actuators.dead;
+        if dead.is_empty() {
+            return Ok(Self {
+                model: Cow::Borrowed(model),
+                scene: Cow::Borrowed(scene),
+                findings: Vec::new(),
+            });
+        }
+        let mut model = model.clone();
+        silence(&mut model, dead)?;
+        let scene = without_dead(&model, scene, dead)?;
+        Ok(Self {
+            model: Cow::Owned(model),
+            scene: Cow::Owned(scene),
+            findings: Vec::new(),
         })
     }
 }
@@ -102,13 +119,40 @@ pub(crate) fn dead_of(actuators: &Actuators) -> Vec<Dof> {
     dead
 }
 
-/// The factor of a channel on its weight, as the scene knows it.
-pub(crate) fn gain_of(actuators: &Actuators, reference: Dof) -> Complex64 {
+/// The factor of a channel on its weight at a frequency, as the scene knows it.
+///
+/// # Errors
+/// A frequency that the gain table of the channel does not cover.
+pub(crate) fn gain_of(
+    actuators: &Actuators,
+    reference: Dof,
+    frequency_hz: f64,
+) -> Result<Complex64> {
     if actuators.dead.iter().any(|dead| dead.same_axis(reference)) {
-        return Complex64::ZERO;
+        return Ok(Complex64::ZERO);
     }
-    let calibration = actuators.calibration.as_deref();
-    calibration.map_or(Complex64::ONE, |known| known.gain_of(reference))
+    let Some(known) = actuators.calibration.as_deref() else {
+        return Ok(Complex64::ONE);
+    };
+    let of_table = known.table_gain_of(reference, frequency_hz);
+    let of_table = of_table.map_err(|error| match &actuators.calibration_file {
+        Some(file) => error.file(file),
+        None => error,
+    })?;
+    Ok(known.gain_of(reference) * of_table)
+}
+
+/// The model as one of several tones finds it: with the gains at its frequency.
+///
+/// # Errors
+/// A frequency that a gain table does not cover.
+pub(crate) fn at_tone<'a>(model: &'a ModalModel, tone: &Scene) -> Result<Cow<'a, ModalModel>> {
+    let Some(calibration) = tone.tone_gains.as_deref() else {
+        return Ok(Cow::Borrowed(model));
+    };
+    let mut model = model.clone();
+    take_tables(&mut model, calibration, tone.frequency_hz)?;
+    Ok(Cow::Owned(model))
 }
 
 /// The scene without calibration and without dead channels.
@@ -173,11 +217,29 @@ fn silence(model: &mut ModalModel, dead: &[Dof]) -> Result<()> {
     Ok(())
 }
 
+/// Multiplies what the actuators do by the gains of their tables at a frequency.
+fn take_tables(model: &mut ModalModel, calibration: &Calibration, hz: f64) -> Result<()> {
+    for table in &calibration.gain_tables {
+        if let Some(reference) = table.reference {
+            column(model, reference, "actuators.calibration")?;
+        }
+    }
+    if calibration.gain_tables.is_empty() {
+        return Ok(());
+    }
+    for (column, reference) in model.references.clone().into_iter().enumerate() {
+        multiply(model, column, calibration.table_gain_of(reference, hz)?);
+    }
+    Ok(())
+}
+
+/// Multiplies what the actuators do by their gains at every frequency.
 fn scale(model: &mut ModalModel, calibration: &Calibration) -> Result<()> {
-    if calibration.unit != model.reference_unit {
+    let unit = calibration.unit.unwrap_or(model.reference_unit);
+    if unit != model.reference_unit {
         return Err(Error::bad_data("the calibration is in another unit")
             .field("actuators.calibration")
-            .found(calibration.unit)
+            .found(unit)
             .expected(format!(
                 "{}, the unit of the references",
                 model.reference_unit
@@ -250,6 +312,14 @@ fn applied(
     known: Option<&CalibratedOperator>,
     same_model: bool,
 ) -> Finding {
+    let tables = match calibration.gain_tables.len() {
+        0 => "",
+        _ => ", and the gain tables",
+    };
+    if calibration.fields == 0 {
+        let words = "the gains of the channels are those of the calibration, at each frequency";
+        return Finding::note("calibrated", words).dofs(calibration.dead.iter().copied());
+    }
     let fields = match calibration.fields {
         1 => "one measured field".to_owned(),
         count => format!("{count} measured fields"),
@@ -266,7 +336,7 @@ fn applied(
         Some(_) => "gains, natural frequencies and the mobility at this frequency",
         None => "gains and natural frequencies; no field was measured at this frequency",
     };
-    let words = format!("calibrated by {fields}: {parts}");
+    let words = format!("calibrated by {fields}: {parts}{tables}");
     Finding::note("calibrated", words).dofs(calibration.dead.iter().copied())
 }
 

@@ -1,12 +1,16 @@
-//! The calibration file: what measured fields have taught of a rig, for the next scene.
+//! The calibration file: what measured fields, a bench or data sheets tell of a rig, for the
+//! next scene.
 //!
-//! Gains of the channels and poles hold at every frequency. The mobility that fields
+//! Gains of the channels and poles hold at every frequency; a gain table says how the gain
+//! of a channel goes over frequency, and both multiply. The mobility that fields
 //! corrected holds at the frequency where they were measured; with it goes the covariance
 //! of its rows.
 
+use super::gain_file;
+use super::gain_table::GainTable;
 use crate::operator::Operator;
 use crate::tolerances;
-use chladni_frf::{ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source};
+use chladni_frf::{ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source, CREATED_BY};
 use chladni_text::{json_error, read_text};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
@@ -67,25 +71,38 @@ pub struct Calibration {
     pub format: String,
     /// Version of the layout: 1.
     pub version: u32,
-    /// Program and version.
+    /// Program and version; empty where a person wrote it.
+    #[serde(default)]
     pub created_by: String,
     /// The files it was learned from; filled by whoever read them.
+    #[serde(default)]
     pub source: Vec<Source>,
-    /// Unit of the references, N or V.
-    pub unit: ReferenceUnit,
+    /// Unit of the references, N or V; `None`: any, the factors have none.
+    #[serde(default)]
+    pub unit: Option<ReferenceUnit>,
     /// Number of measured fields, of all frequencies.
+    #[serde(default)]
     pub fields: usize,
     /// A new scan of FRFs is due.
+    #[serde(default)]
     pub scan_due: bool,
     /// The reason that it is due.
+    #[serde(default)]
     pub scan_reason: Option<String>,
-    /// Factor of each channel on its weight.
+    /// Factor of each channel on its weight, at every frequency.
+    #[serde(default)]
     pub gains: Vec<ChannelGain>,
+    /// Gains over frequency; what fields taught comes on top.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gain_tables: Vec<GainTable>,
     /// Channels that do not move the panel.
+    #[serde(default)]
     pub dead: Vec<Dof>,
     /// Modes of the model as the fields tell them.
+    #[serde(default)]
     pub modes: Vec<CalibratedMode>,
     /// The mobility at the frequencies where fields were measured.
+    #[serde(default)]
     pub operators: Vec<CalibratedOperator>,
 }
 
@@ -127,20 +144,46 @@ impl Calibration {
     /// # Errors
     /// No such file, or what [`Self::parse`] finds.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = read_text(file, "a calibration, JSON")?;
+        let text = read_text(file, "a calibration, JSON or CSV")?;
         Self::parse(&text).map_err(|error| error.file(file))
     }
 
-    /// Reads a calibration file's text.
+    /// Reads a calibration file's text, JSON or a table of gains as CSV.
     ///
     /// # Errors
     /// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing field, another
-    /// format, sizes that disagree.
+    /// format, sizes that disagree, gains that cannot be used.
     pub fn parse(text: &str) -> Result<Self> {
-        const AGAIN: &str = "give a file that `chladni correct` wrote, or correct again";
+        const AGAIN: &str = "give a file that `chladni correct` wrote, or a table of gains";
+        if !text
+            .trim_start_matches('\u{feff}')
+            .trim_start()
+            .starts_with('{')
+        {
+            return Ok(Self::of_tables(gain_file::parse(text)?));
+        }
         let calibration: Self = serde_json::from_str(text)
             .map_err(|error| json_error("not a calibration file", &error).help(AGAIN))?;
         calibration.checked().map_err(|error| error.help(AGAIN))
+    }
+
+    /// A calibration of gains alone.
+    pub fn of_tables(gain_tables: Vec<GainTable>) -> Self {
+        Self {
+            format: CALIBRATION_FORMAT.into(),
+            version: CALIBRATION_VERSION,
+            created_by: CREATED_BY.into(),
+            source: Vec::new(),
+            unit: None,
+            fields: 0,
+            scan_due: false,
+            scan_reason: None,
+            gains: Vec::new(),
+            gain_tables,
+            dead: Vec::new(),
+            modes: Vec::new(),
+            operators: Vec::new(),
+        }
     }
 
     /// The text of a calibration file.
@@ -164,14 +207,7 @@ impl Calibration {
                     )),
             );
         }
-        for (k, gain) in self.gains.iter().enumerate() {
-            if gain.std < 0.0 {
-                return Err(Error::bad_data("a standard deviation below zero")
-                    .field(format!("gains[{}].std", k + 1))
-                    .found(gain.std)
-                    .expected("0 or more"));
-            }
-        }
+        self.check_gains()?;
         for (k, mode) in self.modes.iter().enumerate() {
             let sound = mode.model_hz > 0.0 && mode.frequency_hz > 0.0 && mode.loss_factor >= 0.0;
             if !sound {
@@ -194,7 +230,41 @@ impl Calibration {
         Ok(self)
     }
 
-    /// The factor of a channel on its weight; 1 where none is known.
+    /// Checks gains and gain tables.
+    fn check_gains(&self) -> Result<()> {
+        for (k, gain) in self.gains.iter().enumerate() {
+            if gain.std < 0.0 {
+                return Err(Error::bad_data("a standard deviation below zero")
+                    .field(format!("gains[{}].std", k + 1))
+                    .found(gain.std)
+                    .expected("0 or more"));
+            }
+        }
+        for (k, table) in self.gain_tables.iter().enumerate() {
+            let of_table = |error: Error| {
+                let field = error.field.clone().unwrap_or_default();
+                Error {
+                    field: Some(format!("gain_tables[{}].{field}", k + 1)),
+                    ..error
+                }
+            };
+            table.check().map_err(of_table)?;
+            let is_same = |other: &GainTable| match (other.reference, table.reference) {
+                (Some(one), Some(other)) => one.same_axis(other),
+                (one, other) => one == other,
+            };
+            if self.gain_tables[..k].iter().any(is_same) {
+                return Err(Error::bad_data("a channel has two gain tables")
+                    .field(format!("gain_tables[{}].reference", k + 1))
+                    .found(table.channel())
+                    .expected("one table for each channel"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The factor of a channel on its weight at every
+    /// frequency, without its table; 1 where none is known.
     pub fn gain_of(&self, reference: Dof) -> Complex64 {
         if self.dead.iter().any(|dead| dead.same_axis(reference)) {
             return Complex64::ZERO;
@@ -206,6 +276,32 @@ impl Calibration {
         gain.map_or(Complex64::ONE, |gain| Complex64::new(gain.re, gain.im))
     }
 
+    /// The table of a channel: its own, or that of every channel.
+    fn table_of(&self, reference: Dof) -> Option<&GainTable> {
+        let own = |table: &&GainTable| table.reference.is_some_and(|dof| dof.same_axis(reference));
+        let every = |table: &&GainTable| table.reference.is_none();
+        let tables = || self.gain_tables.iter();
+        tables().find(own).or_else(|| tables().find(every))
+    }
+
+    /// The factor that the table of a channel says at a frequency; 1 where it has none.
+    ///
+    /// # Errors
+    /// A frequency that the table does not cover.
+    pub fn table_gain_of(&self, reference: Dof, frequency_hz: f64) -> Result<Complex64> {
+        let table = self.table_of(reference);
+        table.map_or(Ok(Complex64::ONE), |table| {
+            table.at(frequency_hz).map(|gain| gain.factor)
+        })
+    }
+
+    /// True where every gain table covers this frequency.
+    pub(crate) fn covers(&self, frequency_hz: f64) -> bool {
+        self.gain_tables
+            .iter()
+            .all(|table| table.at(frequency_hz).is_ok())
+    }
+
     /// The mobility that fields taught at a frequency.
     pub fn at(&self, frequency_hz: f64) -> Option<&CalibratedOperator> {
         let is_same =
@@ -215,18 +311,51 @@ impl Calibration {
             .find(|known| is_same(known.frequency_hz))
     }
 
-    /// Error that is left of the gains, rms; `None` where no gain is known.
-    pub(crate) fn gain_error(&self) -> Option<f64> {
-        let living =
-            |gain: &&ChannelGain| !self.dead.iter().any(|dead| dead.same_axis(gain.reference));
-        let squares: Vec<f64> = self
-            .gains
-            .iter()
-            .filter(living)
-            .map(|gain| gain.std.powi(2))
-            .collect();
+    /// Error that is left of the gains at a frequency, rms over the living channels; `None`
+    /// where it is not known of one of them.
+    pub(crate) fn gain_error(&self, frequency_hz: f64) -> Option<f64> {
+        let is_dead = |dof: &Dof| self.dead.iter().any(|dead| dead.same_axis(*dof));
+        let mut channels: Vec<Option<Dof>> =
+            self.gains.iter().map(|gain| Some(gain.reference)).collect();
+        for table in &self.gain_tables {
+            let known = |dof: &Option<Dof>| match (dof, table.reference) {
+                (Some(one), Some(other)) => one.same_axis(other),
+                // a table of every channel counts by itself where no channel is named
+                (Some(_), None) => true,
+                (one, other) => *one == other,
+            };
+            if !channels.iter().any(known) {
+                channels.push(table.reference);
+            }
+        }
+        let living = channels
+            .into_iter()
+            .filter(|dof| !dof.as_ref().is_some_and(is_dead));
+        let squares: Vec<f64> = living
+            .map(|dof| self.square_error(dof, frequency_hz))
+            .collect::<Option<_>>()?;
         let mean = squares.iter().sum::<f64>() / squares.len() as f64;
         (!squares.is_empty()).then(|| mean.sqrt().max(tolerances::CALIBRATED_DRIVE_ERROR))
+    }
+
+    /// Square of the relative error of a channel: of its gain, and of its table. Fields tell
+    /// the error of the product where the table gives none.
+    fn square_error(&self, reference: Option<Dof>, frequency_hz: f64) -> Option<f64> {
+        let own = |gain: &&ChannelGain| reference.is_some_and(|dof| gain.reference.same_axis(dof));
+        let of_gain = self.gains.iter().find(own).map(|gain| gain.std.powi(2));
+        let table = match reference {
+            Some(dof) => self.table_of(dof),
+            None => self
+                .gain_tables
+                .iter()
+                .find(|table| table.reference.is_none()),
+        };
+        let at = table.and_then(|table| table.at(frequency_hz).ok());
+        let of_table = at.and_then(|gain| gain.std_relative).map(|std| std.powi(2));
+        match (of_gain, of_table) {
+            (None, None) => None,
+            (one, other) => Some(one.unwrap_or(0.0) + other.unwrap_or(0.0)),
+        }
     }
 
     /// The finding that a new scan is due.

@@ -6,7 +6,7 @@
 //! as updates take it) → `structured` (gains and poles: `parts`, weighed by `evidence`) and
 //! `kalman` (the operator itself) → `estimators` → `learned` (which of them counts) →
 //! `correct` (the drive; `given`: or the best measured one). `calibration` keeps what was
-//! learned, `calibrated` starts the next scene with it; `prior` is what stands before any
+//! learned (`gain_table`: over frequency, `gain_file`: as people write it), `calibrated` starts the next scene with it; `prior` is what stands before any
 //! field.
 
 mod agreement;
@@ -19,6 +19,8 @@ mod estimators;
 mod evaluation;
 mod evidence;
 mod field;
+mod gain_file;
+mod gain_table;
 mod given;
 mod kalman;
 mod learned;
@@ -29,7 +31,7 @@ mod seen;
 mod structured;
 
 pub use agreement::{Agreement, PointAgreement};
-pub(crate) use calibrated::{gain_of, Calibrated};
+pub(crate) use calibrated::{at_tone, gain_of, Calibrated};
 pub use calibration::{
     CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Estimator, CALIBRATION_FORMAT,
     CALIBRATION_VERSION,
@@ -38,5 +40,6 @@ pub use correct::{calibrate, correct};
 pub use correction::{Correction, TakenField};
 pub use diagnosis::{Hypothesis, Place};
 pub use evaluation::{evaluate_field, FieldEvaluation};
+pub use gain_table::{GainTable, TableGain};
 pub use kalman::KalmanOperator;
 pub use over_time::{evaluate_signal, play, stress_in_time};

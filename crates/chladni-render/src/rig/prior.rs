@@ -15,13 +15,14 @@ fn rig_drift(drift: Drift) -> Drift {
     }
 }
 
-/// The drift that a prediction has: of a rig that no field has calibrated at least the
+/// The drift that a prediction has: of a rig whose gains nobody has measured at least the
 /// usual error of amplifiers.
 ///
 /// * `asked`, `scene`: the scene as it was given, and as its calibration makes it
 pub(crate) fn prior_drift(asked: &Scene, scene: &Scene, default: Drift) -> Drift {
     let drift = scene.drift.unwrap_or(default);
-    match asked.actuators.calibration {
+    let calibration = asked.actuators.calibration.as_deref();
+    match calibration.and_then(|known| known.gain_error(asked.frequency_hz)) {
         Some(_) => drift,
         None => rig_drift(drift),
     }

@@ -57,7 +57,7 @@ pub(super) fn see(
         let asked = scene.frequency_hz;
         if (weights.frequency_hz - asked).abs() > tolerances::SAME_FREQUENCY * asked {
             return Err(Error::bad_data("the weights are for another frequency")
-                .field("frequency_hz")
+                .field("weights.frequency_hz")
                 .found(format!("{} Hz", weights.frequency_hz))
                 .expected(format!("{asked} Hz, as the scene"))
                 .help("give weights that were rendered for this scene"));

@@ -86,7 +86,7 @@ fn calibration_file(value: &Value, beside: Beside) -> Result<PathBuf> {
                 "no such file",
                 "the path of a calibration, from the scene file's folder",
             )
-            .help("`chladni correct` writes calibrations"));
+            .help("`chladni correct` writes calibrations; a table of gains, CSV, is one too"));
     }
     Ok(file)
 }

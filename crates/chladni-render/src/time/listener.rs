@@ -3,6 +3,7 @@
 use crate::field::AreaGrid;
 use crate::operator::Operator;
 use crate::plane::{Position, Rectangle};
+use crate::rig::at_tone;
 use crate::scene::{Limits, Scene};
 use crate::time::causal::CausalModel;
 use crate::time::contact::{Contact, Touch};
@@ -137,6 +138,7 @@ impl Listener {
         };
         for tone in scene.tones() {
             let only = tone.actuators.only.as_deref();
+            let model = &*at_tone(model, &tone)?;
             let operator = Operator::of_model(model, tone.frequency_hz, only)?;
             there.models.push(CausalModel::new(model, &operator)?);
             there.limits.push(ToneLimits::of(&tone)?);

@@ -7,6 +7,7 @@ use crate::operator::Operator;
 use crate::options::RenderOptions;
 use crate::problem::{Drive, DriveLimits};
 use crate::render::render;
+use crate::rig::at_tone;
 use crate::scene::{Limits, Scene};
 use crate::setup::{check_ground, drive_limits, Setup};
 use crate::time::causal::CausalModel;
@@ -53,6 +54,11 @@ impl Voice {
         options: &RenderOptions,
     ) -> Result<Self> {
         let mut findings = Vec::new();
+        let model = &*at_tone(model, scene)?;
+        let scene = &Scene {
+            tone_gains: None,
+            ..scene.clone()
+        };
         let operator =
             Operator::of_model(model, scene.frequency_hz, scene.actuators.only.as_deref())?;
         let mut patterns = Array2::zeros((places.len(), operator.references.len()));

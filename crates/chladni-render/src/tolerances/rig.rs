@@ -71,3 +71,7 @@ pub const SCAN_NIS: f64 = 3.0;
 
 /// Unexplained part of the mobility from which on a new scan is due.
 pub const SCAN_UNEXPLAINED: f64 = 0.03;
+
+/// Most degrees that the phase of a gain table may turn from one entry to the next: with
+/// more, the other way round is nearly as near.
+pub const MOST_TURN_DEG: f64 = 120.0;

@@ -285,6 +285,6 @@ fn a_calibration_of_another_rig_or_model_is_named() {
         .to_string()
         .contains("no such actuator"));
     let mut volts = calibration;
-    volts.unit = chladni_frf::ReferenceUnit::Volt;
+    volts.unit = Some(chladni_frf::ReferenceUnit::Volt);
     assert!(of(&volts).unwrap_err().to_string().contains("another unit"));
 }

@@ -7,6 +7,7 @@ mod covariance;
 mod equivariance;
 mod evaluate;
 mod fewest;
+mod gains;
 mod methods;
 mod modal;
 mod rig;

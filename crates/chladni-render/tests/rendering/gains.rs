@@ -1,0 +1,233 @@
+//! Gains over frequency: a calibration that holds a table for each channel.
+
+use crate::common::rig::Rig;
+use crate::common::{cell_scene, truth};
+use chladni_frf::Finding;
+use chladni_render::{
+    calibrate, evaluate, play, render, sweep, Calibration, ChannelGain, On, PlayOptions,
+    RenderOptions, Scene, Weights,
+};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// A voltage amplifier with a coil: corner of the k-th channel at 400 Hz and more, its level
+/// 4 % about 1, a delay of 0.1 ms.
+fn gain(channel: usize, hz: f64) -> Complex64 {
+    let corner_hz = 400.0 + 20.0 * channel as f64;
+    let level = 1.0 + 0.04 * (1.7 * channel as f64).sin();
+    Complex64::from_polar(level, -TAU * hz * 1e-4) / Complex64::new(1.0, hz / corner_hz)
+}
+
+/// The table of all channels, 240 to 360 Hz in steps of 10 Hz.
+fn table() -> Calibration {
+    let mut text = "reference,frequency_hz,re,im\n".to_owned();
+    for (k, reference) in truth().references.iter().enumerate() {
+        for step in 0..=12 {
+            let hz = 240.0 + 10.0 * f64::from(step);
+            let value = gain(k, hz);
+            text += &format!("{reference},{hz},{:e},{:e}\n", value.re, value.im);
+        }
+    }
+    Calibration::parse(&text).unwrap()
+}
+
+/// The same gains as constants that hold at one frequency.
+fn constants(hz: f64) -> Calibration {
+    let mut calibration = Calibration::of_tables(Vec::new());
+    let references = truth().references.iter().enumerate();
+    calibration.gains = references
+        .map(|(k, &reference)| ChannelGain {
+            reference,
+            re: gain(k, hz).re,
+            im: gain(k, hz).im,
+            std: 0.0,
+            odd: false,
+        })
+        .collect();
+    calibration
+}
+
+fn with(calibration: Calibration, hz: f64) -> Scene {
+    // the same errors to bear, whatever the calibration says of them
+    let mut scene = cell_scene([2, 2], 1, "[drift]\ndrive_relative = 0.0\n");
+    scene.frequency_hz = hz;
+    scene.actuators.calibration = Some(Arc::new(calibration));
+    scene
+}
+
+fn rendered(scene: &Scene) -> Weights {
+    let rendering = render(truth(), scene, &RenderOptions::default());
+    rendering.unwrap().weights
+}
+
+/// Largest difference of two fields of one drive, over the largest velocity.
+fn distance(drive: &Weights, [one, other]: [&Scene; 2]) -> f64 {
+    let field = |scene: &Scene| {
+        let evaluation = evaluate(drive, scene, On::Model(truth())).unwrap();
+        evaluation.field.velocity_m_per_s
+    };
+    let [one, other] = [field(one), field(other)];
+    let largest = one.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    let differences = one.iter().zip(&other).map(|(a, b)| (a - b).norm());
+    differences.fold(0.0, f64::max) / largest
+}
+
+#[test]
+fn each_frequency_takes_the_gain_of_its_own() {
+    // at an entry of the table, and between two: h²/8 of the curvature is (10/400)²/8
+    for (hz, within) in [(300.0, 1e-12), (304.0, 1e-3)] {
+        let own = with(table(), hz);
+        let drive = rendered(&own);
+        let error = distance(&drive, [&own, &with(constants(hz), hz)]);
+        assert!(error < within, "{hz} Hz: {error}");
+        // the gains of 30 Hz beside make another field
+        let beside = distance(&drive, [&own, &with(constants(hz + 30.0), hz)]);
+        assert!(beside > 0.02, "{hz} Hz: {beside}");
+    }
+    // each line of a sweep, too
+    let options = RenderOptions::default();
+    let swept = sweep(truth(), &with(table(), 300.0), &options, [310.0, 330.0]).unwrap();
+    for hz in [310.0, 330.0] {
+        let one = sweep(truth(), &with(constants(hz), hz), &options, [hz, hz]).unwrap();
+        let drive = swept.frequencies.iter().find(|f| f.frequency_hz == hz);
+        let [own, other] = [drive.unwrap(), &one.frequencies[0]].map(|f| f.largest_drive);
+        assert!((own / other - 1.0).abs() < 1e-3, "{hz} Hz: {own} {other}");
+    }
+}
+
+#[test]
+fn a_table_serves_the_rig_that_it_describes() {
+    let mut rig = Rig::new(300.0, 1);
+    for (k, value) in rig.gains.iter_mut().enumerate() {
+        *value = gain(k, 300.0);
+    }
+    let scene = with(table(), 300.0);
+    let [known, unknown] = [scene.clone(), cell_scene([2, 2], 1, "")].map(|s| rendered(&s));
+    let limits = scene.limits().unwrap();
+    let served = |weights: &Weights| {
+        let field = rig.field(&rig.drive(weights));
+        let judged = evaluate(weights, &scene, On::Model(truth())).unwrap();
+        let inside = judged
+            .field
+            .ground
+            .iter()
+            .zip(&field)
+            .map(|(ground, v)| match ground {
+                chladni_render::Ground::Hot => limits.is_felt(v.norm()),
+                chladni_render::Ground::Cold => limits.is_quiet(v.norm()),
+                chladni_render::Ground::Ignored => true,
+            });
+        inside.filter(|inside| *inside).count()
+    };
+    assert_eq!(served(&known), 77);
+    assert!(served(&unknown) < 70, "{}", served(&unknown));
+}
+
+#[test]
+fn every_tone_plays_with_the_gain_at_its_own_frequency() {
+    let uniform = "frequency_hz,gain,phase_deg\n260,2,30\n335,0.5,-40\n";
+    let scene = |calibration: Option<Calibration>| {
+        let mut scene = cell_scene(
+            [2, 2],
+            1,
+            "[time]\n[[time.burst]]\nduration_s = 0.1\n\
+                                              ramp_s = 0.03\n",
+        );
+        let two = Scene::parse(
+            "frequency_hz = [260.0, 335.0]\n[zones]\ngrid = [2, 2]\nhot = [1]\n",
+            std::path::Path::new(""),
+        );
+        let two = two.unwrap();
+        (scene.frequency_hz, scene.share) = (two.frequency_hz, two.share);
+        scene.other_tones = two.other_tones;
+        scene.actuators.calibration = calibration.map(Arc::new);
+        scene
+    };
+    let [plain, tables] = [
+        scene(None),
+        scene(Some(Calibration::parse(uniform).unwrap())),
+    ];
+    let [own, other] = [&plain, &tables].map(rendered);
+    for (factor, (a, b)) in [2.0, 0.5].into_iter().zip(own.tones().zip(other.tones())) {
+        let amplitude = |weights: &Weights| weights.weights[0].amplitude;
+        let ratio = amplitude(a) / amplitude(b) / factor;
+        // the solver rounds differently
+        assert!((ratio - 1.0).abs() < 1e-3, "{factor}: {ratio}");
+    }
+    let played = |scene: &Scene| {
+        let options = PlayOptions {
+            area: false,
+            ..PlayOptions::default()
+        };
+        let played = play(truth(), scene, None, &options).unwrap();
+        [
+            played.indices.peak.worst_cold_db,
+            played.indices.peak.worst_hot_db,
+        ]
+        .map(Option::unwrap)
+    };
+    for (own, other) in played(&plain).into_iter().zip(played(&tables)) {
+        assert!((own - other).abs() < 0.02, "{own} {other} dB");
+    }
+}
+
+#[test]
+fn what_fields_teach_comes_on_top_of_a_table() {
+    let mut rig = Rig::new(300.0, 2);
+    for (k, value) in rig.gains.iter_mut().enumerate() {
+        *value = gain(k, 300.0);
+    }
+    rig.gains[7] *= 0.8;
+    let mut scene = cell_scene([2, 2], 1, "");
+    scene.actuators.calibration = Some(Arc::new(table()));
+    let weights = rendered(&scene);
+    let field = rig.measured(&weights, 0.01, &(0..77).collect::<Vec<_>>());
+    let played = [(weights, field, None)];
+    let (_, learned) = calibrate(truth(), &scene, &played, &RenderOptions::default()).unwrap();
+    assert_eq!(learned.gain_tables, table().gain_tables);
+    let again = Calibration::parse(&learned.to_json().unwrap()).unwrap();
+    assert_eq!(again, learned);
+    let odd = learned.gain_of(truth().references[7]);
+    assert!((odd - 0.8).norm() < 0.05, "{odd}");
+    let others = learned.gains.iter().enumerate().filter(|(k, _)| *k != 7);
+    for (k, gain) in others {
+        assert!(
+            (gain.re - 1.0).hypot(gain.im) < 0.05,
+            "channel {k}: {gain:?}"
+        );
+    }
+}
+
+#[test]
+fn a_table_whose_error_nobody_stated_leaves_the_usual_one() {
+    let gain_error = |text: &str| {
+        let scene = with(Calibration::parse(text).unwrap(), 330.0);
+        rendered(&scene).endurance.unwrap().gain_error
+    };
+    let plain = {
+        let mut scene = cell_scene([2, 2], 1, "");
+        scene.frequency_hz = 330.0;
+        rendered(&scene).endurance.unwrap().gain_error
+    };
+    assert_eq!(gain_error("gain\n1.0\n"), plain);
+    let stated = gain_error("gain,std\n2.0,0.02\n");
+    assert!((stated - 0.01).abs() < 1e-12, "{stated}");
+}
+
+#[test]
+fn outside_of_its_table_a_channel_is_refused_by_name() {
+    let options = RenderOptions::default();
+    let refused = |scene: &Scene| render(truth(), scene, &options).unwrap_err().to_string();
+    let message = refused(&with(table(), 200.0));
+    assert!(
+        message.contains("240 to 360 Hz") && message.contains("200 Hz, 101:+Z"),
+        "{message}"
+    );
+    let stranger = Calibration::parse("reference,gain\n4711:+Z,1\n").unwrap();
+    let message = refused(&with(stranger, 300.0));
+    assert!(message.contains("no such actuator"), "{message}");
+    let applied = rendered(&with(table(), 300.0)).findings;
+    let is_said = |finding: &Finding| finding.code == "calibrated";
+    assert!(applied.iter().any(is_said));
+}
