@@ -60,9 +60,13 @@ pub(super) fn estimate(window: &Window) -> Option<LocalLine> {
             .collect();
         if step == STEPS {
             let normal = Normal::of(&projected, &after);
+            let raised = raised(&basis, &projected, &normal, &after);
             return Some(LocalLine {
                 responses: finish(window, &basis, &projected, &normal, denominator, &after),
-                force_noise: shared,
+                force_noise: shared.map(|shared: ForceNoise| ForceNoise {
+                    unit_variance: raised * shared.unit_variance,
+                    ..shared
+                }),
             });
         }
         noise = Some(after);
@@ -107,6 +111,18 @@ fn finish(
     };
     let responses = projected.iter().zip(noise).zip(&window.responses);
     responses.map(of_response).collect()
+}
+
+/// Factor by which D raises the variance of FRFs whose errors are shared: all responses
+/// tell the same of it.
+fn raised(basis: &Basis, projected: &[Projected], normal: &Normal, noise: &[f64]) -> f64 {
+    let unit = basis.unit_variance()[0];
+    let by_denominator: f64 = projected
+        .iter()
+        .map(|p| normal.variance([p.at_centre[0][1], p.at_centre[0][2]]))
+        .sum();
+    let own: f64 = noise.iter().map(|noise| unit * noise).sum();
+    1.0 + projected.len() as f64 * by_denominator / own.max(f64::MIN_POSITIVE)
 }
 
 /// Noise of the only force, as the residuals of all responses share it where D = 1: a D of
