@@ -1,7 +1,7 @@
 //! The ways to measure that are simulated.
 
 use chladni_frf::BlockWindow;
-use chladni_rfp::Correlation;
+use chladni_rfp::{Correlation, Window};
 
 /// Length of a record, s: lines 0.5 Hz apart.
 pub(super) const RECORD_S: f64 = 2.0;
@@ -29,6 +29,9 @@ pub struct MeasuredCell {
     pub force: MeasuredForce,
     /// Window of the blocks.
     pub window: BlockWindow,
+    /// Window of an analyser in place of it, one that `estimate` lacks: the set does not
+    /// tell how it was made, the user names the window to the fit.
+    pub analyser: Option<Window>,
     /// Length of all that is measured, in records.
     pub records: usize,
     /// Overlap of blocks.
@@ -45,7 +48,14 @@ pub struct MeasuredCell {
 
 impl MeasuredCell {
     /// Correlation that the errors of neighbouring lines of its averaged FRFs have.
+    ///
+    /// Kaiser's window at β = 8.6 leaves nearly that of Blackman's.
     pub fn correlation(&self) -> Correlation {
+        match self.analyser {
+            Some(Window::Flattop) => return Correlation::Flattop,
+            Some(_) => return Correlation::Blackman,
+            None => {}
+        }
         match (self.force, self.window) {
             (MeasuredForce::Random | MeasuredForce::Burst(_), BlockWindow::Hann) => {
                 Correlation::Hann
@@ -61,6 +71,14 @@ impl MeasuredCell {
         ((self.records as f64 - 1.0) / hop + 1e-6) as usize + 1
     }
 
+    /// The window in words.
+    pub fn window_name(&self) -> String {
+        match self.analyser {
+            Some(window) => window.to_string(),
+            None => self.window.name().to_owned(),
+        }
+    }
+
     /// In words, its own for each cell of the table.
     pub fn name(&self) -> String {
         let force = match self.force {
@@ -71,7 +89,7 @@ impl MeasuredCell {
         };
         let mut name = match self.force {
             MeasuredForce::Sines => force,
-            _ => format!("{force} {} {}", self.window.name(), self.averages()),
+            _ => format!("{force} {} {}", self.window_name(), self.averages()),
         };
         if self.overlap > 0.0 {
             name += &format!(" x {:.2}", self.overlap);
@@ -95,6 +113,7 @@ impl MeasuredCell {
 const HANN: MeasuredCell = MeasuredCell {
     force: MeasuredForce::Random,
     window: BlockWindow::Hann,
+    analyser: None,
     records: 16,
     overlap: 2.0 / 3.0,
     lines_per_bandwidth: 2.0,
@@ -107,6 +126,16 @@ const RECTANGULAR: MeasuredCell = MeasuredCell {
     records: 30,
     overlap: 0.0,
     ..HANN
+};
+/// As analysers do by default: half-overlapped blocks.
+const FLATTOP: MeasuredCell = MeasuredCell {
+    analyser: Some(Window::Flattop),
+    overlap: 0.5,
+    ..HANN
+};
+const KAISER: MeasuredCell = MeasuredCell {
+    analyser: Some(Window::Kaiser { beta: 8.6 }),
+    ..FLATTOP
 };
 const BURST: MeasuredCell = MeasuredCell {
     force: MeasuredForce::Burst(0.9),
@@ -179,6 +208,12 @@ pub const MEASURED_CELLS: &[MeasuredCell] = &[
     at(1.0, RECTANGULAR),
     at(2.0, RECTANGULAR),
     at(4.0, RECTANGULAR),
+    at(2.0, FLATTOP),
+    at(4.0, FLATTOP),
+    at(8.0, FLATTOP),
+    at(1.0, KAISER),
+    at(2.0, KAISER),
+    at(4.0, KAISER),
     at(1.0, BURST),
     at(2.0, BURST),
     at(4.0, BURST),

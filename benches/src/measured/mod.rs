@@ -5,6 +5,7 @@
 //! The order is the program's own. Truth is that of the simulation (`simulation.rs`), which
 //! knows nothing of the identification.
 
+mod analyser;
 mod cell;
 mod figures;
 mod outcome;

@@ -1,7 +1,8 @@
 //! A simulated test, estimated and fitted in several ways, held against the truth.
 
+use super::analyser::{analyser_window, windowed};
 use super::cell::{MeasuredCell, MeasuredForce, RECORD_S};
-use super::simulation::{simulated, TrueMode, BAND_HZ, RECORD};
+use super::simulation::{simulated, Simulated, TrueMode, BAND_HZ, RECORD};
 use chladni_frf::{BlockWindow, Estimator, FrfSet, Mode, Result, Trust};
 use chladni_rfp::{error_witness, fit, Correlation, FitOptions, Window};
 use chladni_signal::{estimate, EstimateOptions};
@@ -89,18 +90,7 @@ pub(super) fn outcomes(
     seed: u64,
 ) -> Result<Vec<(MeasuredWay, MeasuredOutcome)>> {
     let test = simulated(cell, seed);
-    let h1 = match test.frf {
-        Some(frf) => frf,
-        None => {
-            let blocks = EstimateOptions {
-                estimator: Some(Estimator::H1),
-                window: Some(cell.window),
-                block: Some(RECORD),
-                overlap: Some(cell.overlap),
-            };
-            estimate(&test.runs, &blocks)?.frf
-        }
-    };
+    let h1 = by_h1(cell, &test)?;
     let blind = FrfSet {
         estimation: None,
         variance: None,
@@ -121,7 +111,11 @@ pub(super) fn outcomes(
     };
     let mut all = Vec::new();
     if cell.force != MeasuredForce::Sines {
-        all.push((MeasuredWay::Told, held(&h1, &own, None)));
+        let named = FitOptions {
+            window: cell.analyser,
+            ..own.clone()
+        };
+        all.push((MeasuredWay::Told, held(&h1, &named, None)));
     }
     let truth = Some(cell.correlation());
     all.push((MeasuredWay::Plain, held(&h1, &plain, truth)));
@@ -129,7 +123,8 @@ pub(super) fn outcomes(
     if !matches!(cell.window, BlockWindow::Exponential { .. }) {
         all.push((MeasuredWay::Blind, held(&blind, &own, None)));
     }
-    if cell.force == MeasuredForce::Random {
+    // under an analyser's window it is that of the same record
+    if cell.force == MeasuredForce::Random && cell.analyser.is_none() {
         let local = EstimateOptions {
             estimator: Some(Estimator::Lrm),
             ..EstimateOptions::default()
@@ -139,6 +134,30 @@ pub(super) fn outcomes(
         all.push((MeasuredWay::Lrm, held(&lrm, &own, truth)));
     }
     Ok(all)
+}
+
+/// FRFs by averaged blocks, with what a set says of them.
+fn by_h1(cell: &MeasuredCell, test: &Simulated) -> Result<FrfSet> {
+    if let Some(frf) = &test.frf {
+        return Ok(frf.clone());
+    }
+    let mut blocks = EstimateOptions {
+        estimator: Some(Estimator::H1),
+        window: Some(cell.window),
+        block: Some(RECORD),
+        overlap: Some(cell.overlap),
+    };
+    let Some(window) = cell.analyser else {
+        return Ok(estimate(&test.runs, &blocks)?.frf);
+    };
+    let hop = (RECORD as f64 * (1.0 - cell.overlap)).round() as usize;
+    let runs = windowed(&test.runs[0], &analyser_window(window, RECORD), hop);
+    (blocks.window, blocks.overlap) = (Some(BlockWindow::Rectangular), Some(0.0));
+    Ok(FrfSet {
+        estimation: None,
+        variance: None,
+        ..estimate(&runs, &blocks)?.frf
+    })
 }
 
 /// The fit against the truth; one that cannot be made has found nothing. `correlation`: of

@@ -128,7 +128,7 @@ pub fn measured_csv(summaries: &[MeasuredSummary]) -> String {
             cell.name(),
             row.way.name().to_owned(),
             row.tests.to_string(),
-            cell.window.name().to_owned(),
+            cell.window_name(),
             cell.averages().to_string(),
         ];
         let numbers = [

@@ -44,7 +44,8 @@
 //!   transforms; `estimators` makes FRFs of the averages.
 //! * Local fits: `whole_record` transforms a record in one piece and shares out its lines;
 //!   `lpm` and `lrm` fit polynomials and rational functions to each share, in which leakage
-//!   is an unknown like others, not an error.
+//!   is an unknown like others, not an error. `force_noise` undoes what noise in the record of
+//!   the force takes from them.
 //!
 //! J. Bendat, A. Piersol, *Random Data*, 4th ed. (2010), chapters 6, 7 and 9; P. Welch,
 //! IEEE Trans. Audio Electroacoustics 15 (1967) 70–73; G. Rocklin, J. Crowley, H. Vold,
@@ -53,6 +54,7 @@
 mod blocks;
 mod estimators;
 mod excitation;
+mod force_noise;
 mod limits;
 mod local;
 mod lpm;

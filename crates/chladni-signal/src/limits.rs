@@ -31,6 +31,18 @@ pub(crate) const ACTING: f64 = 0.01;
 /// Samples of a reference that are looked at, and fewest blocks.
 pub(crate) const LOOKED_AT: (usize, usize) = (1 << 20, 4);
 
+// force_noise.rs
+
+/// Lines over which the noise of the force counts as one, and fewest lines that tell it.
+pub(crate) const FORCE_LINES: usize = 65;
+/// Part of the lines on which responses must share errors of the force's sign: by chance a
+/// half do, ± 2 % of 500.
+pub(crate) const FORCE_SIGNS: f64 = 0.8;
+/// Median of the power of noise over its mean, by 7 complex values: 13 lines less 6 unknowns.
+pub(crate) const FORCE_MEDIAN: f64 = 0.953;
+/// Most of an FRF's inverse that is taken off: there the force is half noise.
+pub(crate) const FORCE_MOST: f64 = 0.5;
+
 // local.rs
 
 /// Memory of the spectra that are held at a time, bytes. Responses of one run that do not

@@ -1,13 +1,14 @@
 //! FRFs from local fits to the transforms of whole records, of runs with the same
 //! references.
 
-use super::lpm::{LocalEstimate, Window};
+use super::force_noise::{corrections, Correction, ForceNoise};
+use super::lpm::{LocalLine, Window};
 use super::setting::LocalSetting;
 use super::table::Table;
 use super::whole_record::{smooth_length, spectrum};
 use super::{lpm, lrm, Group};
 use crate::limits::{BATCH, SPECTRA_BYTES};
-use chladni_frf::{Channel, Dof, Estimator, Run};
+use chladni_frf::{Channel, Dof, Estimator, Finding, Run};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -47,9 +48,10 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &LocalSetting
                 .iter()
                 .map(|channel| (table.row(channel.dof), share(channel)))
                 .collect();
+            let mut force_noise = Vec::with_capacity(setting.grid.count);
             for first in (0..setting.grid.count).step_by(BATCH) {
                 let end = (first + BATCH).min(setting.grid.count);
-                let fitted: Vec<Option<Vec<LocalEstimate>>> = (first..end)
+                let fitted: Vec<Option<LocalLine>> = (first..end)
                     .into_par_iter()
                     .map(|k| {
                         fit(
@@ -62,9 +64,14 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &LocalSetting
                         )
                     })
                     .collect();
+                force_noise.extend(fitted.iter().map(|line| line.as_ref()?.force_noise));
                 for (k, line) in (first..end).zip(fitted) {
                     store(table, k, line, &rows, &columns);
                 }
+            }
+            // a mean of several records would need the force of each
+            if rows.iter().all(|&(_, share)| share == 1.0) {
+                correct(table, &force_noise, &rows, &columns);
             }
         }
     }
@@ -97,7 +104,7 @@ fn fit(
     k: usize,
     references: &[Vec<Complex64>],
     responses: &[Vec<Complex64>],
-) -> Option<Vec<LocalEstimate>> {
+) -> Option<LocalLine> {
     let lines = setting.grid.lines(k, samples, run.sample_rate_hz);
     let window = Window {
         places: lines.places().collect(),
@@ -114,13 +121,13 @@ fn fit(
 fn store(
     table: &mut Table,
     k: usize,
-    line: Option<Vec<LocalEstimate>>,
+    line: Option<LocalLine>,
     rows: &[(usize, f64)],
     columns: &[usize],
 ) {
     let unknown = (Complex64::new(f64::NAN, f64::NAN), f64::NAN);
     for (index, &(row, share)) in rows.iter().enumerate() {
-        let of = line.as_ref().map(|line| &line[index]);
+        let of = line.as_ref().map(|line| &line.responses[index]);
         if of.is_none() {
             table.mask();
         }
@@ -130,4 +137,39 @@ fn store(
             table.add([row, column, k], value, coherence, share);
         }
     }
+}
+
+/// Undoes what noise in the record of the force takes from the FRFs of some responses.
+fn correct(
+    table: &mut Table,
+    force_noise: &[Option<ForceNoise>],
+    rows: &[(usize, f64)],
+    columns: &[usize],
+) {
+    let Some(corrections) = corrections(force_noise) else {
+        return;
+    };
+    for &(k, correction) in &corrections {
+        for &(row, _) in rows {
+            columns
+                .iter()
+                .for_each(|&column| table.correct([row, column, k], correction));
+        }
+    }
+    let of_line = |(_, correction): &(usize, Correction)| 1.0 - 1.0 / correction.factor;
+    let mut shares: Vec<f64> = corrections.iter().map(of_line).collect();
+    shares.sort_by(f64::total_cmp);
+    let (usual, most) = (shares[shares.len() / 2], shares[shares.len() - 1]);
+    let noise_db = 10.0 * usual.max(f64::MIN_POSITIVE).log10();
+    let words = format!(
+        "noise in the record of the force, {noise_db:.0} dB beside it on the median line: all \
+         responses share its errors; their FRFs were raised for it, by up to {:.2} %",
+        100.0 * most / (1.0 - most)
+    );
+    table.warn_once(
+        Finding::note("force-noise", words)
+            .value("noise_db", noise_db)
+            .value("largest_share", most)
+            .help("amplify the force sensor's signal, or drive harder where the force drops"),
+    );
 }

@@ -11,6 +11,7 @@
 //! and FRF models for multivariable systems", Mech. Syst. Signal Process. 24 (2010)
 //! 573–595.
 
+use crate::force_noise::ForceNoise;
 use crate::limits::{DEGREE, LPM_SINGULAR, SPARE_LINES};
 use num_complex::Complex64;
 
@@ -34,6 +35,15 @@ pub(super) struct LocalEstimate {
     pub values: Vec<(Complex64, f64)>,
     /// Part of the response's power that the fit explains.
     pub coherence: f64,
+}
+
+/// Everything that a local fit tells of one frequency.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct LocalLine {
+    /// One per response.
+    pub responses: Vec<LocalEstimate>,
+    /// The force's noise, where the method tells it.
+    pub force_noise: Option<ForceNoise>,
 }
 
 /// Lines around one frequency.
@@ -199,7 +209,7 @@ pub(super) fn coherence(response: &[Complex64], variance: f64) -> f64 {
 }
 
 /// FRFs of every response; `None` where references have no power or act as one.
-pub(super) fn estimate(window: &Window) -> Option<Vec<LocalEstimate>> {
+pub(super) fn estimate(window: &Window) -> Option<LocalLine> {
     let lines = window.places.len();
     let basis = Basis::new(window, &vec![1.0; lines])?;
     let unit_variance = basis.unit_variance();
@@ -217,5 +227,8 @@ pub(super) fn estimate(window: &Window) -> Option<Vec<LocalEstimate>> {
             coherence: coherence(response, noise),
         }
     };
-    Some(window.responses.iter().map(of_response).collect())
+    Some(LocalLine {
+        responses: window.responses.iter().map(of_response).collect(),
+        force_noise: None,
+    })
 }

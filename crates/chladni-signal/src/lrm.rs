@@ -14,7 +14,8 @@
 //! Process. 105 (2018) 129–152; C. Sanathanan, J. Koerner, IEEE Trans. Automatic Control
 //! 8 (1963) 56–58.
 
-use super::lpm::{coherence, inner, square, unknowns, Basis, LocalEstimate, Window};
+use super::force_noise::{shared_power, ForceNoise};
+use super::lpm::{coherence, inner, square, unknowns, Basis, LocalEstimate, LocalLine, Window};
 use crate::limits::{LEAST_DENOMINATOR, ROUNDING, STEPS};
 use num_complex::Complex64;
 
@@ -29,12 +30,15 @@ struct Projected {
     at_centre: Vec<[Complex64; 3]>,
     /// ‖y‖² on the weighted lines.
     power: f64,
+    /// The residual of y.
+    rest: Vec<Complex64>,
 }
 
 /// FRFs of every response; `None` where references have no power or act as one.
-pub(super) fn estimate(window: &Window) -> Option<Vec<LocalEstimate>> {
+pub(super) fn estimate(window: &Window) -> Option<LocalLine> {
     let mut denominator = Denominator::default();
     let mut noise: Option<Vec<f64>> = None;
+    let mut shared = None;
     for step in 0..=STEPS {
         let weight = weights(&window.places, denominator);
         let basis = Basis::new(window, &weight)?;
@@ -43,6 +47,9 @@ pub(super) fn estimate(window: &Window) -> Option<Vec<LocalEstimate>> {
             .iter()
             .map(|response| Projected::new(window, &basis, response, &weight))
             .collect();
+        if step == 0 {
+            shared = force_noise(window, &basis, &projected);
+        }
         let before = noise.unwrap_or_else(|| projected.iter().map(|p| p.power).collect());
         let normal = Normal::of(&projected, &before);
         denominator = normal.solution();
@@ -53,14 +60,14 @@ pub(super) fn estimate(window: &Window) -> Option<Vec<LocalEstimate>> {
             .collect();
         if step == STEPS {
             let normal = Normal::of(&projected, &after);
-            return Some(finish(
-                window,
-                &basis,
-                &projected,
-                &normal,
-                denominator,
-                &after,
-            ));
+            let raised = raised(&basis, &projected, &normal, &after);
+            return Some(LocalLine {
+                responses: finish(window, &basis, &projected, &normal, denominator, &after),
+                force_noise: shared.map(|shared: ForceNoise| ForceNoise {
+                    unit_variance: raised * shared.unit_variance,
+                    ..shared
+                }),
+            });
         }
         noise = Some(after);
     }
@@ -106,26 +113,56 @@ fn finish(
     responses.map(of_response).collect()
 }
 
+/// Factor by which D raises the variance of FRFs whose errors are shared: all responses
+/// tell the same of it.
+fn raised(basis: &Basis, projected: &[Projected], normal: &Normal, noise: &[f64]) -> f64 {
+    let unit = basis.unit_variance()[0];
+    let by_denominator: f64 = projected
+        .iter()
+        .map(|p| normal.variance([p.at_centre[0][1], p.at_centre[0][2]]))
+        .sum();
+    let own: f64 = noise.iter().map(|noise| unit * noise).sum();
+    1.0 + projected.len() as f64 * by_denominator / own.max(f64::MIN_POSITIVE)
+}
+
+/// Noise of the only force, as the residuals of all responses share it where D = 1: a D of
+/// its own would take part of what they share.
+fn force_noise(window: &Window, basis: &Basis, projected: &[Projected]) -> Option<ForceNoise> {
+    let [force] = window.references[..] else {
+        return None;
+    };
+    let lines = window.places.len();
+    let free = (lines - unknowns(1)) as f64;
+    let each = projected.iter().map(|p| (p.at_centre[0][0], &p.rest[..]));
+    let power = shared_power(each, free)?;
+    Some(ForceNoise {
+        power,
+        // a mean of 1/power, by so many lines
+        attenuation: (lines - 1) as f64 / square(force),
+        unit_variance: basis.unit_variance()[0],
+    })
+}
+
 impl Projected {
     fn new(window: &Window, basis: &Basis, response: &[Complex64], weight: &[f64]) -> Self {
         let lines = || response.iter().zip(weight).zip(&window.places);
         let y: Vec<Complex64> = lines().map(|((y, w), _)| y * w).collect();
         let power = square(&y);
-        let splits = [
+        let [y, ry, rry] = [
             basis.split(y),
             basis.split(lines().map(|((y, w), r)| y * w * r).collect()),
             basis.split(lines().map(|((y, w), r)| y * w * (r * r)).collect()),
         ];
-        let gram = std::array::from_fn(|a| {
-            std::array::from_fn(|b| inner(&splits[a].rest, &splits[b].rest))
-        });
+        let rests = [&y.rest, &ry.rest, &rry.rest];
+        let gram = std::array::from_fn(|a| std::array::from_fn(|b| inner(rests[a], rests[b])));
         let at_centre = (0..window.references.len())
-            .map(|j| std::array::from_fn(|a| splits[a].at_centre[j]))
+            .map(|j| [&y, &ry, &rry].map(|split| split.at_centre[j]))
             .collect();
         Self {
             gram,
             at_centre,
             power,
+            rest: y.rest,
         }
     }
 

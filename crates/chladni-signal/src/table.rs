@@ -1,5 +1,6 @@
 //! Values of all FRFs while they are estimated.
 
+use super::force_noise::Correction;
 use super::setting::Setting;
 use super::{units, Estimate, Group};
 use chladni_frf::{Dof, Estimation, Finding, FrfSet, FrfValues, Geometry, Result, Run};
@@ -71,6 +72,14 @@ impl Table {
         self.values[at] += share * value;
         self.variance[at] += share * share * variance;
         self.coherence[at] += (share * coherence) as f32;
+    }
+
+    /// Undoes the bias that noise of the force leaves; the variance is at least what it adds.
+    pub(super) fn correct(&mut self, at: [usize; 3], correction: Correction) {
+        let Correction { factor, variance } = correction;
+        self.values[at] *= factor;
+        let least = variance * self.values[at].norm_sqr();
+        self.variance[at] = (factor * factor * self.variance[at]).max(least);
     }
 
     /// Zero on all lines of a pair.

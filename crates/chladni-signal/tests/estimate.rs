@@ -320,3 +320,50 @@ fn what_does_not_fit_together_is_refused() {
     };
     assert!(message(&[run(vec![force(), velocity()]), slower], &h1).contains("sampling rates"));
 }
+
+#[test]
+fn noise_of_the_force_is_taken_off_where_responses_share_it() {
+    const GAINS: [f64; 3] = [2.0, -1.0, 0.5];
+    /// Noise of the force over the force.
+    const SHARE: f64 = 0.1;
+    let samples = 1 << 14;
+    let made = |share: f64, responses: usize| {
+        let mut noise = Noise::new(31);
+        let x = noise.take(samples);
+        let read = x.iter().map(|x| x + share.sqrt() * noise.next());
+        let mut channels = vec![channel("101:+Z", SignalUnit::Force, read.collect())];
+        for (n, gain) in GAINS[..responses].iter().enumerate() {
+            let y = x.iter().map(|x| gain * x + 1e-3 * noise.next()).collect();
+            channels.push(channel(&format!("{}:+Z", n + 1), SignalUnit::Velocity, y));
+        }
+        estimate(
+            &[run(channels)],
+            &EstimateOptions {
+                estimator: Some(Estimator::Lrm),
+                ..EstimateOptions::default()
+            },
+        )
+        .unwrap()
+    };
+    let mean = |result: &Estimate, row: usize| {
+        let lines = result.frf.frequency_hz.len();
+        let sum: f64 = (0..lines)
+            .map(|k| result.frf.values.get(row, 0, k).re)
+            .sum();
+        sum / lines as f64
+    };
+    let says = |result: &Estimate| result.findings.iter().any(|f| f.code == "force-noise");
+    let result = made(SHARE, 3);
+    assert!(says(&result), "{:?}", result.findings);
+    for (row, gain) in GAINS.iter().enumerate() {
+        let ratio = mean(&result, row) / gain;
+        assert!((ratio - 1.0).abs() < 0.015, "{row}: {ratio}");
+    }
+    // one response cannot tell: H1 is low by 1/(1 + share)
+    let alone = made(SHARE, 1);
+    assert!(!says(&alone));
+    let ratio = mean(&alone, 0) / GAINS[0];
+    assert!((ratio * (1.0 + SHARE) - 1.0).abs() < 0.015, "{ratio}");
+    let clean = made(0.0, 3);
+    assert!(!says(&clean), "{:?}", clean.findings);
+}

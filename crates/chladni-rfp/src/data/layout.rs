@@ -2,6 +2,7 @@
 //! over the data needs no more.
 
 use crate::data::columns::Columns;
+use crate::data::line_variance::LineVariance;
 use crate::data::options::Effort;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::window::block_errors::BlockErrors;
@@ -54,9 +55,9 @@ pub(crate) struct DataLayout {
     pub leakage: Option<Arc<Leakage>>,
     /// Errors that neighbouring lines share; `None` where they share none, or nobody knows.
     pub errors: Option<Arc<BlockErrors>>,
-    /// Variance of each line over that of the median line, where the set tells it and
-    /// errors of lines are independent; else empty.
-    pub line_variance: Vec<f64>,
+    /// Variance of lines, where the set tells it and errors of lines are independent; else
+    /// empty.
+    pub line_variance: LineVariance,
     /// The data left out, in words.
     pub warnings: Vec<Finding>,
     /// Effort spent on finding poles.
@@ -151,7 +152,7 @@ impl DataLayout {
             window: None,
             leakage: None,
             errors: None,
-            line_variance: Vec::new(),
+            line_variance: LineVariance::default(),
             warnings: Vec::new(),
             effort,
             energy: Vec::new(),
@@ -201,17 +202,14 @@ impl DataLayout {
             line_hz: of(&self.line_hz),
             x: of(&self.x),
             g: of(&self.g),
-            line_variance: match self.line_variance.is_empty() {
-                true => Vec::new(),
-                false => of(&self.line_variance),
-            },
+            line_variance: self.line_variance.map(of),
             energy: Vec::new(),
             ..self.clone()
         }
     }
 
     /// With the variances that the set tells of its lines.
-    pub fn with_line_variance(self, line_variance: Option<Vec<f64>>) -> Self {
+    pub fn with_line_variance(self, line_variance: Option<LineVariance>) -> Self {
         let Some(line_variance) = line_variance else {
             return self;
         };
@@ -225,13 +223,22 @@ impl DataLayout {
 
     /// Variance of the errors of the line at x over that of the median line.
     pub fn variance_at(&self, x: f64) -> f64 {
-        let Some(last) = self.line_variance.len().checked_sub(1) else {
-            return 1.0;
-        };
+        self.nearest(&self.line_variance.over_median, x)
+            .unwrap_or(1.0)
+    }
+
+    /// Variance of the errors of the line at x over the power of its FRFs, where it is known.
+    pub fn share_at(&self, x: f64) -> Option<f64> {
+        self.nearest(&self.line_variance.over_power, x)
+    }
+
+    /// The value of the line next to x; `None` without values.
+    fn nearest(&self, values: &[f64], x: f64) -> Option<f64> {
+        let last = values.len().checked_sub(1)?;
         let after = self.x.partition_point(|other| *other < x).min(last);
         let before = after.saturating_sub(1);
         let nearer = (self.x[after] - x).abs() < (self.x[before] - x).abs();
-        self.line_variance[if nearer { after } else { before }]
+        Some(values[if nearer { after } else { before }])
     }
 
     /// Without the lines at `places` (among those used), which are outliers; and where the

@@ -1,15 +1,37 @@
-//! Variance of lines, which local methods tell: it follows the power of the force.
+//! Variance of lines, which local methods tell: it follows the power of the force, and as a
+//! part of the FRFs it is what noise of the force would make of all of them.
 
 use chladni_frf::FrfSet;
 
-/// Variance of each line over that of the median line, where a local method tells it: with
-/// the power of the force it differs from line to line. The mean over FRFs, each over its
-/// own median.
+/// Variance of lines.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct LineVariance {
+    /// That of each line over that of the median line: with the power of the force it differs
+    /// from line to line. The mean over FRFs, each over its own median.
+    pub over_median: Vec<f64>,
+    /// Σ_l Var H_l/Σ_l |H_l|² of each line.
+    pub over_power: Vec<f64>,
+}
+
+impl LineVariance {
+    /// With other lines; empty ones stay so.
+    pub fn map(&self, lines: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        match self.over_median.is_empty() {
+            true => Self::default(),
+            false => Self {
+                over_median: lines(&self.over_median),
+                over_power: lines(&self.over_power),
+            },
+        }
+    }
+}
+
+/// Where a local method tells it.
 pub(crate) fn line_variance(
     frf: &FrfSet,
     pairs: &[(usize, usize)],
     lines: &[usize],
-) -> Option<Vec<f64>> {
+) -> Option<LineVariance> {
     let local = frf.estimation.filter(|made| made.estimator.is_local());
     let (Some(variance), Some(_)) = (&frf.variance, local) else {
         return None;
@@ -25,7 +47,17 @@ pub(crate) fn line_variance(
     let middle = median(sum.clone())?;
     let relative: Vec<f64> = sum.iter().map(|sum| sum / middle).collect();
     let usable = relative.iter().all(|v| v.is_finite() && *v > 0.0);
-    usable.then_some(relative)
+    let over_power = |&k: &usize| {
+        let all = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
+            pairs.iter().map(|&(i, j)| of(i, j)).sum()
+        };
+        let power = all(&|i, j| frf.values.get(i, j, k).norm_sqr());
+        all(&|i, j| variance[[i, j, k]]) / power.max(f64::MIN_POSITIVE)
+    };
+    usable.then(|| LineVariance {
+        over_power: lines.iter().map(over_power).collect(),
+        over_median: relative,
+    })
 }
 
 /// `None` where it is not above 0.

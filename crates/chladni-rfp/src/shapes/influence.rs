@@ -72,6 +72,43 @@ impl Found<'_> {
         (0..self.data.pairs.len()).map(noise).collect()
     }
 
+    /// Variance of the error that FRFs share on each line, over their power, as noise of the
+    /// force makes it, and the part of the other noise that is left; empty where they share
+    /// none (theory.md, eq. F4h).
+    fn shared(&self, residual: &Array2<Complex64>) -> (Vec<f64>, f64) {
+        let Self { data, work, .. } = self;
+        let shares: Option<Vec<f64>> = work.x.iter().map(|x| data.share_at(*x)).collect();
+        let Some(shares) = shares.filter(|all| all.len() >= limits::SHARED_LINES) else {
+            return (Vec::new(), 1.0);
+        };
+        // several forces: that of each is as noisy as the others
+        let of_line = |(k, share): (usize, &f64)| -> Option<f64> {
+            let pairs = work.b.row(k).into_iter().zip(residual.row(k));
+            let (mut sum, mut alone, mut squares, mut fourths) = (Complex64::ZERO, 0.0, 0.0, 0.0);
+            for (value, error) in pairs {
+                let (part, power) = (value.conj() * error, value.norm_sqr());
+                sum += part;
+                alone += part.norm_sqr();
+                squares += power;
+                fourths += power * power;
+            }
+            let apart = squares * squares - fourths;
+            (apart > 0.0).then(|| (sum.norm_sqr() - alone) / (share * apart))
+        };
+        let mut parts: Vec<f64> = shares.iter().enumerate().filter_map(of_line).collect();
+        if parts.len() < limits::SHARED_LINES {
+            return (Vec::new(), 1.0);
+        }
+        let middle = parts.len() / 2;
+        let part = *parts.select_nth_unstable_by(middle, f64::total_cmp).1 / LN_2;
+        if part < limits::SHARED_PART {
+            return (Vec::new(), 1.0);
+        }
+        // far from modes noise of the responses hides some of it
+        let shared = shares.iter().map(|share| part.max(1.0) * share).collect();
+        (shared, (1.0 - part).max(0.0))
+    }
+
     /// Weight of line k over that of an FRF as it was measured.
     fn weight(&self, k: usize) -> f64 {
         let power = f64::from(self.data.kind.omega_power());
@@ -105,6 +142,10 @@ pub(super) struct Influence<'a> {
     pub of_response: Vec<Vec<usize>>,
     /// Σ|residual|² of each line over the share that a fit leaves of an error.
     pub left: Vec<f64>,
+    /// Variance of each line's error that all FRFs of a force share, over their power.
+    pub shared: Vec<f64>,
+    /// Part of the noise that FRFs do not share.
+    pub alone: f64,
 }
 
 impl<'a> Influence<'a> {
@@ -139,9 +180,12 @@ impl<'a> Influence<'a> {
         let left = energy
             .zip(kept_share(&projection.q, &outside))
             .map(|(row, kept)| square(row.iter()) / kept);
+        let (shared, alone) = found.shared(&projection.residual);
         let mut influence = Self {
             found,
             errors,
+            shared,
+            alone,
             follow,
             inverse: Array2::zeros((0, 0)),
             residues: found.residues(),

@@ -83,8 +83,15 @@ impl Influence<'_> {
         }
     }
 
-    /// Moments for the mode n where leakage has the variance `share` of that in one block.
-    pub fn moments(&self, n: usize, noise: &Array2<Complex64>, share: f64) -> Moments {
+    /// Moments for the mode n where leakage has the variance `share` of that in one block,
+    /// and errors that FRFs share the variances `shared` on lines.
+    pub fn moments(
+        &self,
+        n: usize,
+        noise: &Array2<Complex64>,
+        share: f64,
+        shared: &[f64],
+    ) -> Moments {
         let count = self.lambda.len();
         let distance = |m: usize| self.errors.cycles((self.middle(m) - self.middle(n)).abs());
         let counts = |m: &usize| {
@@ -110,8 +117,14 @@ impl Influence<'_> {
         let lines = self.lines_about(n, limits::LEAK_CYCLES);
         let leaking = self.leaking(n, &near, &lines).filter(|_| share > 0.0);
         for (force, leaked) in leaked.iter_mut().enumerate() {
+            let products = &self.of_forces[force];
+            if !shared.is_empty() {
+                let of_shared = self.of_shared((n, &near), shared, products);
+                whole += of_shared[[size + place, size + place]].re;
+                *leaked += &of_shared;
+            }
             let Some(leaking) = &leaking else { continue };
-            let forms = self.forms((n, &near), &lines, leaking, &self.of_forces[force]);
+            let forms = self.forms((n, &near), &lines, leaking, products);
             let straight = leaking.band.covariance(&forms);
             whole += share * straight[[size + place, size + place]].re;
             twice += share * leaking.band.mean_square(&forms[size + place]);
@@ -119,6 +132,42 @@ impl Influence<'_> {
         }
         let pole = [0.5 * (whole + twice.re), 0.5 * (whole - twice.re)].map(|v| v.max(0.0));
         Moments { near, leaked, pole }
+    }
+
+    /// Moments of the same sums by errors that are FRFs times a number of each line, the same
+    /// for all, of variance `shared`.
+    fn of_shared(
+        &self,
+        (n, near): (usize, &[usize]),
+        shared: &[f64],
+        products: &Array2<Complex64>,
+    ) -> Array2<Complex64> {
+        let (work, count) = (self.found.work, self.lambda.len());
+        let column =
+            |a: usize, k: usize| work.g[k] * resonance(work.law, self.lambda[a], work.x[k]);
+        let mut sums = Array2::zeros((2 * near.len(), work.lines()));
+        for (k, shared) in shared.iter().enumerate() {
+            let columns: Vec<Complex64> = near.iter().map(|&a| column(a, k)).collect();
+            for (a, &value) in columns.iter().enumerate() {
+                sums[[a, k]] = self.rows[[k, n]] * value * shared.sqrt();
+            }
+            // what the error is in the residues of each pole
+            let of_pole = |&q: &usize| -> Complex64 {
+                let sum: Complex64 = near
+                    .iter()
+                    .zip(&columns)
+                    .map(|(&a, value)| products[[q, a]] * value)
+                    .sum();
+                self.rows[[k, count + q]] * sum
+            };
+            let scores: Vec<Complex64> = near.iter().map(of_pole).collect();
+            for (row, &m) in near.iter().enumerate() {
+                let parts = near.iter().zip(&scores);
+                let sum: Complex64 = parts.map(|(&q, score)| self.inverse[[m, q]] * score).sum();
+                sums[[near.len() + row, k]] = sum * shared.sqrt();
+            }
+        }
+        matmul(sums.view(), sums.t().mapv(|v| v.conj()).view())
     }
 
     /// Errors of the residue of n by what each pole leaks, and of the poles; `products`: of

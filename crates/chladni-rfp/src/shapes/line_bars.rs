@@ -26,6 +26,9 @@ pub(crate) struct TermBars {
     /// The same for independent errors, where the bars at hand are those of another
     /// estimator and only the ratio counts.
     white: Option<([f64; 2], ShapeDeviations)>,
+    /// True where all FRFs share errors: a residual that is not white makes bars of its own,
+    /// and the larger ones hold.
+    shares: bool,
 }
 
 impl TermBars {
@@ -36,26 +39,27 @@ impl TermBars {
         let sizes = [&mut pole.omega_std, &mut pole.loss_factor_std];
         for (side, size) in sizes.into_iter().enumerate() {
             let white = self.white.as_ref().map(|white| white.0[side].sqrt());
-            replace(
-                size,
-                self.pole[side].sqrt() * per_unit[side],
-                white.map(|v| v * per_unit[side]),
-            );
+            let white = white.map(|v| v * per_unit[side]);
+            self.replace(size, self.pole[side].sqrt() * per_unit[side], white);
         }
-        for (i, new) in self.shape.0.into_iter().enumerate() {
+        for (i, &new) in self.shape.0.iter().enumerate() {
             let white = self.white.as_ref().map(|white| white.1 .0[i]);
-            replace(&mut bars.shape[[self.term, i]], new, white);
+            self.replace(&mut bars.shape[[self.term, i]], new, white);
         }
         let white = self.white.as_ref().map(|white| white.1 .1);
-        replace(&mut bars.scale[self.term], self.shape.1, white);
+        self.replace(&mut bars.scale[self.term], self.shape.1, white);
     }
-}
 
-/// A bar that is known stays where the new one is not.
-fn replace(bar: &mut f64, new: f64, white: Option<f64>) {
-    let value = white.map_or(new, |white| *bar * (new / white).max(1.0));
-    if bar.is_finite() && value.is_finite() {
-        *bar = value;
+    /// A bar that is known stays where the new one is not.
+    fn replace(&self, bar: &mut f64, new: f64, white: Option<f64>) {
+        let value = match white {
+            Some(white) => *bar * (new / white).max(1.0),
+            None if self.shares => new.max(*bar),
+            None => new,
+        };
+        if bar.is_finite() && value.is_finite() {
+            *bar = value;
+        }
     }
 }
 
@@ -66,7 +70,8 @@ fn replace(bar: &mut f64, new: f64, white: Option<f64>) {
 pub(crate) fn line_bars(found: &Found, errors: &BlockErrors) -> Result<Vec<TermBars>, LinalgError> {
     let influence = Influence::new(found, errors)?;
     let variances = influence.line_variances();
-    let correlated = influence.noise_products(|cycles| errors.of_noise(cycles), &variances);
+    let own: Vec<f64> = variances.iter().map(|v| influence.alone * v).collect();
+    let correlated = influence.noise_products(|cycles| errors.of_noise(cycles), &own);
     let independent = |cycles: f64| f64::from(u8::from(cycles == 0.0)).into();
     let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
     let white = influence.noise_products(independent, &vec![mean; variances.len()]);
@@ -76,11 +81,13 @@ pub(crate) fn line_bars(found: &Found, errors: &BlockErrors) -> Result<Vec<TermB
     let share = told
         .filter(|told| seen < limits::LEAKS_AS_TOLD * told)
         .unwrap_or(seen);
+    let shares = !influence.shared.is_empty();
     let of_term = |term: usize| {
         let owner = found.shapes.owner[term];
-        let told = influence.moments(owner, &correlated, share);
-        let white = found.poles[owner].given.as_ref().map(|_| {
-            let moments = influence.moments(owner, &white, 0.0);
+        let told = influence.moments(owner, &correlated, share, &influence.shared);
+        let other = found.poles[owner].given.as_ref();
+        let white = other.filter(|_| !shares).map(|_| {
+            let moments = influence.moments(owner, &white, 0.0, &[]);
             let shape = influence.term(term, &moments, &white);
             (moments.pole, shape)
         });
@@ -90,6 +97,7 @@ pub(crate) fn line_bars(found: &Found, errors: &BlockErrors) -> Result<Vec<TermB
             shape: influence.term(term, &told, &correlated),
             pole: told.pole,
             white,
+            shares,
         }
     };
     let inside = |term: &usize| {

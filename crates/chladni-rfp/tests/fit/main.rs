@@ -3,6 +3,7 @@
 mod common;
 mod family;
 mod faults;
+mod force_noise;
 mod identification;
 mod limits;
 mod measured;

@@ -1,0 +1,141 @@
+//! Noise in the record of a force, told by the errors that several responses share.
+//!
+//! A force read as x + n leaves −H_l·n in the fit of every response l, while the noise of
+//! responses is their own. With e_l what a local fit with f lines to spare leaves of l,
+//!
+//! E|n|² = (|Σ_l H̄_l·e_l|² − Σ_l |H̄_l·e_l|²)/([(Σ_l |H_l|²)² − Σ_l |H_l|⁴]·f),
+//!
+//! and least squares give H·(1 − E|n|²/E|x + n|²) (theory.md, eq. F4g).
+
+use crate::limits::{FORCE_LINES, FORCE_MEDIAN, FORCE_MOST, FORCE_SIGNS};
+use num_complex::Complex64;
+
+/// The force's noise as one local fit tells it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ForceNoise {
+    /// E|n|² on a line of the transform; scatters about it, below 0 too.
+    pub power: f64,
+    /// The part of an FRF that a unit of noise takes: 1/E|x + n|².
+    pub attenuation: f64,
+    /// Variance of an FRF per unit of noise on a line of its response.
+    pub unit_variance: f64,
+}
+
+/// Noise of the force as it acts on the FRFs of one line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Correction {
+    /// The factor that undoes its bias.
+    pub factor: f64,
+    /// Variance of the error that remains, over the power of an FRF.
+    pub variance: f64,
+}
+
+/// E|n|² from FRFs and residuals of the responses, with `free` lines to spare; `None` for one
+/// response.
+pub(super) fn shared_power<'a>(
+    responses: impl Iterator<Item = (Complex64, &'a [Complex64])>,
+    free: f64,
+) -> Option<f64> {
+    let (mut sum, mut alone): (Vec<Complex64>, f64) = (Vec::new(), 0.0);
+    let (mut squares, mut fourths) = (0.0, 0.0);
+    for (value, residual) in responses {
+        sum.resize(residual.len(), Complex64::default());
+        for (sum, error) in sum.iter_mut().zip(residual) {
+            let part = value.conj() * error;
+            *sum += part;
+            alone += part.norm_sqr();
+        }
+        squares += value.norm_sqr();
+        fourths += value.norm_sqr().powi(2);
+    }
+    let shared = sum.iter().map(|v| v.norm_sqr()).sum::<f64>() - alone;
+    let pairs = squares * squares - fourths;
+    (pairs > 0.0 && free > 0.0).then(|| shared / (pairs * free))
+}
+
+/// Corrections of the lines that tell the noise of the force; `None` where responses share no
+/// errors.
+pub(super) fn corrections(lines: &[Option<ForceNoise>]) -> Option<Vec<(usize, Correction)>> {
+    let known: Vec<(usize, ForceNoise)> = lines
+        .iter()
+        .enumerate()
+        .filter_map(|(k, line)| Some((k, (*line)?)))
+        .collect();
+    let shares = known.iter().filter(|(_, line)| line.power > 0.0).count();
+    if known.len() < FORCE_LINES || (shares as f64) < FORCE_SIGNS * known.len() as f64 {
+        return None;
+    }
+    let of_line = |(place, &(k, line)): (usize, &(usize, ForceNoise))| {
+        let first = place
+            .saturating_sub(FORCE_LINES / 2)
+            .min(known.len() - FORCE_LINES);
+        let near = known[first..first + FORCE_LINES].iter();
+        let mut powers: Vec<f64> = near.map(|(_, line)| line.power).collect();
+        let middle = powers.select_nth_unstable_by(FORCE_LINES / 2, f64::total_cmp);
+        let power = middle.1.max(0.0) / FORCE_MEDIAN;
+        let taken = (power * line.attenuation).clamp(0.0, FORCE_MOST);
+        let correction = Correction {
+            factor: 1.0 / (1.0 - taken),
+            variance: power * line.unit_variance,
+        };
+        (k, correction)
+    };
+    Some(known.iter().enumerate().map(of_line).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shared_errors_tell_the_noise_of_the_force_and_others_do_not() {
+        let frf = [Complex64::new(2.0, 1.0), Complex64::new(-0.5, 0.3)];
+        let noise: Vec<Complex64> = (0..8)
+            .map(|r| Complex64::from_polar(0.3, f64::from(r * r)))
+            .collect();
+        let shared: Vec<Vec<Complex64>> = frf
+            .iter()
+            .map(|h| noise.iter().map(|n| -h * n).collect())
+            .collect();
+        let both = |errors: &[Vec<Complex64>]| {
+            let errors: Vec<&[Complex64]> = errors.iter().map(Vec::as_slice).collect();
+            shared_power(frf.into_iter().zip(errors), 8.0)
+        };
+        let power = both(&shared).unwrap();
+        assert!((power - 0.09).abs() < 1e-12, "{power}");
+        let mut own = shared.clone();
+        // the other half turned round: errors share nothing
+        own[1][4..].iter_mut().for_each(|v| *v = -*v);
+        let power = both(&own).unwrap();
+        assert!(power.abs() < 1e-12, "{power}");
+        assert_eq!(
+            shared_power(std::iter::once((frf[0], &shared[0][..])), 8.0),
+            None
+        );
+    }
+
+    #[test]
+    fn lines_are_corrected_where_errors_are_shared() {
+        let line = |power: f64| {
+            Some(ForceNoise {
+                power,
+                attenuation: 0.5,
+                unit_variance: 0.2,
+            })
+        };
+        let noisy = vec![line(0.1 * FORCE_MEDIAN); 2 * FORCE_LINES];
+        let corrected = corrections(&noisy).unwrap();
+        assert_eq!(corrected.len(), noisy.len());
+        for (_, Correction { factor, variance }) in corrected {
+            assert!((factor - 1.0 / 0.95).abs() < 1e-12 && (variance - 0.02).abs() < 1e-12);
+        }
+        let mut clean = noisy.clone();
+        clean
+            .iter_mut()
+            .step_by(2)
+            .for_each(|own| *own = line(-0.1));
+        assert_eq!(corrections(&clean), None);
+        assert_eq!(corrections(&noisy[..FORCE_LINES - 1]), None);
+        assert_eq!(corrections(&vec![None; 2 * FORCE_LINES]), None);
+    }
+}
