@@ -47,11 +47,11 @@ scene-CASE-knobs (how far κ is searched for) and accuracy.html. With --input: a
 default fit of the same data), accuracy-input.svg/png and accuracy-input-knobs. An interrupted run goes on where it stopped.")]
 pub struct Args {
     #[command(flatten)]
-    pub(super) place: Place,
+    place: Place,
     /// Methods to run, of identification and of rendering; may be repeated [default: all]
     #[arg(long = "method", value_name = "METHOD", value_parser = PossibleValuesParser::new(Solver::names())
         .try_map(|name| Solver::named(&name).ok_or("no such method")))]
-    pub(super) methods: Vec<Solver>,
+    methods: Vec<Solver>,
     /// Noise seeds of each case for the methods that maximise the likelihood; others take
     /// a tenth of them [default: 100; quick: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -77,13 +77,13 @@ pub struct Args {
     peers: Option<PathBuf>,
     /// Leave every option as it is: no knobs
     #[arg(long)]
-    pub(super) no_knobs: bool,
+    no_knobs: bool,
     /// FRFs of your own; may be repeated: one set. What cheaper methods and settings lose
     /// beside the default, in its error bars
     #[arg(long, value_name = "FILE", conflicts_with_all = ["cases", "seeds", "seed", "shapes", "export", "export_wrong", "peers"])]
-    pub(super) input: Vec<PathBuf>,
+    input: Vec<PathBuf>,
     #[command(flatten)]
-    pub(super) reading: Reading,
+    reading: Reading,
     /// Cases and scenes to run; may be repeated [default: all cases, and five scenes]
     #[arg(long = "case", value_name = "CASE", value_parser = PossibleValuesParser::new(
         CASES.iter().map(|case| case.name).chain(SCENE_CASES.iter().map(|case| case.name))))]
@@ -167,7 +167,14 @@ impl Args {
 /// Those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if !args.input.is_empty() {
-        return own_data::run(args, console);
+        let asked = own_data::Asked {
+            place: &args.place,
+            input: &args.input,
+            reading: &args.reading,
+            methods: &args.methods,
+            knobs: !args.no_knobs && !args.place.quick,
+        };
+        return own_data::run(&asked, console);
     }
     args.place.prepare(&TABLES, console)?;
     let quick = args.place.quick;

@@ -1,14 +1,14 @@
 //! `chladni bench accuracy --input`.
 
-use super::accuracy::Args;
-use super::{names, shown};
+use super::{names, shown, Place};
 use chladni_bench::{own_csv, own_data, own_figures, OwnRow, Solver};
-use chladni_console::input::{expand, read_frf};
+use chladni_console::input::{expand, read_frf, Reading};
 use chladni_console::table::table;
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result};
 use chladni_rfp::{fit, FitOptions, Method};
 use serde_json::json;
+use std::path::PathBuf;
 
 /// A row for each setting.
 const TABLE: &str = "accuracy-input.csv";
@@ -16,19 +16,30 @@ const TABLE: &str = "accuracy-input.csv";
 const WORDS: &str = "Each setting on the same data, beside the default fit and in its error bars. Both scales are logarithmic, lower left is \
 better, the line joins what nothing else beats in both. Times are medians of this run; on a shared machine only their ratios mean something.";
 
+/// The part of `bench accuracy` that asks for data of one's own.
+pub struct Asked<'a> {
+    pub place: &'a Place,
+    pub input: &'a [PathBuf],
+    pub reading: &'a Reading,
+    /// None: all methods of identification.
+    pub methods: &'a [Solver],
+    /// Whether options are turned, too.
+    pub knobs: bool,
+}
+
 /// Runs the command.
 ///
 /// # Errors
 /// Those of reading and writing; data that the default cannot fit, or without a mode.
-pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
+pub fn run(args: &Asked, console: &Console) -> Result<Outcome> {
     args.place.prepare(&[TABLE], console)?;
     let methods: Vec<Method> = match args.methods.is_empty() {
         true => Method::ALL.to_vec(),
-        false => identifying(&args.methods)?,
+        false => identifying(args.methods)?,
     };
-    let knobs = !args.no_knobs && !args.place.quick;
-    let files = expand(&args.input, console)?;
-    let (frf, _) = read_frf(&files, &args.reading, console)?;
+    let knobs = args.knobs;
+    let files = expand(args.input, console)?;
+    let (frf, _) = read_frf(&files, args.reading, console)?;
     console.stage("the default fit");
     let options = FitOptions::default();
     let default = fit(&frf, &options)

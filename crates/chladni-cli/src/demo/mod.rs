@@ -1,8 +1,10 @@
 //! `chladni demo`: the whole way on the built-in panel, judged by its known truth.
 
+mod files;
 mod methods;
 mod rig;
 
+use self::files::Files;
 use self::rig::OnRig;
 use crate::curves::curves;
 use crate::fit::{echo_of, fit_model};
@@ -11,7 +13,7 @@ use crate::render::{render_scene, write_weights, Trials};
 use crate::report::write_page;
 use crate::truth::Comparison;
 use chladni_console::input::source;
-use chladni_console::output::{make_folder, Output, FRF, HTML, MODEL, SCENE, WEIGHTS};
+use chladni_console::output::{Output, FRF, HTML, MODEL, SCENE, WEIGHTS};
 use chladni_console::quoting::shell_path;
 use chladni_console::table::{significant, table};
 use chladni_console::Console;
@@ -23,7 +25,7 @@ use chladni_render::{evaluate, On, PointIndices, RenderOptions, Rendering, Scene
 use chladni_report::{html, sentence, Curves, RenderedScene, ReportInput};
 use chladni_rfp::FitOptions;
 use serde_json::{json, Value};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// The trials of the first scene beside being rendered, as by `chladni render --stress
@@ -50,19 +52,6 @@ pub struct Args {
     output: PathBuf,
 }
 
-/// The files of a demonstration.
-struct Files {
-    panel: PathBuf,
-    truth: PathBuf,
-    model: PathBuf,
-    scenes: Vec<PathBuf>,
-    weights: Vec<PathBuf>,
-    /// The measured field of the first scene, and its weights corrected by it.
-    field: PathBuf,
-    corrected: PathBuf,
-    report: PathBuf,
-}
-
 /// A scene rendered by the fitted model, in the model and on the panel itself.
 struct Judged {
     rendering: Rendering,
@@ -84,7 +73,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let scenes: Vec<Judged> = (0..SCENES)
         .map(|k| render_one(&files, k, &model, &truth, console))
         .collect::<Result<_>>()?;
-    let on_rig = rig::on_rig(&files, &model, &truth, &scenes[0], console)?;
+    let on_rig = rig::on_rig(
+        &files,
+        &model,
+        &truth,
+        &scenes[0].rendering.weights,
+        console,
+    )?;
     let methods =
         methods::speed_against_accuracy(&frf, &truth, panel.frf.snr_db, &model, time_s, console)?;
     console.stage("report");
@@ -120,40 +115,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             "open {page} in a browser; or chladni studio {}",
             shell_path(&files.panel)
         )))
-}
-
-impl Files {
-    /// Makes the folder, and refuses to overwrite anything without `--force`.
-    fn new(folder: &Path, console: &Console) -> Result<Self> {
-        let numbered = |stem: &str, extension: &str| {
-            (1..=SCENES)
-                .map(|k| folder.join(format!("{stem}-{k}.{extension}")))
-                .collect()
-        };
-        let files = Self {
-            panel: folder.join("panel.h5"),
-            truth: folder.join("truth.json"),
-            model: folder.join("model.json"),
-            scenes: numbered("scene", "toml"),
-            weights: numbered("weights", "json"),
-            field: folder.join("field-1.csv"),
-            corrected: folder.join("weights-1-corrected.json"),
-            report: folder.join("report.html"),
-        };
-        make_folder(folder)?;
-        for path in files.all() {
-            Output::new(path, &[FRF, MODEL, SCENE, HTML].concat(), &[], console)?;
-        }
-        Ok(files)
-    }
-
-    fn all(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.panel, &self.truth, &self.model]
-            .into_iter()
-            .chain(&self.scenes)
-            .chain(&self.weights)
-            .chain([&self.field, &self.corrected, &self.report])
-    }
 }
 
 /// Simulates the measurement and writes it with its truth.

@@ -2,7 +2,7 @@
 //! field is measured, named and corrected, as by `chladni evaluate --field` and
 //! `chladni correct`.
 
-use super::{Files, Judged};
+use super::files::Files;
 use crate::correct::corrected;
 use crate::field_words::sentence;
 use crate::limits::{SCANNER_SEED, SCANNER_SNR_DB};
@@ -25,7 +25,7 @@ pub(super) struct OnRig {
     after: (Weights, FieldEvaluation),
 }
 
-/// Plays the weights of the first scene on the rig, corrects them by the field, plays
+/// Plays `played`, the weights of the first scene, on the rig, corrects them by the field, plays
 /// these.
 ///
 /// # Errors
@@ -34,12 +34,11 @@ pub(super) fn on_rig(
     files: &Files,
     model: &ModalModel,
     truth: &ModalModel,
-    judged: &Judged,
+    played: &Weights,
     console: &Console,
 ) -> Result<OnRig> {
     console.stage("an actuator dies");
     let scene = Scene::read(&files.scenes[0])?;
-    let played = &judged.rendering.weights;
     let size = |k: &usize| played.weights[*k].amplitude;
     let dead = (0..played.weights.len())
         .max_by(|a, b| size(a).total_cmp(&size(b)))

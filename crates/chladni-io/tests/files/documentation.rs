@@ -17,7 +17,9 @@ fn blocks(language: &str) -> Vec<&'static str> {
 #[test]
 fn both_table_layouts_hold_the_same_frfs() {
     let folder = tempfile::tempdir().unwrap();
-    let tables = blocks("csv");
+    // the page's other tables are no FRFs
+    let mut tables = blocks("csv");
+    tables.retain(|table| table.contains("frf_kind"));
     assert_eq!(tables.len(), 2);
     for (name, table) in ["long.csv", "wide.csv"].iter().zip(tables) {
         let path = folder.path().join(name);

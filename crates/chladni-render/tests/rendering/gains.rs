@@ -231,3 +231,25 @@ fn outside_of_its_table_a_channel_is_refused_by_name() {
     let is_said = |finding: &Finding| finding.code == "calibrated";
     assert!(applied.iter().any(is_said));
 }
+
+#[test]
+fn the_table_of_the_page_is_read() {
+    const PAGE: &str = include_str!("../../../../docs/formats.md");
+    let tables = PAGE.split("```csv\n").skip(1);
+    let text = tables
+        .filter_map(|rest| rest.split("```").next())
+        .find(|table| table.starts_with("reference,"))
+        .unwrap();
+    let tables = Calibration::parse(text).unwrap().gain_tables;
+    let shape: Vec<_> = tables
+        .iter()
+        .map(|table| (table.reference.unwrap().to_string(), &table.gain[..]))
+        .collect();
+    assert_eq!(
+        shape,
+        [
+            ("101:+Z".to_owned(), &[0.98, 0.91][..]),
+            ("102:+Z".to_owned(), &[0.97, 0.90][..]),
+        ]
+    );
+}
