@@ -179,18 +179,19 @@ fn residuals(comparison: &Comparison, offered: &[Vec<usize>; 2]) -> Value {
         "steps": u8s(codes), "values": values})
 }
 
-/// The smallest step that is not 0, and for each step a code in a byte: 0 for none, else
-/// the step is at most [`STEP_RATIO`]^(code − 1) times the smallest.
+/// The least step of the page, and for each step a code in a byte: 0 for none, else the
+/// step is at most [`STEP_RATIO`]^(code − 1) times the least. Steps too small for the codes
+/// beside the largest one are raised to the least.
 fn coded_steps(steps: impl Iterator<Item = f64> + Clone) -> (f64, Vec<u8>) {
-    let least = steps
-        .clone()
-        .filter(|&step| step > 0.0)
-        .fold(f64::INFINITY, f64::min);
+    let positive = || steps.clone().filter(|&step| step > 0.0);
+    let largest = positive().fold(0.0, f64::max);
+    let reached = largest * STEP_RATIO.powi(-254);
+    let least = positive().fold(f64::INFINITY, f64::min).max(reached);
     let code = |step: f64| match step > 0.0 {
-        true => 1 + (step / least).log(STEP_RATIO).ceil().min(254.0) as u8,
+        true => 1 + (step / least).log(STEP_RATIO).ceil().clamp(0.0, 254.0) as u8,
         false => 0,
     };
-    let codes = steps.map(code).collect();
+    let codes = steps.clone().map(code).collect();
     (if least.is_finite() { least } else { 0.0 }, codes)
 }
 
@@ -282,8 +283,13 @@ mod tests {
             [16 * 8 + 8; 2]
         );
         assert_eq!(coded_steps([0.0, 0.0].into_iter()), (0.0, vec![0, 0]));
-        let (least, codes) = coded_steps([1e-12, 0.0, 1.0, 1e3].into_iter());
-        assert_eq!((least, codes[0], codes[1]), (1e-12, 1, 0));
-        assert!(codes[2] < codes[3] && step(least, codes[2]) >= 1.0 - 1e-12);
+        // the largest keeps its step, what is 240 dB below it is raised
+        let (least, codes) = coded_steps([1e-9, 0.0, 1.0, 1e3].into_iter());
+        assert_eq!((codes[0], codes[1], codes[3]), (1, 0, 255));
+        assert!(least > 1e-9 && codes[2] < codes[3]);
+        assert!(step(least, codes[2]) >= 1.0 - 1e-9 && step(least, codes[3]) >= 1e3 * (1.0 - 1e-9));
+        // a step within their range is the least itself
+        let (least, codes) = coded_steps([1e-5, 1e3].into_iter());
+        assert_eq!((least, codes[0]), (1e-5, 1));
     }
 }
