@@ -1,7 +1,7 @@
 //! What a damping law says of poles and residues, for rooms that need not know which it is.
 
-use crate::damping::columns::in_plane_of;
 use crate::damping::limits;
+use crate::damping::places::in_plane_of;
 use crate::tolerances as tol;
 use chladni_frf::{Damping, FrfKind, Mode};
 use num_complex::Complex64;

@@ -3,7 +3,7 @@
 //!
 //! Where no origin is named, a value is judgement: nobody has calibrated it.
 
-// columns.rs
+// places.rs
 
 /// Least loss factor of a pole that is taken from one law to the other: steps are
 /// measured in half-bandwidths.

@@ -8,9 +8,9 @@
 //! In both a damped mode has its root in the upper half plane of t. Poles come and go as λ
 //! of their law (theory.md, eq. 5 and 16).
 
-use crate::damping::columns::viscous_pole_of;
 use crate::damping::limits::RESIDUAL_TERMS;
 use crate::damping::places::s_of_lambda;
+use crate::damping::places::viscous_pole_of;
 use chladni_frf::Damping;
 use num_complex::Complex64;
 

@@ -8,9 +8,9 @@
 //! derivatives by differences. Cost per step ≈ 16·lines·m·(m + r) flop, m poles and
 //! residual terms, r columns.
 
-use crate::damping::columns::viscous_pole_of;
 use crate::damping::law::is_rational;
 use crate::damping::limits;
+use crate::damping::places::viscous_pole_of;
 use crate::damping::viscous::viscous_basis;
 use crate::data::columns::Columns;
 use crate::data::information::{answer, coefficients};

@@ -3,8 +3,8 @@
 
 use super::limits::SELECTION_MOST_INFLATION;
 use crate::damping::law::FIRST;
+use crate::damping::places::from_structural;
 use crate::damping::structural::POWERS;
-use crate::damping::viscous::from_structural;
 use crate::data::columns::Columns;
 use crate::data::options::FitOptions;
 use crate::methods::found::negative_damping;
