@@ -33,7 +33,7 @@ use crate::model::exponential;
 use crate::model::identified::Identified;
 use crate::model::in_law::in_law;
 use crate::tolerances::OUTLIER_ROUNDS;
-use chladni_frf::{Damping, Finding, FrfSet, ModalModel};
+use chladni_frf::{Finding, FrfSet, ModalModel};
 use chladni_linalg::blocked::in_pool;
 
 /// Identifies the modes in `frf`.
@@ -278,8 +278,8 @@ fn fit_lean(data: &Screened, options: &FitOptions, watch: &Watch) -> Result<Moda
     watch.stage("poles")?;
     let mut found = lean(&survey, options)?;
     watch.stage("shapes")?;
-    if options.damping == Some(Damping::Viscous) {
-        found = in_law(found, Damping::Viscous, None)?;
+    if let Some(law) = options.damping {
+        found = in_law(found, law, None)?;
     }
     let shaped = Shaped::new(data, Identified::new(found))?;
     let left = shaped.left(data);

@@ -1,20 +1,18 @@
 //! The lines around a mode, and its FRFs there without all other modes.
 
 use crate::checks::case::Case;
-use crate::damping::measured_model::{frf_matrix, value_of};
+use crate::damping::measured_model::frf_matrix;
+use crate::damping::places::{lambda_of_value, value_of};
 use crate::data::columns::Columns;
-use chladni_frf::{Damping, Mode};
+use chladni_frf::Mode;
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
 
 /// λ of a mode in the plane x = ω²/ω_max².
 pub(crate) fn pole(case: &Case, mode: &Mode) -> Complex64 {
-    let value = value_of(mode, case.model.damping, case.data.omega_max);
-    match case.model.damping {
-        Damping::Structural => value,
-        Damping::Viscous => -value * value,
-    }
+    let law = case.model.damping;
+    lambda_of_value(law, value_of(mode, law, case.data.omega_max))
 }
 
 /// |residue| of a mode in an FRF, in the mode's own scaling.

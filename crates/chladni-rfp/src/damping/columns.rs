@@ -6,7 +6,7 @@
 //! by Im λ over j stands for that by Re λ as well, from which it differs by half a loss
 //! factor: estimates lose η² of their information, steps converge by a factor of about η.
 
-use crate::damping::limits;
+use crate::damping::places::viscous_pole_of;
 use crate::data::window::leakage::{Leakage, LeakingPole};
 use chladni_frf::Damping;
 use num_complex::Complex64;
@@ -103,36 +103,6 @@ pub(crate) fn leaking_pole(law: Damping, pole: Complex64) -> LeakingPole {
     }
 }
 
-/// Place of a pole of the other law in the plane of this one: the same resonance, s =
-/// j√λ, has ω_n² = |λ_structural|. `None`: Re λ ≤ 0 (ζ > 0.71), which is background.
-///
-/// |Im λ|: below the band the loss of a viscous mode, seen from above, rises where the
-/// structural one stands still, and the structural pole that mimics it best has a negative
-/// one.
-pub(crate) fn in_plane_of(law: Damping, lambda: Complex64) -> Option<Complex64> {
-    if lambda.re <= 0.0 {
-        return None;
-    }
-    let lambda = Complex64::new(
-        lambda.re,
-        lambda.im.abs().max(limits::LEAST_LOSS * lambda.re),
-    );
-    Some(match law {
-        Damping::Viscous => {
-            let s = Complex64::i() * lambda.sqrt();
-            lambda.norm() * Complex64::new(1.0, -2.0 * s.re / s.norm())
-        }
-        Damping::Structural => -viscous_pole_of(lambda).powi(2),
-    })
-}
-
-/// s/ω_max of a viscous mode with ω_n² = Re λ and η_n = Im λ/Re λ.
-pub(crate) fn viscous_pole_of(lambda: Complex64) -> Complex64 {
-    let zeta = 0.5 * lambda.im / lambda.re;
-    let root = Complex64::new(1.0 - zeta * zeta, 0.0).sqrt();
-    lambda.re.sqrt() * (Complex64::i() * root - zeta)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,26 +111,6 @@ mod tests {
 
     /// T·ω_max: lines 1/500 of ω_max apart.
     const RECORD: f64 = 500.0 * std::f64::consts::TAU;
-
-    #[test]
-    fn planes_of_both_laws_hold_the_same_resonances() {
-        for lambda in [Complex64::new(0.3, 0.02), Complex64::new(0.05, 0.03)] {
-            let viscous = in_plane_of(Damping::Viscous, lambda).unwrap();
-            let back = in_plane_of(Damping::Structural, viscous).unwrap();
-            assert!((back - lambda).norm() < 1e-14, "{back} for {lambda}");
-            let s = viscous_pole_of(viscous);
-            assert!((s - Complex64::i() * lambda.sqrt()).norm() < 1e-14, "{s}");
-        }
-        let mirrored = in_plane_of(Damping::Viscous, Complex64::new(0.3, -0.02));
-        assert_eq!(
-            mirrored,
-            in_plane_of(Damping::Viscous, Complex64::new(0.3, 0.02))
-        );
-        assert_eq!(
-            in_plane_of(Damping::Viscous, Complex64::new(-0.1, 0.02)),
-            None
-        );
-    }
 
     #[test]
     fn columns_that_leak_are_finite_however_heavy_the_damping() {

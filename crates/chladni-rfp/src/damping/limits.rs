@@ -3,11 +3,16 @@
 //!
 //! Where no origin is named, a value is judgement: nobody has calibrated it.
 
-// columns.rs
+// places.rs
 
 /// Least loss factor of a pole that is taken from one law to the other: steps are
 /// measured in half-bandwidths.
 pub(super) const LEAST_LOSS: f64 = 1e-6;
+
+// law.rs
+
+/// Largest loss factor that a step gives a viscous pole: critical damping is 2.
+pub(super) const LOSS_MOST: f64 = 1.9;
 
 // gram.rs
 
@@ -31,6 +36,11 @@ pub(super) const TURN: f64 = 0.3;
 pub(super) const PHASED_STEP: f64 = 0.5;
 /// See [`PHASED_STEP`].
 pub(super) const PHASED_LOSS_KEPT: f64 = 0.2;
+
+// plane.rs
+
+/// Numerator terms beyond the degree of the denominator: residual terms from 1/x to x².
+pub(super) const RESIDUAL_TERMS: usize = 3;
 
 // verdict.rs
 

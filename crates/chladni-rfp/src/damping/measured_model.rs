@@ -1,6 +1,7 @@
 //! The poles of a model in its law, and its FRFs as they were measured: with leakage, where
 //! that is known.
 
+use crate::damping::places::s_of_mode;
 use crate::data::window::leakage::{Leakage, LeakingPole};
 use chladni_frf::{Damping, FrfKind, ModalModel, Mode};
 use ndarray::Array2;
@@ -33,12 +34,7 @@ pub(crate) fn frf_matrix(
 
 /// s over ω_max.
 fn pole(law: Damping, mode: &Mode, omega_max: f64) -> LeakingPole {
-    let s = match law {
-        Damping::Viscous => mode.viscous_pole(),
-        Damping::Structural => {
-            TAU * mode.frequency_hz * Complex64::i() * Complex64::new(1.0, mode.loss_factor).sqrt()
-        }
-    } / omega_max;
+    let s = s_of_mode(law, mode) / omega_max;
     let other = match law {
         Damping::Viscous => s.conj(),
         Damping::Structural => -s,
@@ -47,14 +43,5 @@ fn pole(law: Damping, mode: &Mode, omega_max: f64) -> LeakingPole {
         s,
         other,
         slope: Complex64::default(),
-    }
-}
-
-/// λ (structural) or s (viscous) of a mode in units of `omega_max`² or `omega_max`.
-pub(crate) fn value_of(mode: &Mode, damping: Damping, omega_max: f64) -> Complex64 {
-    let ratio = TAU * mode.frequency_hz / omega_max;
-    match damping {
-        Damping::Structural => ratio * ratio * Complex64::new(1.0, mode.loss_factor),
-        Damping::Viscous => mode.viscous_pole() / omega_max,
     }
 }

@@ -6,8 +6,9 @@
 //! θ_n per mode, and the fit tells pole and angle together, since an error of a natural
 //! frequency turns all residues of its mode too.
 
-use crate::damping::columns::{in_plane_of, loss};
+use crate::damping::columns::loss;
 use crate::damping::limits;
+use crate::damping::places::in_plane_of;
 use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
 use crate::data::information::answer;

@@ -8,8 +8,9 @@
 //! derivatives by differences. Cost per step ≈ 16·lines·m·(m + r) flop, m poles and
 //! residual terms, r columns.
 
-use crate::damping::columns::viscous_pole_of;
+use crate::damping::law::is_rational;
 use crate::damping::limits;
+use crate::damping::places::viscous_pole_of;
 use crate::damping::viscous::viscous_basis;
 use crate::data::columns::Columns;
 use crate::data::information::{answer, coefficients};
@@ -18,17 +19,24 @@ use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{s, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 
-/// `poles` of the x plane after at most `most` steps, and the sum of squares that they
+/// Poles of the x plane after at most `most` steps, and the sum of squares that they
 /// leave of `work`, with free residues and residual terms x^`powers`.
+///
+/// * `found`: where they stand and what they leave in the columns of the search; where
+///   these are those of the model file, that is the answer
 ///
 /// # Errors
 /// A kernel that fails.
 pub(crate) fn refined(
     work: &Columns,
-    poles: Vec<Complex64>,
+    found: (Vec<Complex64>, f64),
     powers: &[i32],
     most: usize,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
+    if is_rational(work.law) {
+        return Ok(found);
+    }
+    let poles = found.0;
     let data = stacked(&work.b);
     let mut here = Point::at(work, &data, poles, powers)?;
     let mut damping = limits::SAVED_DAMPING;
@@ -182,7 +190,13 @@ mod tests {
         });
         let work = empty.with_columns(b);
         let energy = work.energy();
-        let (poles, sse) = refined(&work, vec![1.3 * truth], &[-1, 0, 1, 2], 60).unwrap();
+        let (poles, sse) = refined(
+            &work,
+            (vec![1.3 * truth], f64::INFINITY),
+            &[-1, 0, 1, 2],
+            60,
+        )
+        .unwrap();
         assert!(sse < 1e-20 * energy, "{sse:e} of {energy:e}");
         assert!((poles[0] - truth).norm() < 1e-6 * truth.im, "{poles:?}");
     }

@@ -5,9 +5,9 @@
 //! the frequency by η²/4 and the loss factor by about 0.28η² (relative), and turns the
 //! residues by η/2. The turn decides, unless a phase or a delay of all FRFs explains it.
 
-use crate::damping::columns::in_plane_of;
 use crate::damping::limits;
 use crate::damping::phased::{Common, LawFit};
+use crate::damping::places::in_plane_of;
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use chladni_frf::{Damping, Finding};

@@ -10,11 +10,6 @@ use crate::data::columns::Columns;
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 
-/// s = j√λ: the viscous pole of the same resonance. Using √Re λ instead is wrong by ζ².
-pub(crate) fn from_structural(lambda: Complex64) -> Complex64 {
-    Complex64::i() * lambda.sqrt()
-}
-
 fn stack_into(out: &mut Array2<f64>, column: usize, values: impl Iterator<Item = Complex64>) {
     let lines = out.nrows() / 2;
     let mut column = out.column_mut(column);

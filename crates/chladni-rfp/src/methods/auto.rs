@@ -2,6 +2,7 @@
 //! path where it is not. It goes on where it stopped for a pass that others made.
 
 use super::limits::MOSTLY_LEFT;
+use crate::damping::law::FIRST;
 use crate::damping::structural::POWERS;
 use crate::data::options::FitOptions;
 use crate::data::outliers::single_lines;
@@ -133,7 +134,7 @@ fn chain<S: Source>(data: &S, options: &FitOptions, watch: &Watch) -> Result<Out
             by: By::Fast { doubt, .. },
             ..
         }) => (*law, doubt.clone()),
-        _ => (options.damping.unwrap_or(Damping::Structural), None),
+        _ => (options.damping.unwrap_or(FIRST), None),
     };
     let (other, evidence) = match doubt {
         Some(evidence) => (law, evidence),

@@ -7,7 +7,8 @@
 //! the method's poles, which are not taken.
 
 use super::limits::{MOST_LEFT, SAME_POLE};
-use crate::damping::columns::in_plane_of;
+use crate::damping::bars::Measured;
+use crate::damping::places::lambda_of_s;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
@@ -23,7 +24,7 @@ use crate::model::identified::Identified;
 use crate::poles::estimate;
 use crate::poles::limits::UNCERTAIN;
 use crate::poles::pole::Grade;
-use crate::poles::pole::{structural_pole, viscous_pole, Pole};
+use crate::poles::pole::Pole;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
@@ -143,10 +144,7 @@ fn graded(
     let lambda: Vec<Complex64> = found
         .poles
         .iter()
-        .map(|s| match damping {
-            Damping::Structural => -s * s,
-            Damping::Viscous => in_plane_of(damping, -s * s).unwrap_or(-s * s),
-        })
+        .map(|&s| lambda_of_s(damping, s))
         .collect();
     let sse = Projection::new(work, &lambda, &POWERS)?.sse;
     let variance = columns.variance(survey.data, sse, lambda.len() + POWERS.len());
@@ -156,20 +154,8 @@ fn graded(
     let limit = threshold(sketch.columns(), sketch.lines()) * variance_left(sketch, &lambda)?;
     let poles = (0..lambda.len())
         .map(|n| {
-            let mut pole = match damping {
-                Damping::Structural => {
-                    structural_pole(lambda[n], [0.5 * spread[n]; 2], (Trust::Sure, Vec::new()))
-                }
-                // |ds| = |dλ|/(2|√λ|), alike in all directions
-                Damping::Viscous => {
-                    let c = 0.5 * spread[n] / (4.0 * lambda[n].norm());
-                    viscous_pole(
-                        found.poles[n],
-                        [[c, 0.0], [0.0, c]],
-                        (Trust::Sure, Vec::new()),
-                    )
-                }
-            };
+            let measured = Measured::alike(damping, found.poles[n], lambda[n], spread[n]);
+            let mut pole = Pole::new(measured, (Trust::Sure, Vec::new()));
             if let Some(own) = &found.deviation {
                 pole.omega_std = pole.omega_std.max(own[n][0]);
                 pole.loss_factor_std = pole.loss_factor_std.max(own[n][1]);

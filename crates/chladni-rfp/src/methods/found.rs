@@ -1,5 +1,6 @@
 //! Poles of one method, and what it says of them.
 
+use crate::damping::law::CLASSIC;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::equation_error::Root;
@@ -30,7 +31,7 @@ impl From<ClassicPoles> for MethodPoles {
         Self {
             poles: found.poles,
             deviation: Some(found.deviation),
-            law: Damping::Viscous,
+            law: CLASSIC,
             warnings: found.warnings,
             how: "linear equation error in orthogonal polynomials",
             stabilization: None,

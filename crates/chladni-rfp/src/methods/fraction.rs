@@ -12,9 +12,10 @@
 //! Cost: 4·lines·m·n·r flop for M, m numerator and n denominator polynomials, r columns.
 
 use super::limits::SILENT;
+use crate::damping::plane::Plane;
 use crate::data::columns::Columns;
 use crate::methods::lanczos::Polynomials;
-use crate::methods::plane::Plane;
+use crate::methods::lanczos::Symmetry;
 use chladni_linalg::blocked::blocked_matmul_h;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{Array1, Array2, ShapeBuilder};
@@ -116,7 +117,11 @@ impl Fraction {
     /// Too few lines.
     pub fn new(lines: &Lines, modes: usize, known: &Denominator) -> Result<Self, LinalgError> {
         let plane = lines.plane;
-        let basis = |start, degree| Polynomials::new(&lines.nodes, start, degree, plane.symmetry());
+        let symmetry = match plane.is_even() {
+            true => Symmetry::Even,
+            false => Symmetry::None,
+        };
+        let basis = |start, degree| Polynomials::new(&lines.nodes, start, degree, symmetry);
         let numerators = basis(&known.inverse * &lines.over, plane.numerator(modes))?;
         let denominators = basis(
             &known.inverse * &lines.root_energy,

@@ -242,10 +242,10 @@ fn normal_to(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damping::plane::Plane;
     use crate::damping::structural::POWERS;
     use crate::data::options::FitOptions;
     use crate::data::screening::Screened;
-    use crate::methods::plane::Plane;
     use crate::methods::synthetic::even;
     use crate::poles::refine::refined_poles;
     use chladni_frf::Damping;

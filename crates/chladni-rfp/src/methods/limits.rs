@@ -189,11 +189,6 @@ pub(super) const LEAST_DROP: f64 = 1.2;
 /// Rise of power over the lowest on the way from a peak at which its flank ends.
 pub(super) const FLANK_ENDS: f64 = 2.0;
 
-// plane.rs
-
-/// Numerator terms beyond the degree of the denominator: residual terms from 1/x to x².
-pub(super) const RESIDUAL_TERMS: usize = 3;
-
 // plscf.rs
 
 /// Combinations of references kept. The four strongest of the reference panel miss six of

@@ -42,7 +42,6 @@ pub(crate) mod local;
 pub(crate) mod lscf;
 pub(crate) mod matrix_fraction;
 pub(crate) mod peak;
-pub(crate) mod plane;
 pub(crate) mod plscf;
 pub(crate) mod rfp;
 pub(crate) mod rfp_search;

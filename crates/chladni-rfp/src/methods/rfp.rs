@@ -27,6 +27,8 @@
 //! measurements using the rational fraction polynomial method*, Proc. IMAC 3 (1985).
 
 use super::limits::LEAST_LEADING;
+use crate::damping::law::FIRST;
+use crate::damping::plane::Plane;
 use crate::damping::structural::POWERS;
 use crate::damping::verdict::{verdict, Fitted};
 use crate::data::error::FitError;
@@ -34,7 +36,6 @@ use crate::data::options::{FitOptions, RfpWeight};
 use crate::methods::found::negative_damping;
 use crate::methods::found::MethodPoles;
 use crate::methods::local::local;
-use crate::methods::plane::Plane;
 use crate::methods::rfp_search::Search;
 use crate::methods::selection::{fewer, inside};
 use crate::methods::survey::{Compressed, Survey};
@@ -56,9 +57,12 @@ pub(crate) fn rfp(
         return Ok(local(survey, options)?.into());
     }
     let run = |law| Search::new(survey, columns, options, law).run();
-    let mut found = run(options.damping.unwrap_or(Damping::Structural))?;
-    if options.damping.is_none() && viscous(survey, columns, &found.poles)? {
-        found = run(Damping::Viscous)?;
+    let mut found = run(options.damping.unwrap_or(FIRST))?;
+    if options.damping.is_none() {
+        match told(survey, columns, &found.poles)? {
+            Some(law) if law != found.law => found = run(law)?,
+            _ => {}
+        }
     }
     let mut warnings = Vec::new();
     if 2 * found.turned > found.all {
@@ -101,14 +105,14 @@ fn ill_conditioned(leading: f64) -> Finding {
     .help("ask for fewer modes, or fit a narrower band")
 }
 
-/// True where the residues of structural poles have turned as those of viscous ones do.
-fn viscous(
+/// The law that the turn of the residues tells.
+fn told(
     survey: &Survey,
     columns: &Compressed,
     poles: &[Complex64],
-) -> Result<bool, LinalgError> {
+) -> Result<Option<Damping>, LinalgError> {
     if poles.is_empty() {
-        return Ok(false);
+        return Ok(None);
     }
     let work = &columns.work;
     let projection = Projection::new(work, poles, &POWERS)?;
@@ -120,8 +124,7 @@ fn viscous(
         variance: columns.variance(survey.data, projection.sse, unknowns),
         frfs: survey.data.pairs.len(),
     };
-    let verdict = verdict(work, &fitted)?;
-    Ok(verdict.law() == Some(Damping::Viscous))
+    Ok(verdict(work, &fitted)?.law())
 }
 
 #[cfg(test)]

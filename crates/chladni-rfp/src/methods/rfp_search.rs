@@ -4,12 +4,12 @@
 use super::limits::{
     BACKGROUND, CLAIM, HELPERS_AT, HELPER_TAKEN, LAST_STEPS, MOST_INFLATION, REWEIGHTED, TWINS,
 };
+use crate::damping::plane::Plane;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::options::{FitOptions, RfpWeight};
 use crate::methods::fraction::{damped, Lines};
 use crate::methods::instrumental::{improved, Steps};
-use crate::methods::plane::Plane;
 use crate::methods::sanathanan_koerner::sanathanan_koerner;
 use crate::methods::selection::{inside, left_by};
 use crate::methods::survey::{Compressed, Survey};

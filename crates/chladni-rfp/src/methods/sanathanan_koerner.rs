@@ -71,10 +71,10 @@ fn solved(m: &Array2<Complex64>, right: &[Complex64]) -> Result<Vec<Complex64>, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damping::plane::Plane;
     use crate::data::columns::Columns;
     use crate::data::options::FitOptions;
     use crate::data::screening::Screened;
-    use crate::methods::plane::Plane;
     use crate::methods::synthetic::even;
     use chladni_frf::Damping;
     use chladni_linalg::{matmul, matmul_h, qr_r, qr_thin, svd_thin};

@@ -2,8 +2,9 @@
 //! significance of their residues.
 
 use super::limits::SELECTION_MOST_INFLATION;
+use crate::damping::law::FIRST;
+use crate::damping::places::from_structural;
 use crate::damping::structural::POWERS;
-use crate::damping::viscous::from_structural;
 use crate::data::columns::Columns;
 use crate::data::options::FitOptions;
 use crate::methods::found::negative_damping;
@@ -13,7 +14,7 @@ use crate::poles::prune::{crutch, unphysical};
 use crate::poles::refine::{refine, removable, Projection};
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
-use chladni_frf::{Damping, Finding};
+use chladni_frf::Finding;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use std::ops::RangeInclusive;
@@ -119,7 +120,7 @@ pub(crate) fn modes_of(
     Ok(MethodPoles {
         poles: chosen.into_iter().map(from_structural).collect(),
         deviation: None,
-        law: Damping::Structural,
+        law: FIRST,
         warnings,
         how,
         stabilization: None,

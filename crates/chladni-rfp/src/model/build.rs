@@ -1,5 +1,7 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
+use crate::damping::law::is_rational;
+use crate::damping::synthesis::synthesis;
 use crate::damping::verdict::shifts;
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
@@ -10,7 +12,6 @@ use crate::model::identified::Identified;
 use crate::model::limits;
 use crate::model::modes::{few_modes, modes, rejected_mode, scale_unknown, scales, unscaled};
 use crate::model::residual_energy::{above_rounding, by_sums, Laid};
-use crate::model::residues::synthesis;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
 use crate::shapes::influence::Found;
@@ -18,8 +19,8 @@ use crate::shapes::line_bars::line_bars;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
 use chladni_frf::{
-    ComplexMatrix, Damping, Finding, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms,
-    Scaling, Trust, CREATED_BY, MODEL_FORMAT,
+    ComplexMatrix, Finding, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms, Scaling, Trust,
+    CREATED_BY, MODEL_FORMAT,
 };
 use chladni_linalg::LinalgError;
 use ndarray::Array2;
@@ -233,11 +234,11 @@ impl Shaped {
     pub fn left(&self, data: &Screened) -> Vec<f64> {
         let basis = self.synthesis(data);
         let coefficients = |l: usize, factors: &mut [f64]| self.coefficients(data, l, factors);
-        match self.identified.damping {
-            Damping::Structural => above_rounding(&self.laid(&basis, &coefficients), data),
-            Damping::Viscous => None,
-        }
-        .unwrap_or_else(|| {
+        let known = match is_rational(self.identified.damping) {
+            true => above_rounding(&self.laid(&basis, &coefficients), data),
+            false => None,
+        };
+        known.unwrap_or_else(|| {
             let of_frf = |l: usize, factors: &mut [f64]| {
                 let weight = data.weight_of(data.pairs[l]);
                 self.coefficients(data, l, factors);

@@ -5,6 +5,8 @@
 //! factor and modal constants follow from it (theory.md, eq. F5). Correcting the damping
 //! alone leaves the frequency off: |s| changes too.
 
+use crate::damping::law::constant_power;
+use crate::damping::places::{frequency_and_loss, s_of_mode};
 use chladni_frf::{Damping, Finding, FrfKind, ModalModel, Mode, Reason, Scaling, Trust};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -20,7 +22,7 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
         .iter_mut()
         .filter(|mode| mode.trust != Trust::Rejected)
     {
-        let measured = pole(law, mode);
+        let measured = s_of_mode(law, mode);
         let own = measured + alpha;
         if own.re < 0.0 {
             let factor = correct(law, kind, mode, measured, own);
@@ -69,16 +71,6 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
     }
 }
 
-/// s of a mode, rad/s, upper half plane: −ζω + jω_d, or j√λ with λ = ω²(1 + jη).
-fn pole(law: Damping, mode: &Mode) -> Complex64 {
-    match law {
-        Damping::Viscous => mode.viscous_pole(),
-        Damping::Structural => {
-            TAU * mode.frequency_hz * Complex64::i() * Complex64::new(1.0, mode.loss_factor).sqrt()
-        }
-    }
-}
-
 /// Frequency and damping of a mode whose pole is `own` instead of `measured`; returns
 /// what its modal constants are multiplied with.
 fn correct(
@@ -89,23 +81,12 @@ fn correct(
     own: Complex64,
 ) -> Complex64 {
     let before = mode.frequency_hz;
-    let (omega, loss_factor) = match law {
-        Damping::Viscous => (own.norm(), -2.0 * own.re / own.norm()),
-        Damping::Structural => {
-            let lambda = -own * own;
-            (lambda.re.max(0.0).sqrt(), lambda.im / lambda.re)
-        }
-    };
+    let (omega, loss_factor) = frequency_and_loss(law, own);
     mode.frequency_hz = omega / TAU;
     mode.loss_factor = loss_factor;
     mode.damping_ratio = 0.5 * loss_factor;
     // the pole keeps its standard deviation; η is −2 Re s over a frequency that changed
     mode.loss_factor_std *= before / mode.frequency_hz;
-    // the window keeps the residue of κ(s)·α(s), κ ∝ s^p: modal constants go with s^(1−p)
-    // (structural, R = 2sr) or s^−p (viscous)
-    let power = match law {
-        Damping::Viscous => -kind.omega_power(),
-        Damping::Structural => 1 - kind.omega_power(),
-    };
-    (own / measured).powi(power)
+    // the window keeps the residue of κ(s)·α(s)
+    (own / measured).powi(constant_power(law, kind))
 }

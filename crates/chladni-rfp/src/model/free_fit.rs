@@ -1,6 +1,7 @@
 //! Residues of every FRF at identified poles, each by itself, and the shapes that they
 //! are brought into.
 
+use crate::damping::law::loss_bound;
 use crate::data::layout::DataLayout;
 use crate::model::identified::Identified;
 use crate::model::limits;
@@ -8,7 +9,6 @@ use crate::model::residues::{linear, Linear};
 use crate::poles::pole::{Given, Pole};
 use crate::shapes::low_rank::{low_rank_around, Shapes};
 use crate::shapes::residues::{most_by_chance, significant_rank, Residues};
-use crate::tolerances as tol;
 use chladni_frf::{Damping, Trust};
 use chladni_linalg::blocked::blocked_matmul_mixed;
 use chladni_linalg::LinalgError;
@@ -175,5 +175,5 @@ impl FreeFit {
 pub(crate) fn expressible(damping: Damping, pole: &Pole) -> bool {
     let values =
         pole.omega > limits::NO_FREQUENCY && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;
-    values && (damping == Damping::Structural || pole.loss_factor < tol::VISCOUS_LOSS_MOST)
+    values && pole.loss_factor < loss_bound(damping)
 }

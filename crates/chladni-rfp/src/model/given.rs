@@ -1,6 +1,6 @@
 //! Poles of a model, to be fitted to other FRFs of the same structure.
 
-use crate::damping::measured_model::value_of;
+use crate::damping::places::{lambda_of_value, value_of};
 use crate::data::columns::Columns;
 use crate::model::identified::Identified;
 use crate::model::residues::linear;
@@ -54,10 +54,7 @@ impl GivenPoles {
 
     /// Poles in the x plane.
     pub fn lambda(&self) -> Vec<Complex64> {
-        let of = |pole: &Pole| match self.damping {
-            Damping::Structural => pole.value,
-            Damping::Viscous => -pole.value * pole.value,
-        };
+        let of = |pole: &Pole| lambda_of_value(self.damping, pole.value);
         self.poles.iter().map(of).collect()
     }
 

@@ -1,10 +1,12 @@
 //! Poles as the model will show them, with their error bars and grades.
 
+use crate::damping::bars::Measured;
+use crate::damping::places::value_in;
 use crate::damping::verdict::shift;
 use crate::data::columns::Columns;
 use crate::poles::estimate::{uncertainty_grade, PoleEstimate};
 use crate::poles::pole::Grade;
-use crate::poles::pole::{structural_pole, value_in, Pole};
+use crate::poles::pole::Pole;
 use crate::shapes::structure::Structured;
 use chladni_frf::{Damping, Finding, Reason, Trust};
 use ndarray::{Array1, Array2};
@@ -56,7 +58,7 @@ impl Identified {
         let law = found.work.law;
         let pole = |((&lambda, &c), grade): ((&Complex64, &f64), Grade)| Pole {
             value: value_in(law, lambda),
-            ..structural_pole(lambda, [0.5 * c; 2], grade)
+            ..Pole::new(Measured::of_lambda(lambda, [0.5 * c; 2]), grade)
         };
         let PoleEstimate {
             refined,
@@ -127,15 +129,16 @@ impl Identified {
             self.poles.push(pole);
         }
         for lambda in structured.added {
-            let mut pole = structural_pole(lambda, [lambda.im.powi(2); 2], (Trust::Sure, vec![]));
+            let broad = Measured::of_lambda(lambda, [lambda.im.powi(2); 2]);
+            let mut pole = Pole::new(broad, (Trust::Sure, vec![]));
             pole.move_to(lambda, self.damping);
             self.poles.push(pole);
         }
         for found in structured.poles {
-            let mut pole = structural_pole(
-                found.lambda,
-                found.spread.map(|v| v * self.variance),
-                uncertainty_grade(found.lambda, found.spread.map(|v| v * self.variance)),
+            let variance = found.spread.map(|v| v * self.variance);
+            let mut pole = Pole::new(
+                Measured::of_lambda(found.lambda, variance),
+                uncertainty_grade(found.lambda, variance),
             );
             pole.move_to(found.lambda, self.damping);
             let unit = pole.residue_unit(self.damping);

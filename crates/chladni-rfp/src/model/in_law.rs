@@ -1,6 +1,6 @@
 //! Poles found in one damping law, taken to the other on the same columns.
 
-use crate::damping::columns::in_plane_of;
+use crate::damping::places::in_plane_of;
 use crate::damping::structural::POWERS;
 use crate::poles::estimate::{graded, PoleEstimate};
 use crate::poles::refine::{refine, refine_inside};

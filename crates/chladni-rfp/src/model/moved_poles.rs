@@ -6,6 +6,7 @@
 //! shift that explains the FRFs best. Six FRFs are enough for 1e-5 at 40 dB.
 
 use super::limits;
+use crate::damping::law::per_residue;
 use chladni_frf::{
     Damping, Dof, Error, Finding, FrfSet, FrfValues, ModalModel, Mode, Result, Trust,
 };
@@ -290,7 +291,7 @@ fn derivatives(mode: &Mode, damping: Damping, omega: f64) -> [Complex64; 4] {
         other.frequency_hz *= 1.0 + frequency;
         other.loss_factor *= 1.0 + loss;
         other.damping_ratio = 0.5 * other.loss_factor;
-        per_residue(&other, damping, omega)
+        per_residue(damping, &other, omega)
     };
     let slope = |low: [Complex64; 2], high: [Complex64; 2]| {
         [0, 1].map(|k| (high[k] - low[k]) / (2.0 * step))
@@ -308,19 +309,6 @@ fn bare(mode: &Mode) -> Mode {
         participation: Default::default(),
         reasons: Default::default(),
         ..*mode
-    }
-}
-
-/// Receptance of a mode per unit of shape · participation, and per its conjugate.
-fn per_residue(mode: &Mode, damping: Damping, omega: f64) -> [Complex64; 2] {
-    match damping {
-        Damping::Structural => [mode.structural_factor(omega), Complex64::ZERO],
-        Damping::Viscous => {
-            let pole = mode.viscous_pole();
-            let scale = Complex64::new(0.0, 2.0 * pole.im).inv();
-            let at = Complex64::new(0.0, omega);
-            [scale / (at - pole), scale.conj() / (at - pole.conj())]
-        }
     }
 }
 

@@ -1,12 +1,11 @@
 //! The linear unknowns at given poles: residues, residual terms, and how the one answers
 //! a change of the other.
 
+use crate::damping::law::is_rational;
 use crate::damping::structural::basis;
 use crate::damping::viscous::viscous_basis;
 use crate::data::columns::Columns;
 use crate::data::information;
-use crate::data::layout::DataLayout;
-use crate::data::products::real_basis;
 use crate::poles::normal::{Parted, Plain};
 use crate::poles::refine::Projection;
 use crate::shapes::residues::schur_weight;
@@ -22,16 +21,18 @@ pub(crate) struct Linear {
     pub terms: Array2<Complex64>,
     /// Weight of residues with the residual terms eliminated, (mode, mode).
     pub weight: Array2<Complex64>,
-    /// Response of the residual terms to a change of residues: (term, mode) in the
-    /// structural law, stacked reals in the viscous.
+    /// Response of the residual terms to a change of residues.
     pub answer: Answer,
     /// Sum of squares of the compressed columns at these poles.
     pub sse: f64,
 }
 
+/// A response of the residual terms to residues.
 pub(crate) enum Answer {
-    Structural(Array2<Complex64>),
-    Viscous(Array2<f64>),
+    /// Axes (term, mode).
+    Complex(Array2<Complex64>),
+    /// The same over the reals, real and imaginary part in turn on both axes.
+    Real(Array2<f64>),
 }
 
 pub(crate) fn linear(
@@ -40,13 +41,14 @@ pub(crate) fn linear(
     poles: &[Complex64],
     powers: &[i32],
 ) -> Result<Linear, LinalgError> {
-    match damping {
-        Damping::Structural => structural(work, poles, powers),
-        Damping::Viscous => viscous(work, poles, powers),
+    match is_rational(damping) {
+        true => complex(work, poles, powers),
+        false => real(work, poles, powers),
     }
 }
 
-fn structural(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
+/// Over complex residues.
+fn complex(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
     let n = poles.len();
     let Parted {
         coefficients,
@@ -61,12 +63,13 @@ fn structural(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Lin
         residues: coefficients.slice(s![..n, ..]).to_owned(),
         terms: coefficients.slice(s![n.., ..]).to_owned(),
         weight,
-        answer: Answer::Structural(answer),
+        answer: Answer::Complex(answer),
         sse,
     })
 }
 
-fn viscous(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
+/// Over residues as pairs of reals.
+fn real(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
     let (n, p) = (poles.len(), powers.len());
     let a = viscous_basis(work, poles, powers);
     let lines = work.lines();
@@ -97,12 +100,12 @@ fn viscous(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear
         residues: pairs(0, n),
         terms: pairs(2 * n, p),
         weight: schur_weight(&near, &others)?,
-        answer: Answer::Viscous(lstsq(a.slice(s![.., 2 * n..]), a.slice(s![.., ..2 * n]))?),
+        answer: Answer::Real(lstsq(a.slice(s![.., 2 * n..]), a.slice(s![.., ..2 * n]))?),
         sse,
     })
 }
 
-/// The solution where the normal equations of the structural law lose too many digits.
+/// The solution where the normal equations lose too many digits.
 fn on_orthonormal_basis(
     work: &Columns,
     poles: &[Complex64],
@@ -126,8 +129,8 @@ impl Answer {
     /// Residual terms after residues changed by `change`: c − answer·δr, both (·, FRF).
     pub fn apply(&self, terms: &mut Array2<Complex64>, change: &Array2<Complex64>) {
         match self {
-            Self::Structural(answer) => *terms -= &blocked_matmul(answer.view(), change.view()),
-            Self::Viscous(answer) => {
+            Self::Complex(answer) => *terms -= &blocked_matmul(answer.view(), change.view()),
+            Self::Real(answer) => {
                 let (n, m) = change.dim();
                 let stacked = Array2::from_shape_fn((2 * n, m).f(), |(i, c)| {
                     if i % 2 == 0 {
@@ -141,28 +144,6 @@ impl Answer {
                     *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);
                 }
             }
-        }
-    }
-}
-
-/// The columns that the complex coefficients of poles and residual terms multiply, over
-/// the reals: (real and imaginary part of each line, real and imaginary part of each
-/// coefficient), both in turn, in work units.
-pub(crate) fn synthesis(
-    data: &DataLayout,
-    damping: Damping,
-    poles: &[Complex64],
-    powers: &[i32],
-) -> Array2<f64> {
-    let axis = data.axis();
-    match damping {
-        Damping::Structural => real_basis(&basis(&axis, poles, powers)),
-        Damping::Viscous => {
-            let stacked = viscous_basis(&axis, poles, powers);
-            let lines = axis.lines();
-            Array2::from_shape_fn(stacked.dim().f(), |(row, c)| {
-                stacked[[row / 2 + lines * (row % 2), c]]
-            })
         }
     }
 }

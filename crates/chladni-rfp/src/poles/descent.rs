@@ -1,10 +1,10 @@
 //! The search for the likeliest poles: Gauss–Newton steps with Levenberg–Marquardt
 //! damping (theory.md, eq. 12), whatever makes the matrix and the gradient.
 
+use crate::damping::law::{is_rational, oscillating};
 use crate::data::columns::Columns;
 use crate::poles::limits;
 use crate::tolerances as tol;
-use chladni_frf::Damping;
 use chladni_linalg::solve_hermitian;
 use ndarray::{Array2, ArrayView1, Axis};
 use num_complex::Complex64;
@@ -41,7 +41,7 @@ fn step_cap(work: &Columns, lambda: Complex64) -> f64 {
 /// outside would else be left out of the file, and what it explains with it. A structural
 /// pole in the band is told by its lines.
 fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64 {
-    if work.law == Damping::Structural && work.in_band(next) {
+    if is_rational(work.law) && work.in_band(next) {
         return next;
     }
     let kept = |next: f64, before: f64| {
@@ -54,10 +54,7 @@ fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64
     let floor = limits::FAR_BELOW * work.range().0;
     let re = kept(next.re, pole.re).max(floor.min(pole.re));
     let im = kept(next.im, pole.im);
-    match work.law {
-        Damping::Structural => Complex64::new(re, im),
-        Damping::Viscous => Complex64::new(re, im.min((limits::LOSS_MOST * re).max(pole.im))),
-    }
+    oscillating(work.law, Complex64::new(re, im), pole)
 }
 
 /// A search under way.

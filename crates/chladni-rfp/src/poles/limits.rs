@@ -29,8 +29,6 @@ pub(super) const PROMISED: f64 = 1e-6;
 /// Part of itself that a step leaves of a pole's loss and of the square of its natural
 /// frequency where it would take all of it.
 pub(super) const KEPT: f64 = 0.2;
-/// Largest loss factor that a step gives a viscous pole: critical damping is 2.
-pub(super) const LOSS_MOST: f64 = 1.9;
 /// Largest step of a pole, half-bandwidths, and over its distance outside the band.
 pub(super) const STEP_INSIDE: f64 = 0.5;
 /// See [`STEP_INSIDE`].

@@ -7,11 +7,11 @@
 //! estimator on its own it is one to five times above the bound.
 
 use crate::damping::gram::Cauchy;
+use crate::damping::law::{self, is_rational};
 use crate::damping::structural::basis;
 use crate::data::columns::{line_energy, Columns};
 use crate::poles::limits;
 use crate::tolerances as tol;
-use chladni_frf::Damping;
 use chladni_linalg::blocked::{blocked_matmul_h, tall_qr, tall_r};
 use chladni_linalg::{
     cholesky, eigenvalues, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError,
@@ -85,12 +85,12 @@ pub(crate) fn vector_fit(
     // zeros of σ are poles in x, whatever law they will be refined in and whatever leaks
     let rational;
     let leakage = work.leakage.as_deref();
-    let work = match (work.law, leakage) {
-        (Damping::Structural, None) => work,
+    let work = match (is_rational(work.law), leakage) {
+        (true, None) => work,
         _ => {
             rational = Columns {
                 leakage: None,
-                ..work.clone().in_law(Damping::Structural)
+                ..work.clone().in_law(law::FIRST)
             };
             &rational
         }

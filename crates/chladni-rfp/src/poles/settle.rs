@@ -1,6 +1,7 @@
 //! The loop that settles the order: what cannot be a mode goes, what the residual shows
 //! comes, until neither changes anything.
 
+use crate::damping::law::is_rational;
 use crate::data::columns::Columns;
 use crate::poles::limits;
 use crate::poles::prune::{crutch, is_spike};
@@ -9,7 +10,6 @@ use crate::poles::scan::{places_beyond, scan, Scan};
 use crate::poles::significance::threshold;
 use crate::poles::whiteness::correlates_everywhere;
 use crate::tolerances as tol;
-use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -116,7 +116,7 @@ impl InVain {
 /// The next place outside the band where a viscous mode may lie: residual terms stand for
 /// it less well than in the structural law, and a pool has its poles elsewhere.
 fn beyond_the_band(work: &Columns, tried: &[Complex64]) -> Option<Complex64> {
-    if work.law == Damping::Structural {
+    if is_rational(work.law) {
         return None;
     }
     places_beyond(work).find(|place| !tried.contains(place))

@@ -1,6 +1,6 @@
 //! The start of a search: how many poles, and a pool of them that noise cannot make.
 
-use crate::damping::columns::in_plane_of;
+use crate::damping::law::start_of;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::poles::limits;
@@ -10,7 +10,6 @@ use crate::poles::rank::visible_rank;
 use crate::poles::refine::{refine, removable, Refined};
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
-use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -37,13 +36,10 @@ pub(crate) fn started(
         iterations,
         Products::PartialFractions,
     )?;
-    // a pole at x < 0 stands for what lies far below the band; what stands for a viscous
-    // mode there may have a negative loss in x
     let least = limits::FAR_BELOW * sketch.range().0;
-    let stands = |(pole, flipped): (&Complex64, &bool)| match sketch.law {
-        Damping::Structural => (!flipped).then(|| Complex64::new(pole.re.max(least), pole.im)),
-        Damping::Viscous if *flipped && sketch.in_band(*pole) => None,
-        Damping::Viscous => in_plane_of(Damping::Viscous, *pole),
+    let in_band = |pole| sketch.in_band(pole);
+    let stands = |(pole, flipped): (&Complex64, &bool)| {
+        start_of(sketch.law, *pole, *flipped, in_band, least)
     };
     let stable: Vec<Complex64> = pool
         .lambda

@@ -1,6 +1,7 @@
 //! The poles beside those that have their shapes, as the model is saved: one place each for
 //! all FRFs (theory.md, section 4).
 
+use crate::damping::law::loss_bound;
 use crate::damping::saved;
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
@@ -10,7 +11,6 @@ use crate::shapes::limits;
 use crate::shapes::step::State;
 use crate::shapes::target::Target;
 use crate::tolerances as tol;
-use chladni_frf::Damping;
 use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_h, blocked_matmul_mixed, projected};
 use chladni_linalg::{matmul_h, LinalgError};
 use ndarray::Array2;
@@ -74,10 +74,8 @@ impl<'a> Rest<'a> {
     fn refined(&self, poles: &[Complex64], steps: usize) -> Result<Around, LinalgError> {
         let work = &self.work;
         let refined = refine(work, poles, self.powers, steps, tol::FINE_STEP)?;
-        let (poles, sse) = match work.law {
-            Damping::Structural => (refined.lambda, refined.projection.sse),
-            Damping::Viscous => saved::refined(work, refined.lambda, self.powers, steps)?,
-        };
+        let found = (refined.lambda, refined.projection.sse);
+        let (poles, sse) = saved::refined(work, found, self.powers, steps)?;
         Ok(Around {
             sse: sse + self.beside,
             poles,
@@ -89,10 +87,7 @@ impl<'a> Rest<'a> {
     fn settled(&self, poles: &[Complex64]) -> Option<Around> {
         let around = self.refined(poles, tol::REFINE_FINE).ok()?;
         let poles = &around.poles;
-        let most = match self.work.law {
-            Damping::Structural => f64::INFINITY,
-            Damping::Viscous => tol::VISCOUS_LOSS_MOST,
-        };
+        let most = loss_bound(self.work.law);
         let stays = |pole: &Complex64| {
             let damped = 0.0 < pole.im && pole.im < most * pole.re;
             damped && pole.re > 0.0 && !self.work.in_band(*pole)

@@ -8,10 +8,9 @@
 //! In both a damped mode has its root in the upper half plane of t. Poles come and go as λ
 //! of their law (theory.md, eq. 5 and 16).
 
-use super::limits::RESIDUAL_TERMS;
-use crate::damping::columns::viscous_pole_of;
-use crate::damping::viscous::from_structural;
-use crate::methods::lanczos::Symmetry;
+use crate::damping::limits::RESIDUAL_TERMS;
+use crate::damping::places::s_of_lambda;
+use crate::damping::places::viscous_pole_of;
 use chladni_frf::Damping;
 use num_complex::Complex64;
 
@@ -47,12 +46,9 @@ impl Plane {
         }
     }
 
-    /// Symmetry of the weights in t.
-    pub fn symmetry(&self) -> Symmetry {
-        match self.law {
-            Damping::Structural => Symmetry::None,
-            Damping::Viscous => Symmetry::Even,
-        }
+    /// True where weights are even in t.
+    pub fn is_even(&self) -> bool {
+        self.law == Damping::Viscous
     }
 
     /// Degree of the denominator of so many modes.
@@ -130,9 +126,6 @@ impl Plane {
 
     /// s/ω_max of a pole λ.
     pub fn in_s(&self, lambda: Complex64) -> Complex64 {
-        match self.law {
-            Damping::Structural => from_structural(lambda),
-            Damping::Viscous => viscous_pole_of(lambda),
-        }
+        s_of_lambda(self.law, lambda)
     }
 }
