@@ -56,6 +56,7 @@ mod nearest_word;
 mod printable;
 mod selection;
 mod shape_set;
+mod shared_errors;
 mod source;
 mod time_record;
 
@@ -77,6 +78,7 @@ pub use nearest_word::nearest_word;
 pub use printable::printable;
 pub use selection::{ModeName, ModePick, Selected, Selection};
 pub use shape_set::{ShapeMode, ShapeSet};
+pub use shared_errors::shared_power;
 pub use source::{Checksum, Source};
 pub use time_record::{Channel, Run, SignalUnit};
 

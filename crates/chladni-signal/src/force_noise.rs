@@ -1,14 +1,10 @@
 //! Noise in the record of a force, told by the errors that several responses share.
 //!
 //! A force read as x + n leaves −H_l·n in the fit of every response l, while the noise of
-//! responses is their own. With e_l what a local fit with f lines to spare leaves of l,
-//!
-//! E|n|² = (|Σ_l H̄_l·e_l|² − Σ_l |H̄_l·e_l|²)/([(Σ_l |H_l|²)² − Σ_l |H_l|⁴]·f),
-//!
-//! and least squares give H·(1 − E|n|²/E|x + n|²) (theory.md, eq. F4g).
+//! responses is their own ([`chladni_frf::shared_power`]), and least squares give
+//! H·(1 − E|n|²/E|x + n|²) (theory.md, eq. F4g).
 
 use crate::limits::{FORCE_LINES, FORCE_MEDIAN, FORCE_MOST, FORCE_SIGNS};
-use num_complex::Complex64;
 
 /// The force's noise as one local fit tells it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,29 +24,6 @@ pub(super) struct Correction {
     pub factor: f64,
     /// Variance of the error that remains, over the power of an FRF.
     pub variance: f64,
-}
-
-/// E|n|² from FRFs and residuals of the responses, with `free` lines to spare; `None` for one
-/// response.
-pub(super) fn shared_power<'a>(
-    responses: impl Iterator<Item = (Complex64, &'a [Complex64])>,
-    free: f64,
-) -> Option<f64> {
-    let (mut sum, mut alone): (Vec<Complex64>, f64) = (Vec::new(), 0.0);
-    let (mut squares, mut fourths) = (0.0, 0.0);
-    for (value, residual) in responses {
-        sum.resize(residual.len(), Complex64::default());
-        for (sum, error) in sum.iter_mut().zip(residual) {
-            let part = value.conj() * error;
-            *sum += part;
-            alone += part.norm_sqr();
-        }
-        squares += value.norm_sqr();
-        fourths += value.norm_sqr().powi(2);
-    }
-    let shared = sum.iter().map(|v| v.norm_sqr()).sum::<f64>() - alone;
-    let pairs = squares * squares - fourths;
-    (pairs > 0.0 && free > 0.0).then(|| shared / (pairs * free))
 }
 
 /// Corrections of the lines that tell the noise of the force; `None` where responses share no
@@ -86,33 +59,6 @@ pub(super) fn corrections(lines: &[Option<ForceNoise>]) -> Option<Vec<(usize, Co
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn shared_errors_tell_the_noise_of_the_force_and_others_do_not() {
-        let frf = [Complex64::new(2.0, 1.0), Complex64::new(-0.5, 0.3)];
-        let noise: Vec<Complex64> = (0..8)
-            .map(|r| Complex64::from_polar(0.3, f64::from(r * r)))
-            .collect();
-        let shared: Vec<Vec<Complex64>> = frf
-            .iter()
-            .map(|h| noise.iter().map(|n| -h * n).collect())
-            .collect();
-        let both = |errors: &[Vec<Complex64>]| {
-            let errors: Vec<&[Complex64]> = errors.iter().map(Vec::as_slice).collect();
-            shared_power(frf.into_iter().zip(errors), 8.0)
-        };
-        let power = both(&shared).unwrap();
-        assert!((power - 0.09).abs() < 1e-12, "{power}");
-        let mut own = shared.clone();
-        // the other half turned round: errors share nothing
-        own[1][4..].iter_mut().for_each(|v| *v = -*v);
-        let power = both(&own).unwrap();
-        assert!(power.abs() < 1e-12, "{power}");
-        assert_eq!(
-            shared_power(std::iter::once((frf[0], &shared[0][..])), 8.0),
-            None
-        );
-    }
 
     #[test]
     fn lines_are_corrected_where_errors_are_shared() {

@@ -14,9 +14,10 @@
 //! Process. 105 (2018) 129–152; C. Sanathanan, J. Koerner, IEEE Trans. Automatic Control
 //! 8 (1963) 56–58.
 
-use super::force_noise::{shared_power, ForceNoise};
+use super::force_noise::ForceNoise;
 use super::lpm::{coherence, inner, square, unknowns, Basis, LocalEstimate, LocalLine, Window};
 use crate::limits::{LEAST_DENOMINATOR, ROUNDING, STEPS};
+use chladni_frf::shared_power;
 use num_complex::Complex64;
 
 /// d₁, d₂.

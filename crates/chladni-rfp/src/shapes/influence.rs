@@ -11,6 +11,7 @@ use crate::poles::refine::Projection;
 use crate::shapes::limits;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
+use chladni_frf::shared_power;
 use chladni_linalg::{matmul, matmul_h, solve_upper, LinalgError};
 use ndarray::{concatenate, s, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
@@ -81,19 +82,10 @@ impl Found<'_> {
         let Some(shares) = shares.filter(|all| all.len() >= limits::SHARED_LINES) else {
             return (Vec::new(), 1.0);
         };
-        // several forces: that of each is as noisy as the others
-        let of_line = |(k, share): (usize, &f64)| -> Option<f64> {
-            let pairs = work.b.row(k).into_iter().zip(residual.row(k));
-            let (mut sum, mut alone, mut squares, mut fourths) = (Complex64::ZERO, 0.0, 0.0, 0.0);
-            for (value, error) in pairs {
-                let (part, power) = (value.conj() * error, value.norm_sqr());
-                sum += part;
-                alone += part.norm_sqr();
-                squares += power;
-                fourths += power * power;
-            }
-            let apart = squares * squares - fourths;
-            (apart > 0.0).then(|| (sum.norm_sqr() - alone) / (share * apart))
+        // FRFs of several forces count as those of one: the part comes out too small
+        let of_line = |(k, share): (usize, &f64)| {
+            let errors = residual.row(k).into_iter().map(std::slice::from_ref);
+            shared_power(work.b.row(k).into_iter().copied().zip(errors), *share)
         };
         let mut parts: Vec<f64> = shares.iter().enumerate().filter_map(of_line).collect();
         if parts.len() < limits::SHARED_LINES {
