@@ -71,9 +71,10 @@ pub(crate) const MOST_OF_BAND: f64 = 0.7;
 
 /// Lines of a common step.
 pub(crate) const BLOCK: usize = 32;
-/// A step is a power of this times the smallest: 254 codes span 190 dB, and a step is at
-/// most 9 % larger than it need be.
+/// A step is a power of this times the smallest, and at most 9 % larger than it need be.
 pub(crate) const STEP_RATIO: f64 = 1.09;
+/// Largest power: the steps of a page span 190 dB.
+pub(crate) const STEP_CODES: u8 = 254;
 
 // data/lines.rs
 

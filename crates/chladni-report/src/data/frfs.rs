@@ -3,21 +3,21 @@
 //!
 //! The page synthesises any pair from the model. Of a measured FRF it carries the
 //! residual (measured − synthesised) on blocks of [`BLOCK`] lines with a common step. A
-//! part of a residual has 4 bits: the step is 1/7 of the largest part of the block, so
-//! that rounding adds a hundredth to the power of the noise. Without a model the residual
+//! part of a residual has 4 bits: the step is 1/7 of the largest part of the block, and
+//! rounding adds a hundredth to the power of the noise. Without a model the residual
 //! is the FRF itself, and a part has 8 bits.
 
 use super::array::{complex, f32s, f64s, u32s, u8s};
 use super::lines::thinned;
 use crate::comparison::{Comparison, Sums};
 use crate::sizes;
-use crate::sizes::{BLOCK, STEP_RATIO};
+use crate::sizes::{BLOCK, STEP_CODES, STEP_RATIO};
 use chladni_frf::ModalModel;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde_json::{json, Value};
 
-/// How a residual is written.
+/// The width of the parts of a residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Bits {
     /// Both parts in one byte.
@@ -185,10 +185,15 @@ fn residuals(comparison: &Comparison, offered: &[Vec<usize>; 2]) -> Value {
 fn coded_steps(steps: impl Iterator<Item = f64> + Clone) -> (f64, Vec<u8>) {
     let positive = || steps.clone().filter(|&step| step > 0.0);
     let largest = positive().fold(0.0, f64::max);
-    let reached = largest * STEP_RATIO.powi(-254);
+    let reached = largest * STEP_RATIO.powi(-i32::from(STEP_CODES));
     let least = positive().fold(f64::INFINITY, f64::min).max(reached);
     let code = |step: f64| match step > 0.0 {
-        true => 1 + (step / least).log(STEP_RATIO).ceil().clamp(0.0, 254.0) as u8,
+        true => {
+            1 + (step / least)
+                .log(STEP_RATIO)
+                .ceil()
+                .clamp(0.0, f64::from(STEP_CODES)) as u8
+        }
         false => 0,
     };
     let codes = steps.clone().map(code).collect();
@@ -245,6 +250,8 @@ fn full(comparison: &Comparison, sums: &Sums, lines: &[usize]) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_plate::add_noise_of_variance;
+    use ndarray::Array3;
 
     #[test]
     fn a_quantised_block_is_within_half_a_step_and_marks_gaps() {
@@ -271,6 +278,26 @@ mod tests {
                 assert!(error <= 1.0001 * step, "{value} {back:?}");
             }
         }
+    }
+
+    #[test]
+    fn rounding_adds_a_hundredth_to_the_power_of_noise() {
+        let mut noise = Array3::zeros((1, 1, 64 * BLOCK));
+        add_noise_of_variance(&mut noise, 1.0, 1);
+        let noise = noise.into_raw_vec_and_offset().0;
+        let blocks = || noise.chunks(BLOCK);
+        let (least, codes) = coded_steps(blocks().map(|block| largest_part(block) / 7.0));
+        let (mut added, mut power) = (0.0, 0.0);
+        for (block, &code) in blocks().zip(&codes) {
+            let step = step(least, code);
+            for (value, byte) in block.iter().zip(quantised(block, step, Bits::Four)) {
+                let back = [byte >> 4, byte & 15].map(|part| (f64::from(part) - 8.0) * step);
+                added += (value - Complex64::new(back[0], back[1])).norm_sqr();
+                power += value.norm_sqr();
+            }
+        }
+        let share = added / power;
+        assert!((0.008..0.015).contains(&share), "{share}");
     }
 
     #[test]
