@@ -49,7 +49,8 @@ pub struct MeasuredCell {
 impl MeasuredCell {
     /// Correlation that the errors of neighbouring lines of its averaged FRFs have.
     ///
-    /// Kaiser's window at β = 8.6 leaves nearly that of Blackman's.
+    /// Kaiser's window at β = 8.6 leaves that of Blackman's: 0.5696 and 0.5702 one line apart,
+    /// 0.0993 and 0.0995 two.
     pub fn correlation(&self) -> Correlation {
         match self.analyser {
             Some(Window::Flattop) => return Correlation::Flattop,
@@ -178,10 +179,13 @@ const fn noisy(force_snr_db: f64, cell: MeasuredCell) -> MeasuredCell {
     }
 }
 
+/// Noise of the responses of a poor test below their mean square, dB.
+pub(super) const POOR_DB: f64 = 30.0;
+
 /// As loud as responses of a poor test.
 const fn loud(cell: MeasuredCell) -> MeasuredCell {
     MeasuredCell {
-        snr_db: 30.0,
+        snr_db: POOR_DB,
         ..cell
     }
 }

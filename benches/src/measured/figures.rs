@@ -1,7 +1,7 @@
 //! Charts: error, bias and coverage of damping over the lines per bandwidth, for the ways to
 //! fit, for windows, and for forces that are not as they should be.
 
-use super::cell::SNR_DB;
+use super::cell::{POOR_DB, SNR_DB};
 use super::{MeasuredForce, MeasuredSummary, MeasuredWay};
 use chladni_report::{Axis, Chart, Colour, Dash, Figure, Height, Layer, Mark, Place, Stroke};
 
@@ -11,9 +11,6 @@ const WIDTH_PX: f64 = 720.0;
 const CHART_PX: f64 = 150.0;
 /// Diameter of a mark, px.
 const MARK_PX: f64 = 9.0;
-/// Noise of the responses in the tests of the first figure, dB: those with the widest range
-/// of lines per bandwidth.
-const POOR_DB: f64 = 30.0;
 /// Blocks under Hann's window that stand for it.
 const HANN_BLOCKS: usize = 46;
 /// Coverage that intervals promise, %.
@@ -61,7 +58,8 @@ fn coverage_axis(what: &str, least: f64) -> Axis {
         .step(0.25 * (100.0 - least))
 }
 
-/// Error, bias and coverage of every way of the tests of one window.
+/// Error, bias and coverage of every way under Hann's window, of the poor tests: those with
+/// the widest range of lines per bandwidth.
 fn ways(summaries: &[MeasuredSummary]) -> Option<Figure> {
     let rows: Vec<&MeasuredSummary> = summaries
         .iter()

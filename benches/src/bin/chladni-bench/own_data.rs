@@ -21,9 +21,9 @@ pub struct Asked<'a> {
     pub place: &'a Place,
     pub input: &'a [PathBuf],
     pub reading: &'a Reading,
-    /// None: all methods of identification.
+    /// Methods of identification; empty: all.
     pub methods: &'a [Solver],
-    /// Whether options are turned, too.
+    /// True where options are turned, too.
     pub knobs: bool,
 }
 

@@ -25,8 +25,8 @@ pub(super) struct OnRig {
     after: (Weights, FieldEvaluation),
 }
 
-/// Plays `played`, the weights of the first scene, on the rig, corrects them by the field, plays
-/// these.
+/// Plays `played`, the weights of the first scene, on the rig, corrects them by the field,
+/// plays these.
 ///
 /// # Errors
 /// Those of writing; anything else is a bug.

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 /// A pole with standard deviations, in units of ω_max.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Measured {
+pub(crate) struct UncertainPole {
     /// λ (structural) or s (viscous).
     pub value: Complex64,
     /// ω_n/ω_max.
@@ -18,7 +18,7 @@ pub(crate) struct Measured {
     pub loss_factor_std: f64,
 }
 
-impl Measured {
+impl UncertainPole {
     /// A structural pole with the variances of Re λ and Im λ.
     pub fn of_lambda(lambda: Complex64, variance: [f64; 2]) -> Self {
         let omega = lambda.re.max(0.0).sqrt();

@@ -1,4 +1,4 @@
-//! What a damping law says of poles and residues, for rooms that need not know which it is.
+//! Properties of a damping law, for rooms that need not know which it is.
 
 use crate::damping::limits;
 use crate::damping::places::in_plane_of;
@@ -6,8 +6,11 @@ use crate::tolerances as tol;
 use chladni_frf::{Damping, FrfKind, Mode};
 use num_complex::Complex64;
 
-/// The law that is tried first: its columns are rational in x, so that searches are fast.
-pub(crate) const FIRST: Damping = Damping::Structural;
+/// The law whose columns are rational in x.
+pub(crate) const RATIONAL: Damping = Damping::Structural;
+
+/// The law that is tried first: searches are fast in it.
+pub(crate) const FIRST: Damping = RATIONAL;
 
 /// The law of methods that find poles s by classic rational fractions in jω.
 pub(crate) const CLASSIC: Damping = Damping::Viscous;
@@ -15,7 +18,7 @@ pub(crate) const CLASSIC: Damping = Damping::Viscous;
 /// True where columns are rational in x and linear over complex residues, so that a zero
 /// of a polynomial in x is a pole; otherwise residues are pairs of reals.
 pub(crate) fn is_rational(law: Damping) -> bool {
-    law == Damping::Structural
+    law == RATIONAL
 }
 
 /// The loss factor below which a pole has a natural frequency, as model files need it.

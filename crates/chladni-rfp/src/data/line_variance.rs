@@ -26,7 +26,7 @@ impl LineVariance {
     }
 }
 
-/// Where a local method tells it.
+/// The variance that a local method tells; `None` where none does.
 pub(crate) fn line_variance(
     frf: &FrfSet,
     pairs: &[(usize, usize)],

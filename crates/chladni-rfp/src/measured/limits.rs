@@ -1,7 +1,7 @@
 //! Every constant of this room: meaning, unit, and where it comes from. Facts of a format
 //! stand beside its parser.
 //!
-//! Where no origin is named, a value is judgement: nobody has calibrated it.
+//! A value without an origin is judgement: nobody has calibrated it.
 
 // consensus.rs
 

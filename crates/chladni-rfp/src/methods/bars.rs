@@ -7,7 +7,7 @@
 //! the method's poles, which are not taken.
 
 use super::limits::{MOST_LEFT, SAME_POLE};
-use crate::damping::bars::Measured;
+use crate::damping::bars::UncertainPole;
 use crate::damping::places::lambda_of_s;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
@@ -154,8 +154,8 @@ fn graded(
     let limit = threshold(sketch.columns(), sketch.lines()) * variance_left(sketch, &lambda)?;
     let poles = (0..lambda.len())
         .map(|n| {
-            let measured = Measured::alike(damping, found.poles[n], lambda[n], spread[n]);
-            let mut pole = Pole::new(measured, (Trust::Sure, Vec::new()));
+            let pole = UncertainPole::alike(damping, found.poles[n], lambda[n], spread[n]);
+            let mut pole = Pole::new(pole, (Trust::Sure, Vec::new()));
             if let Some(own) = &found.deviation {
                 pole.omega_std = pole.omega_std.max(own[n][0]);
                 pole.loss_factor_std = pole.loss_factor_std.max(own[n][1]);

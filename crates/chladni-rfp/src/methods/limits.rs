@@ -1,6 +1,6 @@
 //! Limits of the classic methods.
 //!
-//! Where no origin is named, a value is judgement: nobody has calibrated it.
+//! A value without an origin is judgement: nobody has calibrated it.
 
 /// Numerator terms beyond two per mode, for modes outside the band. Zero to four do
 /// equally well once there are spare pole pairs.

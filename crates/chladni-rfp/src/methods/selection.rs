@@ -2,7 +2,7 @@
 //! significance of their residues.
 
 use super::limits::SELECTION_MOST_INFLATION;
-use crate::damping::law::FIRST;
+use crate::damping::law::RATIONAL;
 use crate::damping::places::from_structural;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
@@ -120,7 +120,7 @@ pub(crate) fn modes_of(
     Ok(MethodPoles {
         poles: chosen.into_iter().map(from_structural).collect(),
         deviation: None,
-        law: FIRST,
+        law: RATIONAL,
         warnings,
         how,
         stabilization: None,

@@ -1,6 +1,6 @@
 //! Poles as the model will show them, with their error bars and grades.
 
-use crate::damping::bars::Measured;
+use crate::damping::bars::UncertainPole;
 use crate::damping::places::value_in;
 use crate::damping::verdict::shift;
 use crate::data::columns::Columns;
@@ -58,7 +58,7 @@ impl Identified {
         let law = found.work.law;
         let pole = |((&lambda, &c), grade): ((&Complex64, &f64), Grade)| Pole {
             value: value_in(law, lambda),
-            ..Pole::new(Measured::of_lambda(lambda, [0.5 * c; 2]), grade)
+            ..Pole::new(UncertainPole::of_lambda(lambda, [0.5 * c; 2]), grade)
         };
         let PoleEstimate {
             refined,
@@ -129,7 +129,7 @@ impl Identified {
             self.poles.push(pole);
         }
         for lambda in structured.added {
-            let broad = Measured::of_lambda(lambda, [lambda.im.powi(2); 2]);
+            let broad = UncertainPole::of_lambda(lambda, [lambda.im.powi(2); 2]);
             let mut pole = Pole::new(broad, (Trust::Sure, vec![]));
             pole.move_to(lambda, self.damping);
             self.poles.push(pole);
@@ -137,7 +137,7 @@ impl Identified {
         for found in structured.poles {
             let variance = found.spread.map(|v| v * self.variance);
             let mut pole = Pole::new(
-                Measured::of_lambda(found.lambda, variance),
+                UncertainPole::of_lambda(found.lambda, variance),
                 uncertainty_grade(found.lambda, variance),
             );
             pole.move_to(found.lambda, self.damping);

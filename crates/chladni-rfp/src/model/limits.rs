@@ -1,7 +1,7 @@
 //! Every constant of this room: meaning, unit, where it comes from, and what happens at other
 //! values where that was tried.
 //!
-//! Where no origin is named, a value is judgement: nobody has calibrated it.
+//! A value without an origin is judgement: nobody has calibrated it.
 
 // build.rs
 

@@ -1,6 +1,6 @@
 //! One pole as every later step sees it: frequency, damping, their error bars, its grade.
 
-use crate::damping::bars::Measured;
+use crate::damping::bars::UncertainPole;
 use crate::damping::law;
 use crate::damping::places::value_in;
 use crate::poles::limits;
@@ -36,14 +36,14 @@ pub(crate) struct Pole {
 
 impl Pole {
     /// A pole with its grade.
-    pub fn new(measured: Measured, grade: Grade) -> Self {
-        let Measured {
+    pub fn new(pole: UncertainPole, grade: Grade) -> Self {
+        let UncertainPole {
             value,
             omega,
             loss_factor,
             omega_std,
             loss_factor_std,
-        } = measured;
+        } = pole;
         Self {
             value,
             omega,

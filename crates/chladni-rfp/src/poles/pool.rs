@@ -7,7 +7,7 @@
 //! estimator on its own it is one to five times above the bound.
 
 use crate::damping::gram::Cauchy;
-use crate::damping::law::{self, is_rational};
+use crate::damping::law::{is_rational, RATIONAL};
 use crate::damping::structural::basis;
 use crate::data::columns::{line_energy, Columns};
 use crate::poles::limits;
@@ -90,7 +90,7 @@ pub(crate) fn vector_fit(
         _ => {
             rational = Columns {
                 leakage: None,
-                ..work.clone().in_law(law::FIRST)
+                ..work.clone().in_law(RATIONAL)
             };
             &rational
         }

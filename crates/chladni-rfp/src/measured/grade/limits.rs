@@ -2,7 +2,7 @@
 //! tests: a pole without any doubt should be one that nobody disputes. Half-bandwidths are
 //! half-power.
 //!
-//! Where no origin is named, a value is judgement: nobody has calibrated it.
+//! A value without an origin is judgement: nobody has calibrated it.
 
 /// Share of model orders and line halves that find a mode.
 pub(super) const FEW_ORDERS: f64 = 0.75;
