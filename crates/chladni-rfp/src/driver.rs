@@ -109,7 +109,8 @@ fn with_window_found(
         noise_variance: 0.0,
     };
     let Some((window, finding)) = window_bias::decided(&case) else {
-        window_bias::hold(&mut fit.model, &screened);
+        let window = window_bias::suspected(&case);
+        window_bias::hold(&mut fit.model, &screened, window);
         return Ok(fit);
     };
     watch.stage("line shape of the window")?;

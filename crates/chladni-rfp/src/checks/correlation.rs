@@ -2,6 +2,7 @@
 
 use crate::checks::limits;
 use crate::data::window::kernel::{BLACKMAN, FLATTOP, HANN};
+use crate::data::window::kinds::Window;
 use chladni_linalg::{cholesky, solve_lower};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
@@ -26,6 +27,21 @@ pub enum Correlation {
     Padded,
 }
 
+impl Correlation {
+    /// The window of continuous random excitation that makes it.
+    pub(super) fn window(self) -> Option<Window> {
+        match self {
+            Self::Hann => Some(Window::Hann),
+            Self::Blackman => Some(Window::Blackman),
+            Self::Flattop => Some(Window::Flattop),
+            Self::White | Self::Exponential | Self::Padded => None,
+        }
+    }
+}
+
+/// The windows that errors tell apart, the one that broadens lines most last.
+pub(super) const BY_EFFECT: [Window; 3] = [Window::Hann, Window::Blackman, Window::Flattop];
+
 impl fmt::Display for Correlation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -44,7 +60,7 @@ pub(super) type AtLag = Box<dyn Fn(i32) -> Complex64>;
 
 /// Correlations of each cause.
 ///
-/// * `leaks`: whether errors may be leakage of slope and curvature
+/// * `leaks`: true where errors may be leakage of slope and curvature
 pub(super) fn hypotheses(leaks: bool) -> Vec<(Correlation, AtLag)> {
     let mut all: Vec<(Correlation, AtLag)> = Vec::new();
     let white = |lag: i32| Complex64::from(f64::from(u8::from(lag == 0)));

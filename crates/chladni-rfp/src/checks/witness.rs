@@ -13,12 +13,13 @@
 
 use crate::checks::around::without_others;
 use crate::checks::case::Case;
-use crate::checks::correlation::{hypotheses, Correlation, Judged};
+use crate::checks::correlation::{hypotheses, Correlation, Judged, BY_EFFECT};
 use crate::checks::limits;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::peaks::running_median;
 use crate::data::screening::Screened;
+use crate::data::window::kinds::Window;
 use crate::data::window::told::told;
 use chladni_frf::{FrfSet, ModalModel};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
@@ -35,6 +36,8 @@ pub struct Witness {
     /// Log-likelihood over that of the next without the stretch of lines that says most for
     /// it, less a part of what correlation it leaves unexplained.
     pub gain: f64,
+    /// The window of most effect that the errors do not exclude.
+    pub(crate) broadest: Option<Window>,
 }
 
 impl Witness {
@@ -200,8 +203,12 @@ fn judged(stretches: &[Stretch], share: f64) -> Option<Witness> {
             .map(|(a, b)| a - b)
     };
     let without_most = gains().sum::<f64>() - gains().fold(0.0, f64::max);
+    let excluded = |own: &Judged| share * (first.sum() - own.sum()) > limits::DECIDES;
+    let open = best.iter().filter(|(_, own)| !excluded(own));
+    let windows = open.filter_map(|(correlation, _)| correlation.window());
     Some(Witness {
         likeliest: *likeliest,
+        broadest: windows.max_by_key(|window| BY_EFFECT.iter().position(|other| other == window)),
         gain: share * (without_most - limits::MISFIT_COUNTS * first.unexplained()),
     })
 }
@@ -285,6 +292,13 @@ mod tests {
         for (n, (window, averages, expected)) in cases.into_iter().enumerate() {
             for seed in 0..40 {
                 let found = judged_errors(window, averages, 1000 * n as u64 + seed);
+                // what made the errors is not excluded
+                let place =
+                    |window: Option<Window>| BY_EFFECT.iter().position(|w| Some(*w) == window);
+                assert!(
+                    place(found.broadest) >= place(expected.window()),
+                    "{expected:?}, {seed}"
+                );
                 undecided += usize::from(found.gain < 3.0);
                 assert!(
                     found.likeliest == expected || found.gain < 3.0,
