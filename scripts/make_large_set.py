@@ -1,24 +1,22 @@
 #!/usr/bin/env python3
-"""Writes a set of FRFs that is larger than memory, in the HDF5 layout of Chladni: 20 modes, 2001 lines, noise 40 dB below the data.
+"""Writes a set of FRFs that is larger than memory, in the HDF5 layout of Chladni: 20 modes, noise 40 dB below the data.
 
-    scripts/make_large_set.py OUT.h5 GIB [--single]     (needs numpy and h5py; memory stays below 1 GiB)
-
-What `chladni fit OUT.h5` takes for it is in docs/pieces.md.
+Needs numpy and h5py; memory stays below 1 GiB. What `chladni fit OUT.h5` takes for it is in docs/pieces.md.
 """
 
-import sys
+import argparse
 
 import h5py
 import numpy as np
 
-LINES, MODES, REFERENCES, RESPONSES_AT_A_TIME = 2001, 20, 4, 500
+MODES, REFERENCES, RESPONSES_AT_A_TIME = 20, 4, 500
 
 
-def main(path, gib, single):
+def main(path, gib, single, lines):
     random = np.random.default_rng(1)
     dtype = np.dtype([("r", "<f4"), ("i", "<f4")]) if single else np.dtype([("r", "<f8"), ("i", "<f8")])
-    responses = int(gib * 2**30 / (REFERENCES * LINES * dtype.itemsize))
-    frequency = np.linspace(10.0, 1010.0, LINES)
+    responses = int(gib * 2**30 / (REFERENCES * lines * dtype.itemsize))
+    frequency = np.linspace(10.0, 1010.0, lines)
     omega = 2 * np.pi * frequency
     natural = 2 * np.pi * (np.linspace(40.0, 960.0, MODES) + random.uniform(-8, 8, MODES))
     loss = random.uniform(0.005, 0.02, MODES)
@@ -32,12 +30,12 @@ def main(path, gib, single):
         file["freq"].attrs["unit"] = "Hz"
         file["response"] = np.array([(i + 1, 3) for i in range(responses)], dtype=dof)
         file["reference"] = np.array([(10_000_000 + j, 3) for j in range(REFERENCES)], dtype=dof)
-        frf = file.create_dataset("frf", (responses, REFERENCES, LINES), dtype)
+        frf = file.create_dataset("frf", (responses, REFERENCES, lines), dtype)
         for first in range(0, responses, RESPONSES_AT_A_TIME):
             count = min(RESPONSES_AT_A_TIME, responses - first)
             shape = random.normal(size=(count, MODES))
             values = np.einsum("im,jm,mk->ijk", shape, drive, resonance, optimize=True)
-            noise = random.standard_normal((count, REFERENCES, LINES, 2), dtype=np.float32).view(np.complex64)[..., 0]
+            noise = random.standard_normal((count, REFERENCES, lines, 2), dtype=np.float32).view(np.complex64)[..., 0]
             values += noise * (0.01 * rms / np.sqrt(2))
             frf[first : first + count] = values.astype(np.complex64 if single else np.complex128).view(dtype)
     with h5py.File(path + ".truth.h5", "w") as file:
@@ -45,6 +43,10 @@ def main(path, gib, single):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 3:
-        sys.exit(__doc__)
-    main(sys.argv[1], float(sys.argv[2]), "--single" in sys.argv)
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("out", metavar="OUT.h5")
+    asked.add_argument("gib", type=float, metavar="GIB", help="size of the FRFs")
+    asked.add_argument("--single", action="store_true", help="32-bit floats")
+    asked.add_argument("--lines", type=int, default=2001)
+    asked = asked.parse_args()
+    main(asked.out, asked.gib, asked.single, asked.lines)

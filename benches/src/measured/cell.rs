@@ -52,14 +52,12 @@ impl MeasuredCell {
     /// Kaiser's window at β = 8.6 leaves that of Blackman's: 0.5696 and 0.5702 one line apart,
     /// 0.0993 and 0.0995 two.
     pub fn correlation(&self) -> Correlation {
-        match self.analyser {
-            Some(Window::Flattop) => return Correlation::Flattop,
-            Some(_) => return Correlation::Blackman,
-            None => {}
+        if self.analyser.is_some() {
+            return Correlation::Tapered;
         }
         match (self.force, self.window) {
             (MeasuredForce::Random | MeasuredForce::Burst(_), BlockWindow::Hann) => {
-                Correlation::Hann
+                Correlation::Tapered
             }
             (_, BlockWindow::Exponential { .. }) => Correlation::Exponential,
             _ => Correlation::White,

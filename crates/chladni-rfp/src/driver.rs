@@ -108,18 +108,19 @@ fn with_window_found(
         white: false,
         noise_variance: 0.0,
     };
-    let Some((window, finding)) = window_bias::decided(&case) else {
+    let Some(found) = window_bias::decided(&case) else {
         let window = window_bias::suspected(&case);
         window_bias::hold(&mut fit.model, &screened, window);
         return Ok(fit);
     };
     watch.stage("line shape of the window")?;
     let options = FitOptions {
-        window: Some(window),
+        window: Some(found.window),
         ..options
     };
     let mut fit = walk(Screened::new(frf, &options)?, &options, watch)?;
-    fit.model.quality.findings.push(finding);
+    found.hold_others(&mut fit.model, &screened);
+    fit.model.quality.findings.push(found.finding);
     Ok(fit)
 }
 

@@ -10,45 +10,31 @@ use std::f64::consts::PI;
 use std::fmt;
 
 /// The cause of correlated errors of neighbouring lines.
+///
+/// Errors are noise of the responses, correlated as |r_w|², mixed with leakage, which is
+/// between that and white. So they tell windows that fall off to both ends from others, but not
+/// one of these from another: line shapes do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Correlation {
     /// Nothing: no window.
     White,
-    /// A Hann window.
-    Hann,
-    /// A Blackman window.
-    Blackman,
-    /// A flat-top window.
-    Flattop,
+    /// A window that falls off to both ends of a record: Hann, Blackman, Kaiser, flat top.
+    Tapered,
     /// An exponential window.
     Exponential,
     /// Records of which half are zeros.
     Padded,
 }
 
-impl Correlation {
-    /// The window of continuous random excitation that makes it.
-    pub(super) fn window(self) -> Option<Window> {
-        match self {
-            Self::Hann => Some(Window::Hann),
-            Self::Blackman => Some(Window::Blackman),
-            Self::Flattop => Some(Window::Flattop),
-            Self::White | Self::Exponential | Self::Padded => None,
-        }
-    }
-}
-
-/// The windows that errors tell apart, the one that broadens lines most last.
-pub(super) const BY_EFFECT: [Window; 3] = [Window::Hann, Window::Blackman, Window::Flattop];
+/// Windows that fall off to both ends, the one that broadens lines most last.
+pub(super) const TAPERED: [Window; 3] = [Window::Hann, Window::Blackman, Window::Flattop];
 
 impl fmt::Display for Correlation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::White => "without a window",
-            Self::Hann => "under a Hann window",
-            Self::Blackman => "under a Blackman window",
-            Self::Flattop => "under a flat-top window",
+            Self::Tapered => "under a window that falls off to both ends",
             Self::Exponential => "under an exponential window",
             Self::Padded => "in records padded with zeros",
         })
@@ -58,40 +44,47 @@ impl fmt::Display for Correlation {
 /// Correlation of errors over lags of lines.
 pub(super) type AtLag = Box<dyn Fn(i32) -> Complex64>;
 
+/// A correlation and what would make it.
+pub(super) struct Hypothesis {
+    pub cause: Correlation,
+    /// The window of continuous random excitation.
+    pub window: Option<Window>,
+    pub at_lag: AtLag,
+}
+
 /// Correlations of each cause.
 ///
 /// * `leaks`: true where errors may be leakage of slope and curvature
-pub(super) fn hypotheses(leaks: bool) -> Vec<(Correlation, AtLag)> {
-    let mut all: Vec<(Correlation, AtLag)> = Vec::new();
+pub(super) fn hypotheses(leaks: bool) -> Vec<Hypothesis> {
+    let mut all = Vec::new();
+    let mut add = |cause, window, at_lag| {
+        all.push(Hypothesis {
+            cause,
+            window,
+            at_lag,
+        });
+    };
     let white = |lag: i32| Complex64::from(f64::from(u8::from(lag == 0)));
-    all.push((Correlation::White, Box::new(white)));
-    for (correlation, window) in [
-        (Correlation::Hann, &HANN[..]),
-        (Correlation::Blackman, &BLACKMAN[..]),
-        (Correlation::Flattop, &FLATTOP[..]),
-    ] {
-        let of_squares = squares(window);
+    add(Correlation::White, None, Box::new(white) as AtLag);
+    for (window, terms) in TAPERED.into_iter().zip([&HANN[..], &BLACKMAN, &FLATTOP]) {
+        let of_squares = squares(terms);
         let at = move |lag: i32| -> f64 {
             let place = lag.unsigned_abs() as usize;
             of_squares.get(place).copied().unwrap_or(0.0)
         };
         let squared = at.clone();
         let squared = move |lag: i32| Complex64::from(squared(lag).powi(2));
-        all.push((correlation, Box::new(squared)));
-        all.push((
-            correlation,
-            Box::new(move |lag: i32| Complex64::from(at(lag))),
-        ));
-    }
-    if leaks {
-        for of_leakage in leakage_of_hann() {
+        add(Correlation::Tapered, Some(window), Box::new(squared));
+        let at = move |lag: i32| Complex64::from(at(lag));
+        add(Correlation::Tapered, Some(window), Box::new(at));
+        for of_leakage in if leaks { leakage(terms) } else { Vec::new() } {
             let at = move |lag: i32| Complex64::from(of_leakage[lag.unsigned_abs() as usize]);
-            all.push((Correlation::Hann, Box::new(at)));
+            add(Correlation::Tapered, Some(window), Box::new(at));
         }
     }
     for decay in limits::DECAYS {
         let at = move |lag: i32| decay / Complex64::new(decay, PI * f64::from(lag));
-        all.push((Correlation::Exponential, Box::new(at)));
+        add(Correlation::Exponential, None, Box::new(at));
     }
     let half = |lag: i32| match lag {
         0 => Complex64::ONE,
@@ -100,17 +93,20 @@ pub(super) fn hypotheses(leaks: bool) -> Vec<(Correlation, AtLag)> {
             Complex64::from_polar(turn.sin() / turn, -turn)
         }
     };
-    all.push((Correlation::Padded, Box::new(half)));
+    add(Correlation::Padded, None, Box::new(half));
     all
 }
 
-/// Correlations over lags of what the slope and the curvature of an FRF leak under Hann's
-/// window: r_w times the transform of w²u², and of w²(u² − mean)², over its sum, u from the
-/// middle of the record.
-fn leakage_of_hann() -> [Vec<f64>; 2] {
+/// Correlations over lags of what the slope and the curvature of an FRF leak under the window
+/// w = Σ_n c_n e^{2πjnu}: r_w times the transform of w²u², and of w²(u² − mean)², over its sum,
+/// u from the middle of the record.
+fn leakage(window: &[f64]) -> Vec<Vec<f64>> {
     let place = |k: usize| (k as f64 + 0.5) / limits::RECORD_PLACES as f64 - 0.5;
     let places: Vec<f64> = (0..limits::RECORD_PLACES).map(place).collect();
-    let power = |u: f64| (PI * u).cos().powi(4);
+    let power = |u: f64| -> f64 {
+        let term = |(n, c): (usize, &f64)| 2.0 * c * (2.0 * PI * n as f64 * (u + 0.5)).cos();
+        (window.iter().enumerate().map(term).sum::<f64>() - window[0]).powi(2)
+    };
     let mean = |of: &dyn Fn(f64) -> f64| -> f64 {
         let weighted = places.iter().map(|&u| power(u) * of(u));
         weighted.sum::<f64>() / places.iter().map(|&u| power(u)).sum::<f64>()
@@ -126,6 +122,7 @@ fn leakage_of_hann() -> [Vec<f64>; 2] {
     let lags = 0..limits::STRETCH + limits::SIXTH.len();
     [&slope as &dyn Fn(f64) -> f64, &curvature]
         .map(|of| lags.clone().map(|lag| at_lag(of, lag)).collect())
+        .into()
 }
 
 /// r_w of Σ_n c_n e^{2πjnu}: Σ_n c_n c_{q−n} over its value at q = 0.

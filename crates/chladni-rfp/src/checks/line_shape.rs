@@ -4,40 +4,86 @@
 //! record, not 1/(s − p). With z = (s − p)T it is (theory.md, eq. F4) T·g(z) of [`WindowKernel`].
 //!
 //! Each shape is fitted to the lines around every isolated mode, its pole free, and the
-//! sums of squares are compared: three hypotheses with the same number of unknowns.
+//! sums of squares are compared: hypotheses with the same number of unknowns.
 
 use crate::checks::around::neighbourhood;
 use crate::checks::case::Case;
+use crate::checks::correlation::TAPERED;
 use crate::checks::limits;
 use crate::data::window::kernel::WindowKernel;
 use crate::data::window::kinds::Window;
+use crate::data::window::leakage::Leakage;
 use chladni_frf::Mode;
 use chladni_linalg::{lstsq, matmul, matmul_h, qr_thin, LinalgError};
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Line shapes compared.
-const TRIED: [Window; 3] = [Window::None, Window::Hann, Window::Rectangular];
+/// Line shapes compared with those of [`TAPERED`] windows.
+const UNTAPERED: [Window; 2] = [Window::None, Window::Rectangular];
 
-/// The window whose line shape wins, by how much (log-likelihood over the second best),
-/// and on how many modes.
-pub(crate) fn likely_window(case: &Case) -> Option<(Window, f64, usize)> {
-    let modes: Vec<&Mode> = case.model.in_band_modes().collect();
-    let mut scores = [0.0; TRIED.len()];
-    let mut count = 0;
-    for mode in &modes {
-        if let Some(own) = mode_scores(case, mode, &modes) {
-            scores
-                .iter_mut()
-                .zip(own)
-                .for_each(|(sum, score)| *sum += score);
-            count += 1;
+/// How well the line shapes of windows fit those of modes that stand alone.
+#[derive(Debug, Clone)]
+pub(super) struct LineShapes {
+    /// Log-likelihood of each window, the likeliest first.
+    ranks: Vec<(Window, f64)>,
+    /// Modes that were asked.
+    pub modes: usize,
+}
+
+impl LineShapes {
+    /// `None` where no mode stands alone.
+    pub fn new(case: &Case) -> Option<Self> {
+        let modes: Vec<&Mode> = case.model.in_band_modes().collect();
+        let mut ranks: Vec<(Window, f64)> = UNTAPERED
+            .into_iter()
+            .chain(TAPERED)
+            .map(|w| (w, 0.0))
+            .collect();
+        let mut count = 0;
+        for mode in &modes {
+            let windows = ranks.iter().map(|(window, _)| *window);
+            if let Some(own) = mode_scores(case, mode, &modes, windows) {
+                let sums = ranks.iter_mut().zip(own);
+                sums.for_each(|((_, sum), score)| *sum += score);
+                count += 1;
+            }
         }
+        ranks.sort_by(|a, b| b.1.total_cmp(&a.1));
+        (count > 0).then_some(Self {
+            ranks,
+            modes: count,
+        })
     }
-    let mut order: Vec<usize> = (0..scores.len()).collect();
-    order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]));
-    (count > 0).then(|| (TRIED[order[0]], scores[order[0]] - scores[order[1]], count))
+
+    /// The likeliest window.
+    pub fn likeliest(&self) -> Window {
+        self.ranks[0].0
+    }
+
+    /// The likeliest window where line shapes tell it from all others, and its
+    /// log-likelihood over the second best.
+    pub fn decided(&self) -> Option<(Window, f64)> {
+        let gain = self.ranks[0].1 - self.ranks[1].1;
+        (gain > limits::DECIDES).then(|| (self.likeliest(), gain))
+    }
+
+    /// Log-likelihood of the likeliest window over that of the best that does not fall off to
+    /// both ends.
+    pub fn tapered_gain(&self) -> f64 {
+        let untapered = self.ranks.iter().find(|(own, _)| UNTAPERED.contains(own));
+        self.ranks[0].1 - untapered.map_or(0.0, |(_, score)| *score)
+    }
+
+    /// Which of [`TAPERED`] line shapes do not exclude.
+    pub fn open(&self) -> [bool; TAPERED.len()] {
+        let open = self
+            .ranks
+            .iter()
+            .filter(|(_, score)| self.ranks[0].1 - score < limits::DECIDES);
+        let open: Vec<Window> = open.map(|(window, _)| *window).collect();
+        TAPERED.map(|window| open.contains(&window))
+    }
 }
 
 /// The lines around a mode that stands alone, without what the model says of all else.
@@ -90,27 +136,31 @@ impl Isolated {
     }
 }
 
-/// Log-likelihood of each window on the lines around one mode.
-fn mode_scores(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<[f64; TRIED.len()]> {
+/// Log-likelihood of each of `windows` on the lines around one mode.
+fn mode_scores(
+    case: &Case,
+    mode: &Mode,
+    modes: &[&Mode],
+    windows: impl Iterator<Item = Window>,
+) -> Option<Vec<f64>> {
     let isolated = Isolated::new(case, mode, modes)?;
     let record_s = 1.0 / case.data.line_spacing_hz();
-    let mut scores = [0.0; TRIED.len()];
-    for (score, window) in scores.iter_mut().zip(TRIED) {
-        // without its window a line is narrower by about 1/T
-        let shift = if window == Window::None {
-            0.0
-        } else {
-            (1.0 / record_s).min(-limits::SHARPENED_MOST * isolated.pole.re)
-        };
+    let score = |window: Window| -> Option<f64> {
         let kernel = window.kernel();
+        // without its window a line is narrower
+        let shift = kernel.as_ref().map_or(0.0, |kernel| {
+            let seen = -isolated.pole.re;
+            let leakage = Leakage::new(kernel.clone(), record_s, 0);
+            (seen - leakage.unbroadened(seen)).min(limits::SHARPENED_MOST * seen)
+        });
         let shape = LineShape {
             kernel: kernel.as_ref(),
             record_s,
             drop: 1.0,
         };
-        *score = isolated.log_likelihood(&isolated.fitted(&shape, shift).ok()?);
-    }
-    Some(scores)
+        Some(isolated.log_likelihood(&isolated.fitted(&shape, shift).ok()?))
+    };
+    windows.map(score).collect()
 }
 
 /// The line that one pole leaves in the mean of H1.

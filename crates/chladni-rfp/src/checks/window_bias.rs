@@ -1,10 +1,10 @@
 //! Damping that a window of the test may have raised, where nobody said which it was.
 
 use crate::checks::case::{Case, Checked};
-use crate::checks::correlation::Correlation;
+use crate::checks::correlation::{Correlation, TAPERED};
 use crate::checks::limits;
 use crate::checks::limits::DECIDES;
-use crate::checks::line_shape::likely_window;
+use crate::checks::line_shape::LineShapes;
 use crate::checks::witness::{decades, witness, Witness};
 use crate::data::layout::DataLayout;
 use crate::data::window::kinds::Window;
@@ -49,8 +49,8 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         return None;
     }
     let step = case.data.line_spacing_hz();
-    let errors = witness(case);
-    let window = suspect(errors.as_ref());
+    let (shapes, errors) = (LineShapes::new(case), witness(case));
+    let window = suspect(shapes.as_ref(), errors.as_ref());
     // only where error bars do not hold them anyway
     let leakage = leakage_of(window, case.data)?;
     let open = |mode: &&Mode| {
@@ -64,14 +64,14 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         Window::Hann => (first_order(step, worst), "1/(πb) "),
         _ => (1.0 / (1.0 - doubt(&leakage, worst)) - 1.0, ""),
     };
-    let evidence = match likely_window(case) {
-        Some((Window::None, gain, _)) if gain > DECIDES => return None,
-        Some((window, gain, modes)) if gain > DECIDES => {
-            format!(
-                "the line shapes of {modes} mode(s) are those of a {window} window (likelihood \
-                     e^{gain:.0} times that of any other)"
-            )
-        }
+    let of_shapes = shapes.as_ref().and_then(LineShapes::decided);
+    let evidence = match (of_shapes, &shapes) {
+        (Some((Window::None, _)), _) => return None,
+        (Some((window, gain)), Some(shapes)) => format!(
+            "the line shapes of {} mode(s) are those of a {window} window (likelihood e^{gain:.0} \
+             times that of any other)",
+            shapes.modes
+        ),
         _ => "the line shapes do not tell".into(),
     };
     let evidence = match errors.filter(Witness::decides) {
@@ -99,15 +99,25 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     Some(finding.into())
 }
 
-/// The window of most effect that the errors of neighbouring lines do not exclude; a Hann
-/// window, the usual one, where they tell none.
+/// The window of most effect that neither line shapes nor the errors of neighbouring lines
+/// exclude; a Hann window, the usual one, where these tell none.
 pub(crate) fn suspected(case: &Case) -> Window {
-    suspect(witness(case).as_ref())
+    suspect(LineShapes::new(case).as_ref(), witness(case).as_ref())
 }
 
-fn suspect(errors: Option<&Witness>) -> Window {
-    let told = errors.and_then(|errors| errors.broadest);
-    told.unwrap_or(Window::Hann)
+fn suspect(shapes: Option<&LineShapes>, errors: Option<&Witness>) -> Window {
+    let tapered = shapes.is_some_and(|found| found.tapered_gain() > DECIDES);
+    let of_errors = errors.map_or([false; TAPERED.len()], |found| found.open);
+    let of_shapes = shapes.map_or([false; TAPERED.len()], LineShapes::open);
+    let most = |holds: &dyn Fn(usize) -> bool| (0..TAPERED.len()).rev().find(|&w| holds(w));
+    let place = match (of_errors.contains(&true), tapered) {
+        (true, _) => most(&|w| of_errors[w] && of_shapes[w])
+            // one of them is mistaken
+            .or_else(|| most(&|w| of_errors[w] || of_shapes[w])),
+        (false, true) => most(&|w| of_shapes[w]),
+        (false, false) => None,
+    };
+    place.map_or(Window::Hann, |place| TAPERED[place])
 }
 
 /// Widens the bars of modes by what `window` would have added to their damping, and to
@@ -116,7 +126,6 @@ pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout, window: Window) {
     let Some(leakage) = leakage_of(window, data) else {
         return;
     };
-    let stands = |mode: &&mut Mode| mode.in_band && mode.trust != Trust::Rejected;
     let scaling = model.scaling;
     for mode in model.modes.iter_mut().filter(stands) {
         let doubt = doubt(&leakage, mode);
@@ -133,6 +142,10 @@ pub(crate) fn widen(mode: &mut Mode, scaling: Scaling, of_loss: f64, of_scale: f
     mode.scale_std = mode.scale_std.map(|std| std.hypot(of_scale));
     let values = mode.shape.0.iter().zip(&mut mode.shape_std);
     values.for_each(|(value, std)| *std = std.hypot(of_scale * value.norm()));
+}
+
+fn stands(mode: &&mut Mode) -> bool {
+    mode.in_band && mode.trust != Trust::Rejected
 }
 
 /// Effect of a window on records as long as the lines tell; decays are in 1/s.
@@ -162,34 +175,78 @@ fn first_order(step_hz: f64, mode: &Mode) -> f64 {
     step_hz / (PI * mode.loss_factor * mode.frequency_hz)
 }
 
+/// A window that was found.
+pub(crate) struct FoundWindow {
+    pub window: Window,
+    /// Windows that may have been it as well.
+    others: Vec<Window>,
+    pub finding: Finding,
+}
+
+impl FoundWindow {
+    /// Widens the bars of modes by what damping would change under the other windows.
+    pub fn hold_others(&self, model: &mut ModalModel, data: &DataLayout) {
+        let Some(own) = leakage_of(self.window, data) else {
+            return;
+        };
+        let others = self.others.iter().filter_map(|w| leakage_of(*w, data));
+        let others: Vec<Leakage> = others.collect();
+        let scaling = model.scaling;
+        for mode in model.modes.iter_mut().filter(stands) {
+            let decay = PI * mode.loss_factor * mode.frequency_hz;
+            let seen = decay * (1.0 + own.broadening(decay));
+            let off = |other: &Leakage| (other.unbroadened(seen) / decay - 1.0).abs();
+            let most = others.iter().map(off).fold(0.0, f64::max);
+            widen(mode, scaling, most, limits::SCALE_OF_DAMPING * most);
+        }
+    }
+}
+
 /// The window that line shapes and the errors of neighbouring lines both speak of, each by
 /// itself clearly: neither alone corrects anything.
-pub(crate) fn decided(case: &Case) -> Option<(Window, Finding)> {
+pub(crate) fn decided(case: &Case) -> Option<FoundWindow> {
+    let shapes = LineShapes::new(case)?;
+    let window = shapes.likeliest();
+    let leakage = leakage_of(window, case.data)?;
     // only where broadening stands clear of the error bars; else these hold it
-    let step = case.data.line_spacing_hz();
     let clear = |mode: &&Mode| {
-        let doubt = 2.0 * mode.loss_factor_std / mode.loss_factor;
-        first_order(step, mode) > limits::BIAS_UNDONE.max(doubt)
+        let bar = 2.0 * mode.loss_factor_std / mode.loss_factor;
+        doubt(&leakage, mode) > limits::BIAS_UNDONE.max(bar)
     };
     case.sure_modes().into_iter().find(clear)?;
-    let (window, of_shapes, modes) = likely_window(case)?;
     let errors = witness(case)?;
-    let agree = window == Window::Hann && errors.likeliest == Correlation::Hann;
-    if !agree || of_shapes.min(errors.gain) < DECIDES {
+    let gain = shapes.tapered_gain();
+    if errors.likeliest != Correlation::Tapered || gain.min(errors.gain) < DECIDES {
         return None;
     }
+    let open = TAPERED.into_iter().zip(shapes.open());
+    let others = open.filter_map(|(other, open)| (open && other != window).then_some(other));
+    let others: Vec<Window> = others.collect();
+    let names: Vec<String> = others.iter().map(Window::to_string).collect();
+    let left_open = match names.is_empty() {
+        true => String::new(),
+        false => format!(
+            "; the error bars hold what a {} window would make of damping, which is possible, too",
+            names.join(" or ")
+        ),
+    };
     let words = format!(
         "the FRFs were made of records under a {window} window, so the fit has its line shape: the \
-         line shapes of {modes} mode(s) and the errors of neighbouring lines both say so \
-         (10^{:.0} and 10^{:.0} times as likely as any other window)",
-        decades(of_shapes),
+         line shapes of {} mode(s) and the errors of neighbouring lines both say so (10^{:.0} and \
+         10^{:.0} times as likely as those of none){left_open}",
+        shapes.modes,
+        decades(gain),
         decades(errors.gain)
     );
     let finding = Finding::caution("window-found", words)
-        .value("line_shape_nats", of_shapes)
+        .value("line_shape_nats", gain)
         .value("error_correlation_nats", errors.gain)
         .help("say which window was used, or that there was none");
-    Some((window, finding))
+    Some(FoundWindow {
+        window,
+        others,
+        finding,
+    })
 }
 
 #[cfg(test)]

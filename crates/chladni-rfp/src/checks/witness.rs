@@ -13,13 +13,12 @@
 
 use crate::checks::around::without_others;
 use crate::checks::case::Case;
-use crate::checks::correlation::{hypotheses, Correlation, Judged, BY_EFFECT};
+use crate::checks::correlation::{hypotheses, Correlation, Hypothesis, Judged, TAPERED};
 use crate::checks::limits;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::peaks::running_median;
 use crate::data::screening::Screened;
-use crate::data::window::kinds::Window;
 use crate::data::window::told::told;
 use chladni_frf::{FrfSet, ModalModel};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
@@ -36,8 +35,8 @@ pub struct Witness {
     /// Log-likelihood over that of the next without the stretch of lines that says most for
     /// it, less a part of what correlation it leaves unexplained.
     pub gain: f64,
-    /// The window of most effect that the errors do not exclude.
-    pub(crate) broadest: Option<Window>,
+    /// The windows that the errors do not exclude, in the order of [`TAPERED`].
+    pub(crate) open: [bool; TAPERED.len()],
 }
 
 impl Witness {
@@ -182,19 +181,14 @@ fn judged(stretches: &[Stretch], share: f64) -> Option<Witness> {
     let columns = Array2::from_shape_fn((limits::STRETCH, stretches.len()).f(), |(k, c)| {
         stretches[c].errors[k]
     });
-    let mut best: Vec<(Correlation, Judged)> = Vec::new();
-    for (correlation, at_lag) in hypotheses(shared(stretches)) {
-        let own = Judged::new(&columns, &at_lag)?;
-        match best.iter_mut().find(|(other, _)| *other == correlation) {
-            Some((_, other)) if other.sum() >= own.sum() => {}
-            Some((_, other)) => *other = own,
-            None => best.push((correlation, own)),
-        }
-    }
-    best.sort_by(|a, b| b.1.sum().total_cmp(&a.1.sum()));
-    let [(likeliest, first), (_, next), ..] = best.as_slice() else {
-        return None;
-    };
+    let held = |own: Hypothesis| Some((Judged::new(&columns, &own.at_lag)?, own));
+    let mut all: Vec<(Judged, Hypothesis)> = hypotheses(shared(stretches))
+        .into_iter()
+        .map(held)
+        .collect::<Option<_>>()?;
+    all.sort_by(|a, b| b.0.sum().total_cmp(&a.0.sum()));
+    let (first, likeliest) = all.first()?;
+    let (next, _) = all.iter().find(|(_, own)| own.cause != likeliest.cause)?;
     let gains = || {
         first
             .of_stretches
@@ -204,11 +198,13 @@ fn judged(stretches: &[Stretch], share: f64) -> Option<Witness> {
     };
     let without_most = gains().sum::<f64>() - gains().fold(0.0, f64::max);
     let excluded = |own: &Judged| share * (first.sum() - own.sum()) > limits::DECIDES;
-    let open = best.iter().filter(|(_, own)| !excluded(own));
-    let windows = open.filter_map(|(correlation, _)| correlation.window());
+    let open = |window| {
+        let mut of_window = all.iter().filter(|(_, own)| own.window == Some(window));
+        of_window.any(|(own, _)| !excluded(own))
+    };
     Some(Witness {
-        likeliest: *likeliest,
-        broadest: windows.max_by_key(|window| BY_EFFECT.iter().position(|other| other == window)),
+        likeliest: likeliest.cause,
+        open: TAPERED.map(open),
         gain: share * (without_most - limits::MISFIT_COUNTS * first.unexplained()),
     })
 }
@@ -279,26 +275,32 @@ mod tests {
             }
         };
         let (hann, flattop) = (cosines(&HANN), cosines(&FLATTOP));
-        type Case<'a> = (&'a dyn Fn(f64) -> f64, Option<usize>, Correlation);
+        type Case<'a> = (
+            &'a dyn Fn(f64) -> f64,
+            Option<usize>,
+            Correlation,
+            Option<usize>,
+        );
         let cases: [Case; 6] = [
-            (&|_| 1.0, Some(20), Correlation::White),
-            (&|_| 1.0, None, Correlation::White),
-            (&hann, Some(20), Correlation::Hann),
-            (&flattop, Some(20), Correlation::Flattop),
-            (&|u| (-4.0 * u).exp(), None, Correlation::Exponential),
-            (&|u| f64::from(u8::from(u < 0.5)), None, Correlation::Padded),
+            (&|_| 1.0, Some(20), Correlation::White, None),
+            (&|_| 1.0, None, Correlation::White, None),
+            (&hann, Some(20), Correlation::Tapered, Some(0)),
+            (&flattop, Some(20), Correlation::Tapered, Some(2)),
+            (&|u| (-4.0 * u).exp(), None, Correlation::Exponential, None),
+            (
+                &|u| f64::from(u8::from(u < 0.5)),
+                None,
+                Correlation::Padded,
+                None,
+            ),
         ];
         let mut undecided = 0;
-        for (n, (window, averages, expected)) in cases.into_iter().enumerate() {
+        for (n, (window, averages, expected, made)) in cases.into_iter().enumerate() {
             for seed in 0..40 {
                 let found = judged_errors(window, averages, 1000 * n as u64 + seed);
                 // what made the errors is not excluded
-                let place =
-                    |window: Option<Window>| BY_EFFECT.iter().position(|w| Some(*w) == window);
-                assert!(
-                    place(found.broadest) >= place(expected.window()),
-                    "{expected:?}, {seed}"
-                );
+                let open = made.is_none_or(|place: usize| found.open[place]);
+                assert!(open, "{expected:?}, {seed}");
                 undecided += usize::from(found.gain < 3.0);
                 assert!(
                     found.likeliest == expected || found.gain < 3.0,
@@ -342,7 +344,7 @@ mod tests {
             assert!(shared(&all));
             let found = judged(&all, 1.0).unwrap();
             assert!(
-                found.likeliest == Correlation::Hann || !found.decides(),
+                found.likeliest == Correlation::Tapered || !found.decides(),
                 "seed {seed}: {found:?}"
             );
         }
