@@ -203,7 +203,7 @@ impl FoundWindow {
 }
 
 /// The window that line shapes and the errors of neighbouring lines both speak of, each by
-/// itself clearly: neither alone corrects anything.
+/// itself clearly, and leakage shows that the force was continuous: less corrects nothing.
 pub(crate) fn decided(case: &Case) -> Option<FoundWindow> {
     let shapes = LineShapes::new(case)?;
     let window = shapes.likeliest();
@@ -216,7 +216,9 @@ pub(crate) fn decided(case: &Case) -> Option<FoundWindow> {
     case.sure_modes().into_iter().find(clear)?;
     let errors = witness(case)?;
     let gain = shapes.tapered_gain();
-    if errors.likeliest != Correlation::Tapered || gain.min(errors.gain) < DECIDES {
+    // bursts leave no leakage, and lines of their own
+    let tapered = errors.leakage && errors.likeliest == Correlation::Tapered;
+    if !tapered || gain.min(errors.gain) < DECIDES {
         return None;
     }
     let open = TAPERED.into_iter().zip(shapes.open());

@@ -37,6 +37,8 @@ pub struct Witness {
     pub gain: f64,
     /// The windows that the errors do not exclude, in the order of [`TAPERED`].
     pub(crate) open: [bool; TAPERED.len()],
+    /// True where FRFs share their errors: leakage, which continuous excitation alone leaves.
+    pub(crate) leakage: bool,
 }
 
 impl Witness {
@@ -125,14 +127,14 @@ impl Stretch {
     }
 }
 
-/// True where FRFs share their errors, or there is but one.
-fn shared(stretches: &[Stretch]) -> bool {
+/// True where FRFs share their errors; `None` of one FRF.
+fn shared(stretches: &[Stretch]) -> Option<bool> {
     let pairs = stretches.iter().enumerate().flat_map(|(n, stretch)| {
         let others = stretches[..n].iter();
         others.filter_map(move |other| stretch.coherence(other))
     });
     let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), c| (sum + c, count + 1.0));
-    count == 0.0 || sum > limits::SHARED * count
+    (count > 0.0).then_some(sum > limits::SHARED * count)
 }
 
 /// The stretches of one FRF.
@@ -181,8 +183,9 @@ fn judged(stretches: &[Stretch], share: f64) -> Option<Witness> {
     let columns = Array2::from_shape_fn((limits::STRETCH, stretches.len()).f(), |(k, c)| {
         stretches[c].errors[k]
     });
+    let shared = shared(stretches);
     let held = |own: Hypothesis| Some((Judged::new(&columns, &own.at_lag)?, own));
-    let mut all: Vec<(Judged, Hypothesis)> = hypotheses(shared(stretches))
+    let mut all: Vec<(Judged, Hypothesis)> = hypotheses(shared.unwrap_or(true))
         .into_iter()
         .map(held)
         .collect::<Option<_>>()?;
@@ -205,6 +208,7 @@ fn judged(stretches: &[Stretch], share: f64) -> Option<Witness> {
     Some(Witness {
         likeliest: likeliest.cause,
         open: TAPERED.map(open),
+        leakage: shared == Some(true),
         gain: share * (without_most - limits::MISFIT_COUNTS * first.unexplained()),
     })
 }
@@ -341,7 +345,7 @@ mod tests {
     fn leakage_of_slopes_is_not_read_as_no_window() {
         for seed in 0..40 {
             let all = leaked_slopes(seed);
-            assert!(shared(&all));
+            assert_eq!(shared(&all), Some(true));
             let found = judged(&all, 1.0).unwrap();
             assert!(
                 found.likeliest == Correlation::Tapered || !found.decides(),
