@@ -49,8 +49,7 @@ pub struct MeasuredCell {
 impl MeasuredCell {
     /// Correlation that the errors of neighbouring lines of its averaged FRFs have.
     ///
-    /// Kaiser's window at β = 8.6 leaves that of Blackman's: 0.5696 and 0.5702 one line apart,
-    /// 0.0993 and 0.0995 two.
+    /// Windows of analysers (flat top, Kaiser) fall off to both ends.
     pub fn correlation(&self) -> Correlation {
         if self.analyser.is_some() {
             return Correlation::Tapered;

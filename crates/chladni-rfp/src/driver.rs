@@ -108,9 +108,9 @@ fn with_window_found(
         white: false,
         noise_variance: 0.0,
     };
-    let Some(found) = window_bias::decided(&case) else {
-        let window = window_bias::suspected(&case);
-        window_bias::hold(&mut fit.model, &screened, window);
+    let evidence = window_bias::Evidence::new(&case);
+    let Some(found) = window_bias::decided(&case, &evidence) else {
+        window_bias::hold(&mut fit.model, &screened, evidence.suspected());
         return Ok(fit);
     };
     watch.stage("line shape of the window")?;

@@ -22,7 +22,7 @@ use std::f64::consts::TAU;
 /// Line shapes compared with those of [`TAPERED`] windows.
 const UNTAPERED: [Window; 2] = [Window::None, Window::Rectangular];
 
-/// How well the line shapes of windows fit those of modes that stand alone.
+/// Line shapes of windows, held against those of modes that stand alone.
 #[derive(Debug, Clone)]
 pub(super) struct LineShapes {
     /// Log-likelihood of each window, the likeliest first.
@@ -75,7 +75,7 @@ impl LineShapes {
         self.ranks[0].1 - untapered.map_or(0.0, |(_, score)| *score)
     }
 
-    /// Which of [`TAPERED`] line shapes do not exclude.
+    /// True for each of [`TAPERED`] that line shapes do not exclude.
     pub fn open(&self) -> [bool; TAPERED.len()] {
         let open = self
             .ranks

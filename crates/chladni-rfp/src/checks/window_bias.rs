@@ -49,8 +49,9 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         return None;
     }
     let step = case.data.line_spacing_hz();
-    let (shapes, errors) = (LineShapes::new(case), witness(case));
-    let window = suspect(shapes.as_ref(), errors.as_ref());
+    let found = Evidence::new(case);
+    let Evidence { shapes, errors } = &found;
+    let window = found.suspected();
     // only where error bars do not hold them anyway
     let leakage = leakage_of(window, case.data)?;
     let open = |mode: &&Mode| {
@@ -65,7 +66,7 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
         _ => (1.0 / (1.0 - doubt(&leakage, worst)) - 1.0, ""),
     };
     let of_shapes = shapes.as_ref().and_then(LineShapes::decided);
-    let evidence = match (of_shapes, &shapes) {
+    let evidence = match (of_shapes, shapes) {
         (Some((Window::None, _)), _) => return None,
         (Some((window, gain)), Some(shapes)) => format!(
             "the line shapes of {} mode(s) are those of a {window} window (likelihood e^{gain:.0} \
@@ -99,25 +100,38 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     Some(finding.into())
 }
 
-/// The window of most effect that neither line shapes nor the errors of neighbouring lines
-/// exclude; a Hann window, the usual one, where these tell none.
-pub(crate) fn suspected(case: &Case) -> Window {
-    suspect(LineShapes::new(case).as_ref(), witness(case).as_ref())
+/// What the data say of their window.
+pub(crate) struct Evidence {
+    shapes: Option<LineShapes>,
+    errors: Option<Witness>,
 }
 
-fn suspect(shapes: Option<&LineShapes>, errors: Option<&Witness>) -> Window {
-    let tapered = shapes.is_some_and(|found| found.tapered_gain() > DECIDES);
-    let of_errors = errors.map_or([false; TAPERED.len()], |found| found.open);
-    let of_shapes = shapes.map_or([false; TAPERED.len()], LineShapes::open);
-    let most = |holds: &dyn Fn(usize) -> bool| (0..TAPERED.len()).rev().find(|&w| holds(w));
-    let place = match (of_errors.contains(&true), tapered) {
-        (true, _) => most(&|w| of_errors[w] && of_shapes[w])
-            // one of them is mistaken
-            .or_else(|| most(&|w| of_errors[w] || of_shapes[w])),
-        (false, true) => most(&|w| of_shapes[w]),
-        (false, false) => None,
-    };
-    place.map_or(Window::Hann, |place| TAPERED[place])
+impl Evidence {
+    /// Of a fit without a window.
+    pub fn new(case: &Case) -> Self {
+        Self {
+            shapes: LineShapes::new(case),
+            errors: witness(case),
+        }
+    }
+
+    /// The window of most effect that neither line shapes nor the errors of neighbouring lines
+    /// exclude; a Hann window, the usual one, where these tell none.
+    pub fn suspected(&self) -> Window {
+        let (shapes, errors) = (self.shapes.as_ref(), self.errors.as_ref());
+        let tapered = shapes.is_some_and(|found| found.tapered_gain() > DECIDES);
+        let of_errors = errors.map_or([false; TAPERED.len()], |found| found.open);
+        let of_shapes = shapes.map_or([false; TAPERED.len()], LineShapes::open);
+        let most = |holds: &dyn Fn(usize) -> bool| (0..TAPERED.len()).rev().find(|&w| holds(w));
+        let place = match (of_errors.contains(&true), tapered) {
+            (true, _) => most(&|w| of_errors[w] && of_shapes[w])
+                // one of them is mistaken
+                .or_else(|| most(&|w| of_errors[w] || of_shapes[w])),
+            (false, true) => most(&|w| of_shapes[w]),
+            (false, false) => None,
+        };
+        place.map_or(Window::Hann, |place| TAPERED[place])
+    }
 }
 
 /// Widens the bars of modes by what `window` would have added to their damping, and to
@@ -204,8 +218,8 @@ impl FoundWindow {
 
 /// The window that line shapes and the errors of neighbouring lines both speak of, each by
 /// itself clearly, and leakage shows that the force was continuous: less corrects nothing.
-pub(crate) fn decided(case: &Case) -> Option<FoundWindow> {
-    let shapes = LineShapes::new(case)?;
+pub(crate) fn decided(case: &Case, found: &Evidence) -> Option<FoundWindow> {
+    let shapes = found.shapes.as_ref()?;
     let window = shapes.likeliest();
     let leakage = leakage_of(window, case.data)?;
     // only where broadening stands clear of the error bars; else these hold it
@@ -214,7 +228,7 @@ pub(crate) fn decided(case: &Case) -> Option<FoundWindow> {
         doubt(&leakage, mode) > limits::BIAS_UNDONE.max(bar)
     };
     case.sure_modes().into_iter().find(clear)?;
-    let errors = witness(case)?;
+    let errors = found.errors?;
     let gain = shapes.tapered_gain();
     // bursts leave no leakage, and lines of their own
     let tapered = errors.leakage && errors.likeliest == Correlation::Tapered;
@@ -268,7 +282,7 @@ mod tests {
             let seen = PI * lines * (1.0 + excess);
             let expected = excess / (1.0 + excess);
             let found = added(&leakage, seen);
-            // a bar of one standard deviation; broadening is that of the half-power width
+            // a bar of one standard deviation; broadening is that of a line of the same height
             assert!(
                 (found - expected).abs() < 0.3 * expected,
                 "{window}, {lines}: {found} for {expected}"

@@ -35,7 +35,7 @@ pub struct Witness {
     /// Log-likelihood over that of the next without the stretch of lines that says most for
     /// it, less a part of what correlation it leaves unexplained.
     pub gain: f64,
-    /// The windows that the errors do not exclude, in the order of [`TAPERED`].
+    /// True for each of [`TAPERED`] that the errors do not exclude.
     pub(crate) open: [bool; TAPERED.len()],
     /// True where FRFs share their errors: leakage, which continuous excitation alone leaves.
     pub(crate) leakage: bool,
