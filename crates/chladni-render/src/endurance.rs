@@ -3,16 +3,17 @@
 //! κ speaks of the errors that were assumed. A rig as one finds it has amplifiers of 2 %
 //! and 2°, natural frequencies 0.1 % off, and a light finger on its hot zone, all at once.
 //! Such rigs are drawn from a seed and simulated in the model with the drive as it is: some
-//! hundred fields, no more programs.
+//! hundred fields, all by a few products of matrices, no more programs.
 
 use crate::finger::Finger;
-use crate::modal_field::ModalField;
+use crate::modal_field::{answer, guessed_scale};
 use crate::problem::{amplitude, Drive};
 use crate::rig_draw::{Draw, StressOptions};
 use crate::setup::Setup;
 use crate::tolerances;
-use chladni_frf::{Finding, ModalModel, Scaling};
-use ndarray::Array1;
+use chladni_frf::{Damping, Finding, ModalModel, Mode, Scaling, Trust};
+use chladni_linalg::matmul;
+use ndarray::{concatenate, Array1, Array2, ArrayView1, ArrayView2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -54,36 +55,46 @@ impl Endurance {
         let gain_error = calibrated.map_or(usual, |left| left.min(usual));
         amplifiers.amplitude_relative *= gain_error / usual;
         amplifiers.phase_deg *= gain_error / usual;
-        let modal = ModalField::new(model, &setup.operator, drive);
-        let hot = &setup.judged[..setup.problem.rows.hot];
+        let panel = Panel::new(setup, model);
+        let modes = panel.modes.len();
         let mut draw = Draw::new(tolerances::ENDURANCE_SEED);
-        let mut served = [0; 3];
-        for rig in 0..tolerances::ENDURANCE_RIGS {
-            let driven = drive.mapv(|weight| weight * draw.gain(&amplifiers));
-            let factors = draw.factors(modal.modes(), tolerances::ENDURANCE_FREQUENCY_ERROR);
-            let there = ModalField::new(model, &setup.operator, &driven);
-            let row = hot[rig % hot.len()];
-            let fields = [
-                there.touched_and_moved(&finger, row, &factors),
-                there.free,
-                modal.with_frequencies(|n| factors[n]),
-            ];
-            for (count, field) in served.iter_mut().zip(fields) {
-                *count += usize::from(serves(setup, &field));
-            }
+        let mut driven = Array2::zeros((drive.len(), tolerances::ENDURANCE_RIGS));
+        let mut factors = Array2::ones((modes, tolerances::ENDURANCE_RIGS));
+        let rigs = driven.columns_mut().into_iter();
+        for (mut driven, mut factors) in rigs.zip(factors.columns_mut()) {
+            driven.zip_mut_with(drive, |driven, weight| {
+                *driven = weight * draw.gain(&amplifiers);
+            });
+            let drawn = draw.factors(modes, tolerances::ENDURANCE_FREQUENCY_ERROR);
+            factors.assign(&Array1::from(drawn));
         }
-        let fingers = hot
-            .iter()
-            .filter(|&&row| serves(setup, &modal.perhaps_touched(&finger, row)));
-        let share = |count: usize| count as f64 / tolerances::ENDURANCE_RIGS as f64;
-        let [survival_ratio, amplifiers_alone, frequencies_alone] = served.map(share);
+        let undisturbed = drive.view().insert_axis(Axis(1));
+        let (moved, still) = (
+            panel.answers(&factors),
+            panel.answers(&Array2::ones((modes, 1))),
+        );
+        let change = |drives| panel.of_modes(&(&(&moved - &still) * &panel.forces(drives)));
+        let of_amplifiers = matmul(panel.mobility.view(), driven.view());
+        let of_both = &of_amplifiers + &change(driven.view());
+        let free = matmul(panel.mobility.view(), undisturbed);
+        let of_frequencies = &free + &change(undisturbed);
+        let served = [
+            &panel.touched(&finger, &moved, &of_both),
+            &of_amplifiers,
+            &of_frequencies,
+        ];
+        let [survival_ratio, amplifiers_alone, frequencies_alone] =
+            served.map(|fields| panel.served_ratio(fields));
+        let everywhere = Array2::zeros((free.nrows(), setup.problem.rows.hot));
+        let finger_alone =
+            panel.served_ratio(&panel.touched(&finger, &still, &(everywhere + free)));
         Self {
             survival_ratio,
             rigs: tolerances::ENDURANCE_RIGS,
             gain_error,
             amplifiers_alone,
             frequencies_alone,
-            finger_alone: fingers.count() as f64 / hot.len() as f64,
+            finger_alone,
             touch_is_known: model.scaling == Scaling::UnitModalMass,
         }
     }
@@ -125,13 +136,104 @@ impl Endurance {
     }
 }
 
-/// True where a field serves the judged responses of both kinds.
-fn serves(setup: &Setup, velocity: &Array1<Complex64>) -> bool {
-    let levels = &setup.problem.rows.levels;
-    let amplitudes = setup.judged.iter().zip(levels);
-    let amplitudes = amplitudes
-        .map(|(&k, level)| amplitude(&velocity[k]) / level)
-        .collect();
-    let (hot, cold) = setup.problem.counts(&amplitudes, 1.0);
-    setup.problem.min_ratio(hot, cold) >= tolerances::SERVES
+/// The judged responses of a model, for many rigs at a time. A mode is one half where its
+/// damping is structural, two of conjugates where it is viscous.
+struct Panel<'a> {
+    setup: &'a Setup,
+    model: &'a ModalModel,
+    modes: Vec<&'a Mode>,
+    /// Axes (response, actuator).
+    mobility: Array2<Complex64>,
+    /// Axes (response, half).
+    shapes: Array2<Complex64>,
+    /// Axes (half, actuator).
+    participations: Array2<Complex64>,
+}
+
+impl<'a> Panel<'a> {
+    fn new(setup: &'a Setup, model: &'a ModalModel) -> Self {
+        let (operator, judged) = (&setup.operator, &setup.judged);
+        let counts = |mode: &&Mode| mode.trust != Trust::Rejected;
+        let modes: Vec<&Mode> = model.modes.iter().filter(counts).collect();
+        let shapes = Array2::from_shape_fn((judged.len(), modes.len()), |(k, n)| {
+            modes[n].shape.0[operator.response_rows[judged[k]]]
+                * operator.responses[judged[k]].direction.sign()
+        });
+        let columns = &operator.reference_columns;
+        let participations = Array2::from_shape_fn((modes.len(), columns.len()), |(n, j)| {
+            modes[n].participation.0[columns[j]]
+        });
+        let halves = |of_modes: Array2<Complex64>, axis| match model.damping {
+            Damping::Structural => of_modes,
+            Damping::Viscous => concatenate![axis, of_modes, of_modes.mapv(|value| value.conj())],
+        };
+        Self {
+            setup,
+            model,
+            modes,
+            mobility: operator.mobility.select(Axis(0), judged),
+            shapes: halves(shapes, Axis(1)),
+            participations: halves(participations, Axis(0)),
+        }
+    }
+
+    /// Modal forces; axes (half, rig).
+    fn forces(&self, drives: ArrayView2<Complex64>) -> Array2<Complex64> {
+        matmul(self.participations.view(), drives)
+    }
+
+    /// Velocities over shape times modal force, with the natural frequencies multiplied by
+    /// `factors`, axes (mode, rig); axes (half, rig).
+    fn answers(&self, factors: &Array2<f64>) -> Array2<Complex64> {
+        let modes = self.modes.len();
+        let mut answers = Array2::zeros((self.shapes.ncols(), factors.ncols()));
+        for ((n, rig), &factor) in factors.indexed_iter() {
+            let frequency_hz = self.setup.operator.frequency_hz;
+            let halves = answer(self.model.damping, self.modes[n], frequency_hz, factor);
+            for (half, value) in (n..self.shapes.ncols()).step_by(modes).zip(halves) {
+                answers[[half, rig]] = value;
+            }
+        }
+        answers
+    }
+
+    /// Velocities of what the halves do; axes (response, rig).
+    fn of_modes(&self, halves: &Array2<Complex64>) -> Array2<Complex64> {
+        matmul(self.shapes.view(), halves.view())
+    }
+
+    /// The fields `free`, axes (response, rig), with a finger on a hot response each, the
+    /// first on the first (theory.md, eq. 52); `answers`: of each rig, or of all.
+    fn touched(
+        &self,
+        finger: &Finger,
+        answers: &Array2<Complex64>,
+        free: &Array2<Complex64>,
+    ) -> Array2<Complex64> {
+        let operator = &self.setup.operator;
+        let scale = |mode: &&Mode| guessed_scale(self.model, operator, mode);
+        let scales: Vec<f64> = self.modes.iter().map(scale).collect();
+        let row = |rig: usize| rig % self.setup.problem.rows.hot;
+        let pressed = Array2::from_shape_fn((self.shapes.ncols(), free.ncols()), |(half, rig)| {
+            self.shapes[[row(rig), half]] * scales[half % self.modes.len()]
+        });
+        let from_finger = self.of_modes(&(pressed * answers));
+        let compliance = finger.impedance(operator.frequency_hz).inv();
+        let force = Array1::from_shape_fn(free.ncols(), |rig| {
+            let place = [row(rig), rig];
+            free[place] / (compliance + from_finger[place])
+        });
+        free - &(from_finger * force)
+    }
+
+    /// The share of fields, axes (response, rig), that serve the responses of both kinds.
+    fn served_ratio(&self, fields: &Array2<Complex64>) -> f64 {
+        let problem = &self.setup.problem;
+        let serves = |field: &ArrayView1<Complex64>| {
+            let amplitudes = field.map(amplitude) / &problem.rows.levels;
+            let (hot, cold) = problem.counts(&amplitudes, 1.0);
+            problem.min_ratio(hot, cold) >= tolerances::SERVES
+        };
+        fields.columns().into_iter().filter(serves).count() as f64 / fields.ncols() as f64
+    }
 }

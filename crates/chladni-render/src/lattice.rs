@@ -51,15 +51,12 @@ impl Lattice {
             .flat_map(|dx| y.squared.iter().map(move |dy| dx + dy))
             .map(function)
             .collect();
-        for (mut row, (&place_x, &place_y)) in matrix
-            .rows_mut()
-            .into_iter()
-            .zip(x.of_place.iter().zip(&y.of_place))
-        {
-            let (kinds_x, kinds_y) = (x.kind.row(place_x), y.kind.row(place_y));
-            for (value, (&node_x, &node_y)) in row.iter_mut().zip(x.of_node.iter().zip(&y.of_node))
-            {
-                *value = table[kinds_x[node_x] * columns + kinds_y[node_y]];
+        let (of_x, of_y) = (x.offsets(columns), y.offsets(1));
+        let places = x.of_place.iter().zip(&y.of_place);
+        for (mut row, (&place_x, &place_y)) in matrix.rows_mut().into_iter().zip(places) {
+            let offsets = of_x.row(place_x);
+            for ((value, x), y) in row.iter_mut().zip(offsets).zip(of_y.row(place_y)) {
+                *value = table[x + y];
             }
         }
     }
@@ -90,6 +87,14 @@ impl Axis {
                 .iter()
                 .map(|distance| distance * distance)
                 .collect(),
+        })
+    }
+
+    /// `stride` times the kind of distance from each coordinate to each node; axes (place,
+    /// node).
+    fn offsets(&self, stride: usize) -> Array2<usize> {
+        Array2::from_shape_fn((self.kind.nrows(), self.of_node.len()), |(place, node)| {
+            stride * self.kind[[place, self.of_node[node]]]
         })
     }
 }

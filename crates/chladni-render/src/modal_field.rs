@@ -31,6 +31,48 @@ pub(crate) fn mode_mobility(
     Array2::from_shape_fn(operator.mobility.dim(), at)
 }
 
+/// Factor from the product of a mode's saved shape to ψψᵀ: 1 where the model is
+/// mass-scaled, else a guess of how much every mode moves the responses for what it moves
+/// the actuators (`tolerances::RESPONSES_OVER_ACTUATORS`).
+pub(crate) fn guessed_scale(model: &ModalModel, operator: &Operator, mode: &Mode) -> f64 {
+    if model.scaling == Scaling::UnitModalMass {
+        return 1.0;
+    }
+    let rms = |values: &[Complex64], picked: &[usize]| {
+        (picked.iter().map(|&k| values[k].norm_sqr()).sum::<f64>() / picked.len() as f64).sqrt()
+    };
+    let of_actuators = rms(&mode.participation.0, &operator.reference_columns);
+    match rms(&mode.shape.0, &operator.response_rows) {
+        size if size > 0.0 => tolerances::RESPONSES_OVER_ACTUATORS * of_actuators / size,
+        _ => 0.0,
+    }
+}
+
+/// Velocity of a mode at the responses, over shape times modal force, and over the
+/// conjugates of both, with its natural frequency multiplied by `factor`.
+pub(crate) fn answer(law: Damping, mode: &Mode, frequency_hz: f64, factor: f64) -> [Complex64; 2] {
+    let omega = TAU * frequency_hz;
+    // f times the frequencies of a mode: its receptance at ω is that at ω/f, over f²
+    let (at, mobility) = (
+        omega / factor,
+        FrfKind::Mobility.from_receptance(omega) / factor.powi(2),
+    );
+    match law {
+        Damping::Structural => [mobility * mode.structural_factor(at), Complex64::ZERO],
+        Damping::Viscous => {
+            let pole = mode.viscous_pole();
+            let (j_omega, scale) = (
+                Complex64::new(0.0, at),
+                Complex64::new(0.0, 2.0 * pole.im).inv(),
+            );
+            [
+                mobility * scale / (j_omega - pole),
+                mobility * scale.conj() / (j_omega - pole.conj()),
+            ]
+        }
+    }
+}
+
 /// A model under a drive, taken apart.
 pub(crate) struct ModalField<'a> {
     model: &'a ModalModel,
@@ -95,81 +137,13 @@ impl<'a> ModalField<'a> {
     /// Velocities with `finger` at the response `row` of the operator; `None` where the
     /// model is not mass-scaled (theory.md, eq. 52).
     pub(crate) fn touched(&self, finger: &Finger, row: usize) -> Option<Array1<Complex64>> {
-        (self.model.scaling == Scaling::UnitModalMass).then(|| self.pressed(finger, row, |_| 1.0))
-    }
-
-    /// The same with a guess where the model is not mass-scaled: how much every mode
-    /// moves the responses for what it moves the actuators
-    /// (`tolerances::RESPONSES_OVER_ACTUATORS`).
-    pub(crate) fn perhaps_touched(&self, finger: &Finger, row: usize) -> Array1<Complex64> {
-        self.touched(finger, row)
-            .unwrap_or_else(|| self.pressed(finger, row, |mode| self.guessed_scale(mode)))
-    }
-
-    /// Factor from the product of a mode's saved shape to ψψᵀ: 1 where the model is
-    /// mass-scaled, else a guess.
-    fn guessed_scale(&self, mode: &Mode) -> f64 {
-        if self.model.scaling == Scaling::UnitModalMass {
-            return 1.0;
+        if self.model.scaling != Scaling::UnitModalMass {
+            return None;
         }
-        let rms = |values: &[Complex64], picked: &[usize]| {
-            (picked.iter().map(|&k| values[k].norm_sqr()).sum::<f64>() / picked.len() as f64).sqrt()
-        };
-        let (rows, columns) = (
-            &self.operator.response_rows,
-            &self.operator.reference_columns,
-        );
-        match rms(&mode.shape.0, rows) {
-            size if size > 0.0 => {
-                tolerances::RESPONSES_OVER_ACTUATORS * rms(&mode.participation.0, columns) / size
-            }
-            _ => 0.0,
-        }
-    }
-
-    /// Velocities with `finger` at `row`, where ψψᵀ of a mode is `scale` times what its
-    /// shape says.
-    fn pressed(
-        &self,
-        finger: &Finger,
-        row: usize,
-        scale: impl Fn(&Mode) -> f64,
-    ) -> Array1<Complex64> {
-        self.under(&self.free, finger, row, self.due_to_response(row, scale))
-    }
-
-    /// Velocities with the natural frequency of each mode multiplied by its factor, and
-    /// `finger` at `row`; where the model is not mass-scaled with the guess of
-    /// [`Self::perhaps_touched`].
-    pub(crate) fn touched_and_moved(
-        &self,
-        finger: &Finger,
-        row: usize,
-        factors: &[f64],
-    ) -> Array1<Complex64> {
-        let mut from_finger = Array1::zeros(self.free.len());
-        for ((n, _), factor) in self.parts.iter().zip(factors) {
-            let mut mode = self.model.modes[*n].clone();
-            let here = self.shape_at(&mode, row) * self.guessed_scale(&mode);
-            mode.frequency_hz *= factor;
-            from_finger += &self.mode_at(&mode, here, here.conj());
-        }
-        let free = self.with_frequencies(|n| factors[n]);
-        self.under(&free, finger, row, from_finger)
-    }
-
-    /// The velocities `free` with `finger` at `row`, from where the panel answers with
-    /// `from_finger`.
-    fn under(
-        &self,
-        free: &Array1<Complex64>,
-        finger: &Finger,
-        row: usize,
-        from_finger: Array1<Complex64>,
-    ) -> Array1<Complex64> {
+        let from_finger = self.due_to_response(row, |_| 1.0);
         let compliance = finger.impedance(self.operator.frequency_hz).inv();
-        let force = free[row] / (compliance + from_finger[row]);
-        free - &(from_finger * force)
+        let force = self.free[row] / (compliance + from_finger[row]);
+        Some(&self.free - &(from_finger * force))
     }
 
     /// The shape of a mode at a response of the operator, along its sense.
@@ -219,12 +193,14 @@ impl<'a> ModalField<'a> {
     }
 
     /// Mobility from every response to every other, of the modes alone; where the model is
-    /// not mass-scaled with the guess of [`Self::perhaps_touched`].
+    /// not mass-scaled with the guess of [`guessed_scale`].
     pub(crate) fn between_responses(&self) -> Array2<Complex64> {
         let count = self.free.len();
         let mut all = Array2::zeros((count, count));
         for (row, mut to_all) in all.rows_mut().into_iter().enumerate() {
-            to_all.assign(&self.due_to_response(row, |mode| self.guessed_scale(mode)));
+            to_all.assign(
+                &self.due_to_response(row, |mode| guessed_scale(self.model, self.operator, mode)),
+            );
         }
         all
     }
@@ -247,33 +223,18 @@ impl<'a> ModalField<'a> {
     /// Velocity of one mode at the responses under the modal force `near`, and `far` with
     /// conjugate participations.
     fn mode_at(&self, mode: &Mode, near: Complex64, far: Complex64) -> Array1<Complex64> {
-        let omega = TAU * self.operator.frequency_hz;
-        let mobility = FrfKind::Mobility.from_receptance(omega);
-        let shape = self
-            .operator
-            .response_rows
-            .iter()
+        let law = self.model.damping;
+        let [of_near, of_far] = answer(law, mode, self.operator.frequency_hz, 1.0);
+        let (near, far) = (of_near * near, of_far * far);
+        let rows = self.operator.response_rows.iter();
+        let shape = rows
             .zip(&self.operator.responses)
             .map(|(&row, dof)| mode.shape.0[row] * dof.direction.sign());
-        match self.model.damping {
-            Damping::Structural => {
-                let factor = mobility * mode.structural_factor(omega) * near;
-                shape.map(|value| value * factor).collect()
-            }
-            Damping::Viscous => {
-                let pole = mode.viscous_pole();
-                let (j_omega, scale) = (
-                    Complex64::new(0.0, omega),
-                    Complex64::new(0.0, 2.0 * pole.im).inv(),
-                );
-                let [near, far] = [
-                    near * scale / (j_omega - pole),
-                    far * scale.conj() / (j_omega - pole.conj()),
-                ];
-                shape
-                    .map(|value| mobility * (value * near + value.conj() * far))
-                    .collect()
-            }
+        match law {
+            Damping::Structural => shape.map(|value| value * near).collect(),
+            Damping::Viscous => shape
+                .map(|value| value * near + value.conj() * far)
+                .collect(),
         }
     }
 }
