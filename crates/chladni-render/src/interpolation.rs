@@ -306,11 +306,11 @@ fn phi(order: usize, squared: f64) -> f64 {
     0.5 * power * squared.ln()
 }
 
-/// All monomials of degree below `order`.
-fn monomials(order: usize, [x, y]: Position) -> impl Iterator<Item = f64> {
-    (0..order as i32).flat_map(move |degree| {
-        (0..=degree).map(move |power| x.powi(degree - power) * y.powi(power))
-    })
+/// All monomials of degree below `order`, which is at most 4.
+fn monomials(order: usize, place: Position) -> impl Iterator<Item = f64> {
+    let [of_x, of_y] = place.map(|v| [1.0, v, v * v, v * v * v]);
+    (0..order)
+        .flat_map(move |degree| (0..=degree).map(move |power| of_x[degree - power] * of_y[power]))
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ impl Lattice {
     }
 
     /// Fills the columns of the nodes with `function` of the squared distances; axes of
-    /// `matrix` (place, node and more).
+    /// `matrix` (place, node and more), in standard order.
     pub(crate) fn fill(&self, matrix: &mut Array2<f64>, function: impl Fn(f64) -> f64) {
         let [x, y] = &self.axes;
         let columns = y.squared.len();
@@ -53,9 +53,10 @@ impl Lattice {
             .collect();
         let (of_x, of_y) = (x.offsets(columns), y.offsets(1));
         let places = x.of_place.iter().zip(&y.of_place);
-        for (mut row, (&place_x, &place_y)) in matrix.rows_mut().into_iter().zip(places) {
-            let offsets = of_x.row(place_x);
-            for ((value, x), y) in row.iter_mut().zip(offsets).zip(of_y.row(place_y)) {
+        for (row, (&place_x, &place_y)) in matrix.rows_mut().into_iter().zip(places) {
+            let offsets = of_x[place_x].iter().zip(&of_y[place_y]);
+            let row = row.into_slice().unwrap_or_default();
+            for (value, (x, y)) in row.iter_mut().zip(offsets) {
                 *value = table[x + y];
             }
         }
@@ -90,12 +91,15 @@ impl Axis {
         })
     }
 
-    /// `stride` times the kind of distance from each coordinate to each node; axes (place,
-    /// node).
-    fn offsets(&self, stride: usize) -> Array2<usize> {
-        Array2::from_shape_fn((self.kind.nrows(), self.of_node.len()), |(place, node)| {
-            stride * self.kind[[place, self.of_node[node]]]
-        })
+    /// For each coordinate, `stride` times the kind of its distance to each node.
+    fn offsets(&self, stride: usize) -> Vec<Vec<usize>> {
+        let kinds = self.kind.rows().into_iter();
+        kinds
+            .map(|kinds| {
+                let nodes = self.of_node.iter();
+                nodes.map(|&node| stride * kinds[node]).collect()
+            })
+            .collect()
     }
 }
 

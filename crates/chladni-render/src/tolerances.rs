@@ -281,10 +281,10 @@ pub const MOST_STARTS: usize = 3;
 /// Likeness |aᴴb|/(‖a‖‖b‖) of drives that lead to the same place.
 pub const SAME_WAY: f64 = 0.95;
 
-/// Largest responses × actuators² for which the default method is `robust`: the panel of
-/// the study (77 for 34, 8.9e4) takes 0.08 s of processor time, 330 responses for 34
-/// (3.8e5) take 0.75 s; its programs grow with this number.
-pub const ROBUST_SIZE: f64 = 5e5;
+/// Largest responses × actuators² for which the default method is `robust`. For 34 actuators
+/// 77 responses (8.9e4) take 0.03 s of processor time, 330 (3.8e5) 0.06 s, 693 (8e5) 0.15 s, a
+/// scene of the last that no drive serves 1.2 s; its programs grow with this number.
+pub const ROBUST_SIZE: f64 = 1e6;
 
 /// Relative change of the drive below which a round was the last one.
 pub const SAME_DRIVE: f64 = 0.01;
