@@ -268,7 +268,7 @@ pub fn solve_poles(
         ..FitOptions::default()
     };
     let solved = telling(py, progress, |tell| {
-        pieces::solve(&partial.0, &options, tell)
+        pieces::solve(partial.0.clone(), &options, tell)
     })?;
     match solved.map_err(|error| unpieced(py, &error, &options))? {
         Solved::Poles(poles) => Ok(Py::new(py, Poles(*poles))?.into_any()),

@@ -277,7 +277,8 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
         return Err(other_pass(args, wants_poles));
     }
     let options = options_of(&args.asked, partial.poles())?;
-    let solved = solve(&partial, &options, &|stage| console.stage(stage))
+    let (sources, reading) = (partial.sources(), partial.reading().clone());
+    let solved = solve(partial, &options, &|stage| console.stage(stage))
         .map_err(|error| explain_piece(error, &options, &args.file))?;
     match solved {
         Solved::Poles(poles) if wants_poles => poles_written(&poles, &args.output, &output),
@@ -295,11 +296,11 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
         }
         Solved::Fit(fit) => {
             let mut model = fit.model;
-            model.source = partial.sources();
+            model.source = sources;
             model.options = echo_of(&options);
-            for (name, json) in partial.reading() {
-                let value = serde_json::from_str(json).unwrap_or_else(|_| json.as_str().into());
-                model.options.insert(name.clone(), value);
+            for (name, json) in reading {
+                let value = serde_json::from_str(&json).unwrap_or_else(|_| json.as_str().into());
+                model.options.insert(name, value);
             }
             written(&model, &args.output, &output, console)
         }

@@ -35,6 +35,7 @@ use std::path::{Path, PathBuf};
   chladni fit panel.h5 -o model.json --scene corner.toml     only the band that a scene needs
   chladni fit panel.h5 -o model.json --panel panel.toml      shapes scaled by the panel, without a driving point
   chladni fit few.h5 -o today.json --poles-of model.json     shapes as they were, poles of six FRFs
+  chladni fit field.csv -o today.json --poles-of model.json --weights w.json     the same by a field that weights made
   chladni fit scan_*.uff --frf-kind mobility -o model.json")]
 pub struct Args {
     /// FRF files, folders of them, or patterns; all are merged into one set. - is the
@@ -141,6 +142,9 @@ pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::asked(args.output.as_deref(), MODEL, &files, console)?;
+    if let Some(model) = args.following.followed_by_fields(&files, console)? {
+        return written(args, model, output.as_ref(), console);
+    }
     let mut options = args.fit_options()?;
     let panel = args.scale.panel(args.memory)?;
     let frf_bytes = frf_bytes(&files)?;

@@ -6,7 +6,7 @@ use crate::limits::{LEAST, MOST, ROW_BLOCKS, SMALL};
 use crate::{
     add_matmul, matmul, qr_r, qr_thin, set_matmul, set_matmul_h, svd_thin, LinalgError, Scalar,
 };
-use ndarray::{s, Array1, Array2, ArrayView2, Axis, ShapeBuilder};
+use ndarray::{s, Array1, Array2, ArrayView2, ArrayViewMut2, Axis, CowArray, Ix2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -30,28 +30,34 @@ pub fn in_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 
 /// a·b.
 pub fn blocked_matmul<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
-    blocked(a.nrows(), a.len(), b, |c, b| set_matmul(c, a, b))
+    let mut out = Array2::zeros((a.nrows(), b.ncols()).f());
+    blocked(out.view_mut(), a.len(), b, |c, b| set_matmul(c, a, b));
+    out
 }
 
 /// aᴴ·b.
 pub fn blocked_matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2<T> {
-    blocked(a.ncols(), a.len(), b, |c, b| set_matmul_h(c, a, b))
+    let mut out = Array2::zeros((a.ncols(), b.ncols()).f());
+    blocked(out.view_mut(), a.len(), b, |c, b| set_matmul_h(c, a, b));
+    out
 }
 
 fn blocked<T: Scalar>(
-    rows: usize,
+    mut out: ArrayViewMut2<T>,
     per_column: usize,
     b: ArrayView2<T>,
-    product: impl Fn(ndarray::ArrayViewMut2<T>, ArrayView2<T>) + Sync,
-) -> Array2<T> {
-    let mut out = Array2::zeros((rows, b.ncols()).f());
-    let size = block(b.ncols(), per_column * b.ncols());
+    product: impl Fn(ArrayViewMut2<T>, ArrayView2<T>) + Sync,
+) {
+    // some columns of a matrix whose rows lie side by side would be copied
+    let size = match b.t().is_standard_layout() {
+        true => block(b.ncols(), per_column * b.ncols()),
+        false => b.ncols().max(1),
+    };
     let blocks: Vec<_> = out
         .axis_chunks_iter_mut(Axis(1), size)
         .zip(b.axis_chunks_iter(Axis(1), size))
         .collect();
     blocks.into_par_iter().for_each(|(out, b)| product(out, b));
-    out
 }
 
 /// Zeros to add products to, (row, column) by columns: written, for of memory that the
@@ -181,8 +187,13 @@ pub fn tall_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>, LinalgError> {
     )
 }
 
-/// Real and imaginary part of each line in turn.
-pub fn stacked(b: &Array2<Complex64>) -> Array2<f64> {
+/// Real and imaginary part of each line in turn; no copy of a matrix by columns.
+pub fn stacked(b: &Array2<Complex64>) -> CowArray<'_, f64, Ix2> {
+    let size = (2 * b.nrows(), b.ncols());
+    let by_columns = b.t().to_slice().map(bytemuck::cast_slice);
+    if let Some(parts) = by_columns.and_then(|parts| ArrayView2::from_shape(size.f(), parts).ok()) {
+        return parts.into();
+    }
     let part = |value: Complex64, row: usize| {
         if row.is_multiple_of(2) {
             value.re
@@ -190,28 +201,22 @@ pub fn stacked(b: &Array2<Complex64>) -> Array2<f64> {
             value.im
         }
     };
-    Array2::from_shape_fn((2 * b.nrows(), b.ncols()).f(), |(row, c)| {
-        part(b[[row / 2, c]], row)
-    })
+    Array2::from_shape_fn(size.f(), |(row, c)| part(b[[row / 2, c]], row)).into()
 }
 
 /// a·b for complex a and real b, as a real product of twice the rows.
 pub fn blocked_matmul_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2<Complex64> {
     let parts = stacked(a);
-    let mut out = Array2::zeros((a.nrows(), b.ncols()).f());
-    let size = block(b.ncols(), 2 * a.len() * b.ncols());
-    let blocks: Vec<_> = out
-        .axis_chunks_iter_mut(Axis(1), size)
-        .zip(b.axis_chunks_iter(Axis(1), size))
-        .collect();
-    blocks.into_par_iter().for_each(|(mut out, b)| {
-        let product = matmul(parts.view(), b);
-        for (mut out, product) in out.columns_mut().into_iter().zip(product.columns()) {
-            out.iter_mut()
-                .enumerate()
-                .for_each(|(i, value)| *value = Complex64::new(product[2 * i], product[2 * i + 1]));
-        }
-    });
+    let mut out: Array2<Complex64> = Array2::zeros((a.nrows(), b.ncols()).f());
+    let values = out.as_slice_memory_order_mut().unwrap_or_default();
+    let size = (2 * a.nrows(), b.ncols());
+    let product = ArrayViewMut2::from_shape(size.f(), bytemuck::cast_slice_mut(values));
+    blocked(
+        product.expect("two parts of each value"),
+        parts.len(),
+        b,
+        |c, b| set_matmul(c, parts.view(), b),
+    );
     out
 }
 

@@ -109,10 +109,10 @@ pub use options::RenderOptions;
 pub use plane::{Position, Rectangle};
 pub use render::{render, render_measured, render_with_others, Rendering};
 pub use rig::{
-    calibrate, correct, evaluate_field, evaluate_signal, play, stress_in_time, Agreement,
-    CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Correction, Estimator,
-    FieldEvaluation, GainTable, Hypothesis, KalmanOperator, Place, PointAgreement, TableGain,
-    TakenField, CALIBRATION_FORMAT, CALIBRATION_VERSION,
+    calibrate, correct, evaluate_field, evaluate_signal, play, poles_of_fields, stress_in_time,
+    Agreement, CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Correction, Estimator,
+    FieldEvaluation, GainTable, Hypothesis, KalmanOperator, Place, PointAgreement, PolesOfFields,
+    TableGain, TakenField, CALIBRATION_FORMAT, CALIBRATION_VERSION,
 };
 pub use rig_draw::StressOptions;
 pub use scene::{

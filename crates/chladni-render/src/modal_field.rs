@@ -129,11 +129,6 @@ impl<'a> ModalField<'a> {
         field
     }
 
-    /// Number of modes that take part.
-    pub(crate) fn modes(&self) -> usize {
-        self.parts.len()
-    }
-
     /// Velocities with `finger` at the response `row` of the operator; `None` where the
     /// model is not mass-scaled (theory.md, eq. 52).
     pub(crate) fn touched(&self, finger: &Finger, row: usize) -> Option<Array1<Complex64>> {

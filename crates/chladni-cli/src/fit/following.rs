@@ -1,11 +1,13 @@
-//! `chladni fit --poles-of`: shapes of a known model, poles of new FRFs.
+//! `chladni fit --poles-of`: shapes of a known model, poles of new FRFs or of measured fields.
 
-use chladni_console::input::source;
+use chladni_console::input::{read_weights, source};
 use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
+use chladni_io::{read_field, read_model, sha256_of};
+use chladni_render::{poles_of_fields, PolesOfFields};
 use chladni_rfp::{poles_of, MovedPoles};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments that follow a known model.
 #[derive(Debug, clap::Args)]
@@ -14,6 +16,10 @@ pub struct Args {
     /// enough: temperature, another day
     #[arg(long, value_name = "MODEL", conflicts_with_all = ["band", "scene", "method", "resume", "panel"])]
     poles_of: Option<PathBuf>,
+    /// Weights that played while the input was measured: it is a field then, no FRFs. One
+    /// for each input, all of one frequency
+    #[arg(long, value_name = "WEIGHTS", requires = "poles_of")]
+    weights: Vec<PathBuf>,
     // clap takes -1e-4 for no number
     /// Relative change of natural frequencies per kelvin, to say the drift in kelvin
     #[arg(long, value_name = "1/K", requires = "poles_of", value_parser = parse_coefficient,
@@ -32,6 +38,54 @@ impl Args {
     /// True where a model is to be followed.
     pub fn is_given(&self) -> bool {
         self.poles_of.is_some()
+    }
+
+    /// The model with its poles moved to the fields `files`; `None` where no weights say
+    /// that they are fields.
+    ///
+    /// # Errors
+    /// Those of reading; as many weights as files; fields that do not belong to them.
+    pub fn followed_by_fields(
+        &self,
+        files: &[PathBuf],
+        console: &Console,
+    ) -> Result<Option<ModalModel>> {
+        let (Some(file), false) = (&self.poles_of, self.weights.is_empty()) else {
+            return Ok(None);
+        };
+        if self.weights.len() != files.len() {
+            return Err(Error::new(ErrorKind::Usage, "each field has its weights")
+                .field("--weights")
+                .found(format!(
+                    "{} weights for {} fields",
+                    self.weights.len(),
+                    files.len()
+                ))
+                .expected("one --weights for each field, in their order"));
+        }
+        console.stage("reading");
+        let known = read_model(file)?;
+        let mut played = Vec::new();
+        for (weights, field) in self.weights.iter().zip(files) {
+            let sha256 = Some(sha256_of(weights)?);
+            played.push((read_weights(weights)?, read_field(field)?, sha256));
+        }
+        console.stage("following the poles");
+        let PolesOfFields {
+            model,
+            common_shift,
+            common_shift_std,
+            ..
+        } = poles_of_fields(&known, &played).map_err(|error| match files {
+            [only] => error.file(only),
+            _ => error,
+        })?;
+        let inputs = files.iter().chain(&self.weights);
+        let sources = inputs
+            .map(|file| source(file))
+            .collect::<Result<Vec<_>>>()?;
+        self.told(model, [common_shift, common_shift_std], &sources, file)
+            .map(Some)
     }
 
     /// Refuses a set that is read part by part.
@@ -59,14 +113,26 @@ impl Args {
         let Some(file) = &self.poles_of else {
             return Ok(None);
         };
-        let known = chladni_io::read_model(file)?;
+        let known = read_model(file)?;
         console.stage("following the poles");
         let MovedPoles {
-            mut model,
+            model,
             common_shift,
             common_shift_std,
             ..
         } = poles_of(&known, frf).map_err(|error| error.file(file))?;
+        self.told(model, [common_shift, common_shift_std], sources, file)
+            .map(Some)
+    }
+
+    /// The model with its sources and options, and what its drift is in kelvin.
+    fn told(
+        &self,
+        mut model: ModalModel,
+        [common_shift, common_shift_std]: [f64; 2],
+        sources: &[Source],
+        file: &Path,
+    ) -> Result<ModalModel> {
         model.source = [sources, &[source(file)?]].concat();
         model
             .options
@@ -85,6 +151,6 @@ impl Args {
             model.quality.findings.push(told);
             model.options.insert("per_kelvin".into(), json!(per_kelvin));
         }
-        Ok(Some(model))
+        Ok(model)
     }
 }

@@ -185,7 +185,7 @@ impl<'a> Stream<'a> {
         .map_err(explained)?;
         loop {
             let partial = self.pass(&reducer, before.take(), resume)?;
-            match solve(&partial, self.options, &|stage| self.console.stage(stage))
+            match solve(partial, self.options, &|stage| self.console.stage(stage))
                 .map_err(explained)?
             {
                 Solved::Fit(fit) => return Ok(*fit),
@@ -215,7 +215,7 @@ impl<'a> Stream<'a> {
             .step_by(step)
             .map(&mut partial)
             .collect();
-        match solve(&Partial::merge(partials?).ok()?, self.options, &|_| ()).ok()? {
+        match solve(Partial::merge(partials?).ok()?, self.options, &|_| ()).ok()? {
             Solved::Poles(poles) => Some(*poles),
             Solved::Fit(_) => None,
         }

@@ -52,3 +52,46 @@ fn a_warmer_panel_is_followed_by_a_few_frfs_and_said_in_kelvin() {
         .run("fit later.h5 --poles-of model.json --band 30:300")
         .exits(2);
 }
+
+/// A field of a panel that is 1 % lower, under weights for the panel as it was: one of a
+/// single frequency tells what all modes share.
+#[test]
+fn a_warmer_panel_is_followed_by_a_rendered_field() {
+    let folder = Folder::with_panel();
+    folder.run("fit panel.h5 -o model.json -q").exits(0);
+    folder
+        .run("render model.json scene.toml -o weights.json -q")
+        .exits(0);
+    let later = PANEL.replace("[frf]", "[plate]\nyoungs_modulus_pa = 70.07e9\n[frf]\n");
+    folder.write("later.toml", later);
+    let line = "simulate later.toml --play weights.json -o field.csv --snr-db 40 -q";
+    folder.run(line).exits(0);
+    let line = "fit field.csv -o today.json --poles-of model.json --weights weights.json --json";
+    let said = folder.run(line).exits(0).json();
+    let findings = said["findings"].as_array().unwrap();
+    let told = findings
+        .iter()
+        .find(|finding| finding["code"] == "poles-followed")
+        .unwrap_or_else(|| panic!("{findings:?}"));
+    let [shift, std] =
+        ["common_shift", "common_shift_std"].map(|name| told["values"][name].as_f64().unwrap());
+    assert!(
+        (shift + 0.01).abs() < 2.0 * std && std < 4e-3,
+        "{shift} ± {std}"
+    );
+    let read = |name: &str| serde_json::from_str::<Value>(&folder.text(name)).unwrap();
+    let [before, today] = ["model.json", "today.json"].map(read);
+    let modes = [&before, &today].map(|model| model["modes"].as_array().unwrap());
+    for (before, today) in modes[0].iter().zip(modes[1]) {
+        assert_eq!(before["shape"], today["shape"]);
+    }
+    let names = today["source"].as_array().unwrap().iter();
+    let names: Vec<&str> = names.map(|of| of["file"].as_str().unwrap()).collect();
+    assert_eq!(names, ["field.csv", "weights.json", "model.json"]);
+    folder
+        .run("fit field.csv field.csv --poles-of model.json --weights weights.json")
+        .exits(2);
+    folder.run("fit field.csv --weights weights.json").exits(2);
+    let refused = folder.run("fit field.csv --poles-of model.json").said();
+    assert!(refused.contains("field"), "{refused}");
+}

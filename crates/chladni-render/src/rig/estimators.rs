@@ -2,6 +2,7 @@
 //! then an operator update on what they leave) and the operator Kalman update alone.
 
 use super::calibration::Estimator;
+use super::evidence::Tried;
 use super::kalman::KalmanOperator;
 use super::parts::Parts;
 use super::seen::Seen;
@@ -35,7 +36,7 @@ pub(super) fn estimate(
     seen: &[Seen],
     before: Option<&Structured>,
 ) -> Result<Estimators> {
-    let structured = parts.update(seen, before)?;
+    let structured = parts.update(seen, before, &Tried::OF_RIG)?;
     let share = Complex64::from(tolerances::DESIGN_SHARE);
     let mut remainder = KalmanOperator {
         mobility: structured.mobility.clone(),

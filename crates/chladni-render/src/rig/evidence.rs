@@ -29,6 +29,31 @@ pub(crate) struct Scales {
     pub(crate) modes: f64,
 }
 
+/// Scales that are tried, each with each.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tried {
+    gains: &'static [f64],
+    common: &'static [f64],
+    modes: &'static [f64],
+}
+
+impl Tried {
+    /// Whatever may be wrong with a rig.
+    pub(crate) const OF_RIG: Self = Self {
+        gains: &tolerances::GAIN_SCALES,
+        common: &tolerances::COMMON_SCALES,
+        modes: &tolerances::MODE_SCALES,
+    };
+
+    /// A common shift of any size behind usual amplifiers: its error bar must not be that of
+    /// a scale that happened to do.
+    pub(crate) const OF_SHIFT: Self = Self {
+        gains: &[tolerances::RIG_DRIVE_ERROR],
+        common: &[tolerances::ANY_SHIFT],
+        modes: &[tolerances::MODE_SCALES[0]],
+    };
+}
+
 /// Whitened normal equations of all fields at one θ, by the scale of the unexplained part.
 struct Normal {
     matrix: Array2<f64>,
@@ -55,7 +80,12 @@ pub(super) struct Posterior {
 
 impl Parts {
     /// One Gauss-Newton step at the scales and odd channels of the largest evidence.
-    pub(super) fn likeliest(&self, theta: &Array1<f64>, fields: &[Seen]) -> Result<Posterior> {
+    pub(super) fn likeliest(
+        &self,
+        theta: &Array1<f64>,
+        fields: &[Seen],
+        tried: &Tried,
+    ) -> Result<Posterior> {
         let normals: Vec<(f64, Normal)> = tolerances::UNEXPLAINED_SCALES
             .par_iter()
             .map(|&s| (s, self.normal(theta, fields, s)))
@@ -64,9 +94,10 @@ impl Parts {
         let mut odd = Vec::new();
         loop {
             // the best of each scale of gains: an odd channel goes with narrow ones
-            let posteriors: Vec<Posterior> = tolerances::GAIN_SCALES
+            let posteriors: Vec<Posterior> = tried
+                .gains
                 .par_iter()
-                .map(|&gains| self.best_of_gains(theta, &normals, gains, &odd))
+                .map(|&gains| self.best_of_gains(theta, &normals, (gains, tried), &odd))
                 .collect::<Result<_>>()?;
             let wider = posteriors
                 .iter()
@@ -96,13 +127,13 @@ impl Parts {
         &self,
         theta: &Array1<f64>,
         normals: &[(f64, Normal)],
-        gains: f64,
+        (gains, tried): (f64, &Tried),
         odd: &[usize],
     ) -> Result<Posterior> {
         let mut best: Option<(f64, Scales, &Normal)> = None;
         for (unexplained, normal) in normals {
-            for common in tolerances::COMMON_SCALES {
-                for modes in tolerances::MODE_SCALES {
+            for &common in tried.common {
+                for &modes in tried.modes {
                     let scales = Scales {
                         unexplained: *unexplained,
                         gains,

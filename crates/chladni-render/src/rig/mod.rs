@@ -7,7 +7,7 @@
 //! `kalman` (the operator itself) → `estimators` → `learned` (which of them counts) →
 //! `correct` (the drive; `given`: or the best measured one). `calibration` keeps what was
 //! learned (`gain_table`: over frequency, `gain_file`: as people write it), `calibrated` starts the next scene with it; `prior` is what stands before any
-//! field.
+//! field. `poles_of_fields` moves the poles of a model alone.
 
 mod agreement;
 mod calibrated;
@@ -26,6 +26,7 @@ mod kalman;
 mod learned;
 mod over_time;
 mod parts;
+mod poles_of_fields;
 mod prior;
 mod seen;
 mod structured;
@@ -43,3 +44,4 @@ pub use evaluation::{evaluate_field, FieldEvaluation};
 pub use gain_table::{GainTable, TableGain};
 pub use kalman::KalmanOperator;
 pub use over_time::{evaluate_signal, play, stress_in_time};
+pub use poles_of_fields::{poles_of_fields, PolesOfFields};

@@ -27,6 +27,18 @@ pub(crate) struct Seen {
 }
 
 impl Seen {
+    /// A laid field, under the drive that made it.
+    pub(crate) fn of(field: LaidField, drive: Drive) -> Self {
+        let square = field.std.iter().map(|std| std * std).sum::<f64>() / field.std.len() as f64;
+        Self {
+            drive,
+            rows: field.rows,
+            velocity: field.velocity,
+            noise: square.sqrt(),
+            magnitudes_only: field.magnitudes_only,
+        }
+    }
+
     /// The values with the phases that `mobility` foretells, where they have none.
     pub(crate) fn phased(&self, mobility: &Array2<Complex64>) -> Array1<Complex64> {
         if !self.magnitudes_only {
@@ -87,14 +99,7 @@ pub(super) fn see(
         }
         let field = LaidField::new(field, &setup.operator, sha256.as_deref())?;
         assumed |= field.noise_assumed;
-        let square = field.std.iter().map(|std| std * std).sum::<f64>() / field.std.len() as f64;
-        all.push(Seen {
-            drive: whole,
-            rows: field.rows,
-            velocity: field.velocity,
-            noise: square.sqrt(),
-            magnitudes_only: field.magnitudes_only,
-        });
+        all.push(Seen::of(field, whole));
     }
     if assumed {
         findings.push(noise_assumed());

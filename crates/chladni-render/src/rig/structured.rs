@@ -3,7 +3,7 @@
 //! The unknowns θ of `parts` (theory.md, eq. 58) are the most probable ones given all
 //! fields: Gauss-Newton, each step at the prior of the largest evidence (`evidence`).
 
-use super::evidence::Scales;
+use super::evidence::{Scales, Tried};
 use super::parts::{denominator, Parts};
 use super::seen::Seen;
 use crate::kernel_error::unsolvable;
@@ -24,6 +24,8 @@ pub(crate) struct Structured {
     pub(crate) gains: Array1<Complex64>,
     /// Relative shift of all.
     pub(crate) common: f64,
+    /// Its standard deviation.
+    pub(crate) common_std: f64,
     /// Corrected mobility.
     pub(crate) mobility: Array2<Complex64>,
     /// Mean covariance of its rows.
@@ -43,12 +45,17 @@ impl Parts {
     ///
     /// # Errors
     /// Those of the factorisations.
-    pub(crate) fn update(&self, fields: &[Seen], start: Option<&Structured>) -> Result<Structured> {
+    pub(crate) fn update(
+        &self,
+        fields: &[Seen],
+        start: Option<&Structured>,
+        tried: &Tried,
+    ) -> Result<Structured> {
         let mut theta = match start {
             Some(start) => start.theta.clone(),
             None => Array1::zeros(self.unknowns()),
         };
-        let mut best = self.likeliest(&theta, fields)?;
+        let mut best = self.likeliest(&theta, fields, tried)?;
         for _ in 1..tolerances::STRUCTURED_STEPS {
             let change = &best.theta - &theta;
             let [change, size] = [&change, &best.theta].map(|values| values.dot(values).sqrt());
@@ -56,7 +63,7 @@ impl Parts {
                 break;
             }
             theta.assign(&best.theta);
-            best = self.likeliest(&theta, fields)?;
+            best = self.likeliest(&theta, fields, tried)?;
         }
         let theta = best.theta;
         let count = self.actuators();
@@ -65,6 +72,7 @@ impl Parts {
             scales: best.scales,
             gains: (0..count).map(|i| of(2 * i)).collect(),
             common: theta[theta.len() - 1],
+            common_std: best.covariance[[theta.len() - 1, theta.len() - 1]].sqrt(),
             mobility: self.mobility(&theta),
             covariance: self.row_covariance(&theta, &best.covariance)?,
             gain_std: (0..count)
@@ -191,6 +199,7 @@ mod tests {
                 odd: Vec::new(),
                 gains: Array1::zeros(1),
                 common: 0.0,
+                common_std: 0.0,
                 mobility: Array2::zeros((2, 1)),
                 covariance: Array2::zeros((1, 1)),
                 gain_std: vec![0.0],

@@ -50,6 +50,9 @@ pub const COMMON_SCALES: [f64; 3] = [1e-4, 1e-3, 4e-3];
 /// See [`UNEXPLAINED_SCALES`].
 pub const MODE_SCALES: [f64; 3] = [3e-4, 1e-3, 4e-3];
 
+/// Scale of a common shift of which nothing is known: 1 % are some hundred kelvin.
+pub const ANY_SHIFT: f64 = 1e-2;
+
 /// ln of the evidence, alternatives counted, from which on a channel is odd: 150 to 1.
 pub const ODD_EVIDENCE: f64 = 5.0;
 

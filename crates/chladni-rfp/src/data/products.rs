@@ -31,17 +31,20 @@ pub(crate) struct Projected {
 }
 
 impl Projected {
-    /// The columns of T·G^{-1/2} with the way back to FRFs; `line_energy`: of each line
-    /// over all FRFs.
+    /// The columns of T·G^{-1/2} with the way back to FRFs.
+    ///
+    /// * `t`, `gram`: as in [`Products`]
+    /// * `turned`: XᵀR₀ of an X
+    /// * `line_energy`: of each line over all FRFs
     ///
     /// # Errors
     /// A decomposition that fails.
     pub fn new(
         data: &DataLayout,
-        products: &Products,
+        [t, gram]: [&Array2<f64>; 2],
+        turned: impl FnOnce(&Array2<f64>) -> Array2<f64>,
         line_energy: &Array1<f64>,
     ) -> Result<Self, LinalgError> {
-        let Products { t, gram, r0 } = products;
         let lines = data.lines.len();
         let factor = data.factor();
         let half = inverse_root(gram)?;
@@ -61,7 +64,7 @@ impl Projected {
                 law: data.law,
                 leakage: data.leakage.clone(),
             },
-            back: blocked_matmul_h(half.view(), r0.view()),
+            back: turned(&half),
             beyond,
         })
     }
@@ -152,7 +155,9 @@ pub(crate) fn project(
     q: &Array2<Complex64>,
     line_energy: &Array1<f64>,
 ) -> Result<Projected, LinalgError> {
-    Projected::new(data, &products(data, &measured_basis(data, q)), line_energy)
+    let Products { t, gram, r0 } = products(data, &measured_basis(data, q));
+    let turned = |x: &Array2<f64>| blocked_matmul_h(x.view(), r0.view());
+    Projected::new(data, [&t, &gram], turned, line_energy)
 }
 
 /// The pass itself, with a [`measured_basis`].

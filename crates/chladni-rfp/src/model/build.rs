@@ -48,8 +48,8 @@ impl Shaped {
     ///
     /// # Errors
     /// A kernel that fails.
-    pub fn new(data: &DataLayout, identified: Identified) -> Result<Self, LinalgError> {
-        let mut free = FreeFit::new(data, &identified)?;
+    pub fn new(data: &DataLayout, mut identified: Identified) -> Result<Self, LinalgError> {
+        let mut free = FreeFit::new(data, &mut identified)?;
         let real = free.real_constraints(&identified);
         let shapes = free.shapes(data, &identified, real)?;
         free.answer(data, &shapes);

@@ -21,8 +21,9 @@ pub(crate) struct FreeFit {
     /// The poles that the model can hold, rising in frequency.
     pub poles: Vec<Pole>,
     pub linear: Linear,
-    /// (pole, pair), response by response; zero where missing.
-    all: Array2<Complex64>,
+    /// (pole, pair), response by response, zero where missing; `None`: these are the
+    /// residues of `linear`.
+    all: Option<Array2<Complex64>>,
     /// False where a pair was not measured.
     pub present: Array2<bool>,
     /// Noise variance of a value of an FRF, the mean of all, over that of a work value.
@@ -32,26 +33,30 @@ pub(crate) struct FreeFit {
 }
 
 impl FreeFit {
-    /// On the lines and FRFs of `data`.
-    pub fn new(data: &DataLayout, identified: &Identified) -> Result<Self, LinalgError> {
-        let Identified {
-            damping,
-            powers,
-            work,
-            back,
-            ..
-        } = identified;
-        let holds = |pole: &&Pole| pole.grade.0 != Trust::Rejected && expressible(*damping, pole);
-        let mut poles: Vec<Pole> = identified.poles.iter().filter(holds).cloned().collect();
+    /// On the lines and FRFs of `data`; takes the poles that the model can hold.
+    pub fn new(data: &DataLayout, identified: &mut Identified) -> Result<Self, LinalgError> {
+        let damping = identified.damping;
+        let holds = |pole: &Pole| pole.grade.0 != Trust::Rejected && expressible(damping, pole);
+        let found = std::mem::take(&mut identified.poles);
+        let (mut poles, others): (Vec<Pole>, Vec<Pole>) = found.into_iter().partition(holds);
+        identified.poles = others;
         poles.sort_by(|a, b| a.omega.total_cmp(&b.omega));
+        let Identified {
+            powers, work, back, ..
+        } = &*identified;
         let values: Vec<Complex64> = poles.iter().map(|p| p.value).collect();
-        let mut linear = linear(work, *damping, &values, powers)?;
+        let mut linear = linear(work, damping, &values, powers)?;
         if let Some(back) = back {
             linear.residues = blocked_matmul_mixed(&linear.residues, back.view());
             linear.terms = blocked_matmul_mixed(&linear.terms, back.view());
         }
         let (responses, references) = (data.responses.len(), data.references.len());
-        let mut all = Array2::zeros((values.len(), responses * references).f());
+        let in_turn = (0..responses * references).map(|l| (l / references, l % references));
+        let by_column = linear.residues.t().is_standard_layout();
+        let mut all = match by_column && in_turn.eq(data.pairs.iter().copied()) {
+            true => None,
+            false => Some(Array2::zeros((values.len(), responses * references).f())),
+        };
         let mut present = Array2::from_elem((responses, references), false);
         let noise = identified
             .noise_of_frfs()
@@ -60,8 +65,10 @@ impl FreeFit {
         let mut of_response = vec![(0.0, 0.0); responses];
         for (l, &(i, j)) in data.pairs.iter().enumerate() {
             present[[i, j]] = true;
-            all.column_mut(i * references + j)
-                .assign(&linear.residues.column(l));
+            if let Some(all) = &mut all {
+                all.column_mut(i * references + j)
+                    .assign(&linear.residues.column(l));
+            }
             of_response[i] = (of_response[i].0 + noise[l] / mean, of_response[i].1 + 1.0);
         }
         let noise_of_response = of_response
@@ -102,12 +109,12 @@ impl FreeFit {
         let variance = identified.variance * self.noise;
         let (responses, references) = self.present.dim();
         let free = Residues {
-            values: &self.all,
+            values: self.all.as_ref().unwrap_or(&self.linear.residues),
             weight: &self.linear.weight,
             present: &self.present,
         };
         let (low, high) = work.range();
-        let given: Vec<Given> = self.poles.iter().map(|pole| pole.given.clone()).collect();
+        let given: Vec<&Given> = self.poles.iter().map(|pole| &pole.given).collect();
         let outside = |n: usize| !(low..=high).contains(&self.poles[n].omega.powi(2));
         let loose: Vec<usize> = (0..given.len())
             .filter(|&n| outside(n) && given[n].is_none())

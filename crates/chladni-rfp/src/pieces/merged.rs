@@ -7,22 +7,23 @@ use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
-use crate::data::products::{Products, Projected};
+use crate::data::products::Projected;
 use crate::data::screening::{enough, lines_left_out, Screened};
 use crate::data::source::{Source, Way};
 use crate::pieces::error::PieceError;
 use crate::pieces::limits;
-use crate::pieces::partial::{Block, Partial, ProductSums, SketchSums, Sums};
+use crate::pieces::partial::{sums, Block, Partial, ProductSums, SketchSums, Sums};
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{DofWeights, Matrix, Pass, Poles};
 use crate::poles::passes::on_all_lines;
 use chladni_frf::{Damping, Dof, Error, Finding, Node};
-use chladni_linalg::blocked::projected;
+use chladni_linalg::blocked::{blocked_matmul_h, projected};
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
+use std::sync::Arc;
 
 /// The reason that a fit of merged partials does not go on.
 #[derive(Debug)]
@@ -67,7 +68,7 @@ pub(crate) struct Merged<'a> {
 struct Made<'a> {
     poles: &'a Poles,
     way: &'a Way,
-    products: &'a Products,
+    products: &'a WholeProducts,
 }
 
 impl Deref for Merged<'_> {
@@ -79,9 +80,38 @@ impl Deref for Merged<'_> {
 
 /// Sums of a partial, brought into one.
 pub(crate) struct Whole {
+    pub plan: Plan,
+    poles: Option<Arc<Poles>>,
     set: Block,
     sketch: Option<SketchSums>,
-    products: Option<Products>,
+    products: Option<WholeProducts>,
+}
+
+/// Products of all blocks. R₀ stays in pieces: of a million FRFs it must not be in memory
+/// twice.
+#[derive(Debug)]
+struct WholeProducts {
+    t: Array2<f64>,
+    gram: Array2<f64>,
+    /// R₀ of each block, (unknown, FRF).
+    r0: Vec<Matrix<f64>>,
+    /// Column of R₀ of each FRF, one block after another.
+    place: Vec<usize>,
+}
+
+impl WholeProducts {
+    /// XᵀR₀ of an X.
+    fn turned(&self, x: &Array2<f64>) -> Array2<f64> {
+        let mut all = Array2::zeros((x.ncols(), self.place.len()).f());
+        let mut place = self.place.iter();
+        for r0 in &self.r0 {
+            let part = blocked_matmul_h(x.view(), r0.view());
+            for (values, &column) in part.columns().into_iter().zip(&mut place) {
+                all.column_mut(column).assign(&values);
+            }
+        }
+        all
+    }
 }
 
 impl Whole {
@@ -89,15 +119,24 @@ impl Whole {
     ///
     /// # Errors
     /// No block, no sums, an FRF that stands in two.
-    pub fn new(partial: &Partial) -> Result<Self, Error> {
-        let (set, order) = whole(partial)?;
-        let Sums { sketch, products } = partial.sums().ok_or_else(none)?;
-        let of_sums = |ProductSums { t, gram }: ProductSums| Products {
+    pub fn new(partial: Partial) -> Result<Self, Error> {
+        let Partial {
+            plan,
+            poles,
+            blocks,
+            runs,
+        } = partial;
+        let (set, order) = whole(&blocks)?;
+        let Sums { sketch, products } = sums(runs).ok_or_else(none)?;
+        let of_sums = |ProductSums { t, gram }: ProductSums| WholeProducts {
             t: t.array(),
             gram: gram.array(),
-            r0: in_order(&partial.blocks, gram.rows, &order),
+            r0: blocks.into_iter().filter_map(|block| block.r0).collect(),
+            place: places(&order),
         };
         Ok(Self {
+            plan,
+            poles,
             set,
             sketch,
             products: products.map(of_sums),
@@ -114,33 +153,31 @@ fn none() -> Error {
 }
 
 impl<'a> Merged<'a> {
-    /// The source that `partial` is, of which `whole` holds the sums.
+    /// The source that `whole` is.
     ///
     /// # Errors
     /// Too few lines or none with values; a pass over other FRFs than the one before.
-    pub fn new(
-        partial: &'a Partial,
-        whole: &'a Whole,
-        options: &FitOptions,
-    ) -> Result<Self, PieceError> {
+    pub fn new(whole: &'a Whole, options: &FitOptions) -> Result<Self, PieceError> {
         let Whole {
+            plan,
+            poles,
             set,
             sketch,
             products,
         } = whole;
+        let asked = poles.as_deref().filter(|poles| !poles.is_of_pilot());
         // the number of modes is settled with the poles
-        let modes = partial.poles().map_or(options.modes, |poles| poles.modes);
+        let modes = asked.map_or(options.modes, |poles| poles.modes);
         let options = &FitOptions {
             modes,
             ..options.clone()
         };
-        let plan = &partial.plan;
-        let source = match (sketch, partial.poles()) {
+        let source = match (sketch, asked) {
             (Some(sums), asked) => Self::of_sketch(plan, asked, set, sums, options)?,
             (None, Some(poles)) => Self::of_poles(plan, poles, set, options)?,
             (None, None) => return Err(none().into()),
         };
-        let made = partial.poles.as_deref().zip(products.as_ref());
+        let made = poles.as_deref().zip(products.as_ref());
         Ok(Self {
             made: made.and_then(|(poles, products)| {
                 let way = poles.way.as_ref()?;
@@ -318,7 +355,9 @@ impl Source for Merged<'_> {
     ) -> Result<Projected, Stop> {
         if let Some(made) = &self.made {
             if self.serves(made, way)? {
-                return Ok(Projected::new(&self.head, made.products, energy)?);
+                let WholeProducts { t, gram, .. } = made.products;
+                let turned = |x: &Array2<f64>| made.products.turned(x);
+                return Ok(Projected::new(&self.head, [t, gram], turned, energy)?);
             }
         }
         Err(Stop::Pass(Box::new(
@@ -392,7 +431,7 @@ fn with_dofs(head: DataLayout, set: &Block) -> DataLayout {
 
 /// DOFs and FRFs of all blocks, row by row; for each FRF its place among those of the
 /// blocks one after another.
-fn whole(partial: &Partial) -> Result<(Block, Vec<usize>), Error> {
+fn whole(blocks: &[Block]) -> Result<(Block, Vec<usize>), Error> {
     fn place(all: &mut Vec<Dof>, known: &mut HashMap<Dof, usize>, dof: Dof) -> usize {
         *known.entry(dof).or_insert_with(|| {
             all.push(dof);
@@ -405,7 +444,7 @@ fn whole(partial: &Partial) -> Result<(Block, Vec<usize>), Error> {
     let mut labels = HashSet::new();
     let (mut pairs, mut energy) = (Vec::new(), Vec::new());
     let mut given: Option<(Giver, Vec<f64>)> = None;
-    for block in &partial.blocks {
+    for block in blocks {
         let rows: Vec<usize> = block
             .responses
             .iter()
@@ -455,18 +494,11 @@ fn in_turn(values: &[f64], order: &[usize]) -> Option<Vec<f64>> {
     (values.len() == order.len()).then(|| order.iter().map(|&l| values[l]).collect())
 }
 
-/// R₀ of all blocks, its columns in this order.
-fn in_order(blocks: &[Block], unknowns: usize, order: &[usize]) -> Array2<f64> {
-    let columns: Vec<&[f64]> = blocks
-        .iter()
-        .filter_map(|block| block.r0.as_ref())
-        .flat_map(|r0| r0.values.chunks_exact(unknowns.max(1)))
-        .collect();
-    let mut r0 = Array2::zeros((unknowns, order.len()).f());
-    for (mut out, &l) in r0.columns_mut().into_iter().zip(order) {
-        out.iter_mut()
-            .zip(columns[l])
-            .for_each(|(out, value)| *out = *value);
+/// For each FRF its place in this order.
+fn places(order: &[usize]) -> Vec<usize> {
+    let mut places = vec![0; order.len()];
+    for (place, &l) in order.iter().enumerate() {
+        places[l] = place;
     }
-    r0
+    places
 }

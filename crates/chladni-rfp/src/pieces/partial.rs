@@ -2,7 +2,7 @@
 
 use crate::data::pair_weights::Giver;
 use crate::pieces::plan::Plan;
-use crate::pieces::poles::{Matrix, Pass, Poles};
+use crate::pieces::poles::{Matrix, Poles};
 use chladni_frf::{Checksum, Dof, Error, Node, Source};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -216,15 +216,12 @@ impl Partial {
         for (piece, block) in self.blocks.iter_mut().enumerate() {
             (block.number, block.piece) = (number, piece as u64);
         }
-        self.runs = self
-            .sums()
-            .map(|sums| Run {
-                first: number,
-                length: 1,
-                sums,
-            })
-            .into_iter()
-            .collect();
+        let run = |sums| Run {
+            first: number,
+            length: 1,
+            sums,
+        };
+        self.runs = sums(self.runs).map(run).into_iter().collect();
         self
     }
 
@@ -255,16 +252,12 @@ impl Partial {
 
     /// The poles that the pass was run with; `None` after the first.
     pub fn poles(&self) -> Option<&Poles> {
-        self.poles
-            .as_deref()
-            .filter(|poles| poles.pass != Pass::Pilot)
+        self.poles.as_deref().filter(|poles| !poles.is_of_pilot())
     }
 
     /// The poles of the pilot that the first pass was run with, if any.
     pub fn pilot(&self) -> Option<&Poles> {
-        self.poles
-            .as_deref()
-            .filter(|poles| poles.pass == Pass::Pilot)
+        self.poles.as_deref().filter(|poles| poles.is_of_pilot())
     }
 
     /// The files that the blocks came from, each once.
@@ -285,14 +278,6 @@ impl Partial {
         &self.plan.reading
     }
 
-    /// The sums over all blocks.
-    pub(crate) fn sums(&self) -> Option<Sums> {
-        let mut runs = self.runs.iter();
-        let mut all = runs.next()?.sums.clone();
-        runs.for_each(|run| all.add(run.sums.clone()));
-        Some(all)
-    }
-
     fn named(&self) -> String {
         match self.blocks.as_slice() {
             [block] => format!("block {}", block.number),
@@ -303,6 +288,14 @@ impl Partial {
             [] => "an empty partial".into(),
         }
     }
+}
+
+/// The sums over all blocks.
+pub(crate) fn sums(runs: Vec<Run>) -> Option<Sums> {
+    let mut runs = runs.into_iter().map(|run| run.sums);
+    let mut all = runs.next()?;
+    runs.for_each(|sums| all.add(sums));
+    Some(all)
 }
 
 /// Equal, or even the same.

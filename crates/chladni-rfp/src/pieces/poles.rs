@@ -8,7 +8,7 @@ use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::source::{as_json, By, Way};
 use crate::pieces::plan::Plan;
 use chladni_frf::{Dof, Finding};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2, ShapeBuilder};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -125,16 +125,27 @@ impl<T: Copy> From<Array2<T>> for Matrix<T> {
     }
 }
 
+impl<T> Matrix<T> {
+    /// The same as an array.
+    pub fn view(&self) -> ArrayView2<'_, T> {
+        let columns = self.values.len().checked_div(self.rows).unwrap_or(0);
+        ArrayView2::from_shape((self.rows, columns).f(), &self.values)
+            .expect("columns of this many rows")
+    }
+}
+
 impl<T: Copy> Matrix<T> {
     pub fn array(&self) -> Array2<T> {
-        let columns = self.values.len().checked_div(self.rows).unwrap_or(0);
-        Array2::from_shape_fn(ndarray::ShapeBuilder::f((self.rows, columns)), |(i, c)| {
-            self.values[c * self.rows + i]
-        })
+        self.view().to_owned()
     }
 }
 
 impl Poles {
+    /// True where a pilot found them: the pass that they are for is still the first.
+    pub(crate) fn is_of_pilot(&self) -> bool {
+        self.pass == Pass::Pilot
+    }
+
     /// Number of poles, those beside the band included.
     pub fn count(&self) -> usize {
         self.lambda().len()

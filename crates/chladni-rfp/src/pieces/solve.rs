@@ -29,8 +29,10 @@ pub enum Solved {
 /// # Errors
 /// [`crate::FitError`] as for [`crate::fit()`]; no block, no sums, an FRF that stands in
 /// two, a second pass over other FRFs than the first.
+///
+/// The partial is used up: the sums of a million FRFs need not be in memory twice.
 pub fn solve(
-    partial: &Partial,
+    partial: Partial,
     options: &FitOptions,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Solved, PieceError> {
@@ -40,13 +42,13 @@ pub fn solve(
     };
     in_pool(|| {
         let whole = Whole::new(partial)?;
-        let merged = Merged::new(partial, &whole, options)?;
+        let merged = Merged::new(&whole, options)?;
         let options = FitOptions {
             modes: merged.modes(),
-            seed: partial.plan.seed,
+            seed: whole.plan.seed,
             exponential_window_per_s: options
                 .exponential_window_per_s
-                .or(partial.plan.exponential_window_per_s),
+                .or(whole.plan.exponential_window_per_s),
             ..options.clone()
         };
         match walk(merged, &options, &watch) {

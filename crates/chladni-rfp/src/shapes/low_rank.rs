@@ -96,7 +96,7 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
 fn beside_given(
     residues: &Residues,
     ranks: &[usize],
-    given: &[Given],
+    given: &[&Given],
     open: &[usize],
 ) -> Result<Shapes, LinalgError> {
     let (moved, weight) = freed(residues, open, given)?;
@@ -114,9 +114,9 @@ fn beside_given(
 pub(crate) fn low_rank_around(
     residues: &Residues,
     ranks: &[usize],
-    given: &[Given],
+    given: &[&Given],
 ) -> Result<Shapes, LinalgError> {
-    if given.iter().all(Option::is_none) {
+    if given.iter().all(|given| given.is_none()) {
         return low_rank(residues, ranks);
     }
     let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
@@ -125,33 +125,25 @@ pub(crate) fn low_rank_around(
         true => None,
         false => Some(beside_given(residues, ranks, given, &open)?),
     };
-    let (mut shape, mut participation, mut owner) = (
-        Array2::zeros((0, responses)),
-        Array2::zeros((0, references)),
-        Vec::new(),
-    );
+    // pole, shape and participation of each row
+    let mut rows = Vec::new();
     for n in 0..poles {
-        let (rows, columns) = match (&given[n], &fitted) {
-            (Some(given), _) => given.clone(),
-            (None, Some(fitted)) => {
-                let rows: Vec<usize> = (0..fitted.owner.len())
-                    .filter(|&row| open[fitted.owner[row]] == n)
-                    .collect();
-                (
-                    fitted.shape.select(Axis(0), &rows),
-                    fitted.participation.select(Axis(0), &rows),
-                )
-            }
-            (None, None) => continue,
-        };
-        owner.extend(std::iter::repeat_n(n, rows.nrows()));
-        shape
-            .append(Axis(0), rows.view())
-            .expect("one value per response");
-        participation
-            .append(Axis(0), columns.view())
-            .expect("one value per reference");
+        if let Some((shape, participation)) = given[n] {
+            let terms = shape.rows().into_iter().zip(participation.rows());
+            rows.extend(terms.map(|(shape, participation)| (n, shape, participation)));
+        } else if let Some(fitted) = &fitted {
+            let terms = (0..fitted.owner.len()).filter(|&row| open[fitted.owner[row]] == n);
+            rows.extend(terms.map(|row| (n, fitted.shape.row(row), fitted.participation.row(row))));
+        }
     }
+    let mut shape = Array2::zeros((rows.len(), responses));
+    let mut participation = Array2::zeros((rows.len(), references));
+    for (row, (_, of_responses, of_references)) in rows.iter().enumerate() {
+        shape.row_mut(row).assign(of_responses);
+        participation.row_mut(row).assign(of_references);
+    }
+    let owner: Vec<usize> = rows.iter().map(|row| row.0).collect();
+    drop(fitted);
     let problem = Problem::new(residues, &owner);
     let rise = problem.misfit(&shape, &participation);
     Ok(Shapes {
@@ -168,13 +160,13 @@ pub(crate) fn low_rank_around(
 pub(crate) fn freed(
     residues: &Residues,
     open: &[usize],
-    given: &[Given],
+    given: &[&Given],
 ) -> Result<(Array2<Complex64>, Array2<Complex64>), LinalgError> {
     let references = residues.present.ncols();
     let closed: Vec<usize> = (0..given.len()).filter(|&n| given[n].is_some()).collect();
     let mut change = Array2::zeros((closed.len(), residues.values.ncols()).f());
     for (row, &n) in closed.iter().enumerate() {
-        let Some((shape, participation)) = &given[n] else {
+        let Some((shape, participation)) = given[n] else {
             continue;
         };
         let product = matmul(shape.t(), participation.view());

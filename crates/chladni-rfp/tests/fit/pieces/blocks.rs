@@ -56,7 +56,7 @@ pub(super) fn in_passes(blocks: &[(u64, FrfSet)]) -> (ModalModel, Partial, usize
     let mut poles: Option<Poles> = None;
     for passes in 1..8 {
         let merged = Partial::merge(reduced(blocks, poles.as_ref())).unwrap();
-        match solve(&merged, &FitOptions::default(), &|_| {}).unwrap() {
+        match solve(merged.clone(), &FitOptions::default(), &|_| {}).unwrap() {
             Solved::Poles(found) => {
                 let read = Poles::from_bytes(&found.to_bytes()).unwrap();
                 assert_eq!(read, *found);

@@ -56,14 +56,14 @@ fn pieces_that_do_not_belong_together_are_refused_by_name() {
     // the same FRFs under another number
     let again = reduce(&block, &FitOptions::default(), 7, Vec::new(), None).unwrap();
     let merged = Partial::merge([parts[0].clone(), again]).unwrap();
-    let message = solve(&merged, &FitOptions::default(), &|_| {})
+    let message = solve(merged, &FitOptions::default(), &|_| {})
         .unwrap_err()
         .to_string();
     assert!(message.contains("an FRF stands in two blocks"), "{message}");
 
     // a second pass over half of the data, and one with other poles
     let Solved::Poles(poles) = solve(
-        &Partial::merge(parts.clone()).unwrap(),
+        Partial::merge(parts.clone()).unwrap(),
         &FitOptions::default(),
         &|_| {},
     )
@@ -71,7 +71,7 @@ fn pieces_that_do_not_belong_together_are_refused_by_name() {
         panic!("poles")
     };
     let half = reduced(&blocks(&set.frf, 2)[..1], Some(&poles));
-    let message = solve(&half[0], &FitOptions::default(), &|_| {})
+    let message = solve(half[0].clone(), &FitOptions::default(), &|_| {})
         .unwrap_err()
         .to_string();
     assert!(

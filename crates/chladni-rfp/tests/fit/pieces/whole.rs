@@ -47,7 +47,7 @@ fn blocks_find_what_the_whole_finds() {
 fn piloted(blocks: &[(u64, FrfSet)], pilot: &FrfSet) -> Solved {
     let options = FitOptions::default();
     let partial = reduce(pilot, &options, 0, Vec::new(), None).unwrap();
-    let Solved::Poles(pilot) = solve(&partial, &options, &|_| {}).unwrap() else {
+    let Solved::Poles(pilot) = solve(partial, &options, &|_| {}).unwrap() else {
         panic!("poles")
     };
     let reducer = Reducer::with_pilot(&options, &pilot).unwrap();
@@ -59,7 +59,7 @@ fn piloted(blocks: &[(u64, FrfSet)], pilot: &FrfSet) -> Solved {
     .unwrap();
     assert!(merged.poles().is_none());
     assert_eq!(merged.pilot().unwrap().modes(), pilot.modes());
-    solve(&merged, &options, &|_| {}).unwrap()
+    solve(merged, &options, &|_| {}).unwrap()
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn one_pass_is_enough_where_a_pilot_showed_the_same_poles() {
     // a pilot that saw less, and values missing where products are made: poles for a
     // second pass, those that no pilot would change
     let Solved::Poles(unled) = solve(
-        &Partial::merge(reduced(&blocks, None)).unwrap(),
+        Partial::merge(reduced(&blocks, None)).unwrap(),
         &FitOptions::default(),
         &|_| {},
     )
@@ -119,7 +119,7 @@ fn order_and_grouping_of_blocks_do_not_change_a_bit() {
     }
     let others = Partial::merge(grouped).unwrap();
     assert!(others.to_bytes() == merged.to_bytes());
-    let Solved::Fit(fit) = solve(&others, &FitOptions::default(), &|_| {}).unwrap() else {
+    let Solved::Fit(fit) = solve(others, &FitOptions::default(), &|_| {}).unwrap() else {
         panic!("a fit")
     };
     assert!(serde_json::to_string(&fit.model).unwrap() == serde_json::to_string(&model).unwrap());
