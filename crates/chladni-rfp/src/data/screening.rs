@@ -75,7 +75,7 @@ impl<'a> Screened<'a> {
         enough(lines.len(), [low, high], options.modes)?;
         let of_lines = line_variance(frf, &pairs, &lines);
         let mut head = DataLayout {
-            pairs,
+            pairs: pairs.into(),
             warnings,
             ..DataLayout::new(frf, kind, lines, [low, high], options.effort)
                 .windowed(
@@ -85,7 +85,7 @@ impl<'a> Screened<'a> {
                 )
                 .with_line_variance(of_lines)
         };
-        head.energy = energies(frf, &head, bad.contains(&true), &sum_of_pair);
+        head.energy = energies(frf, &head, bad.contains(&true), &sum_of_pair).into();
         head.rms = head.mean_square().sqrt();
         if head.rms == 0.0 || !head.rms.is_finite() {
             return Err(FitError::NoData);

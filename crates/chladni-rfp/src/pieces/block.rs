@@ -276,7 +276,7 @@ fn noise_told(
         return Ok(None);
     }
     let head = DataLayout {
-        pairs: pairs.to_vec(),
+        pairs: pairs.into(),
         ..plan.head(sound, Effort::default())?
     };
     let told = given_noise(&Screened::part(frf, head));

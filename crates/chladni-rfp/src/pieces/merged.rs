@@ -82,9 +82,19 @@ impl Deref for Merged<'_> {
 pub(crate) struct Whole {
     pub plan: Plan,
     poles: Option<Arc<Poles>>,
-    set: Block,
+    set: Set,
     sketch: Option<SketchSums>,
     products: Option<WholeProducts>,
+}
+
+/// The FRFs of all blocks, row by row.
+struct Set {
+    responses: Arc<[Dof]>,
+    references: Arc<[Dof]>,
+    nodes: Arc<[Node]>,
+    pairs: Arc<[(usize, usize)]>,
+    energy: Arc<[f64]>,
+    given: Option<(Giver, Vec<f64>)>,
 }
 
 /// Products of all blocks. R₀ stays in pieces: of a million FRFs it must not be in memory
@@ -201,7 +211,7 @@ impl<'a> Merged<'a> {
     fn of_sketch(
         plan: &'a Plan,
         asked: Option<&Poles>,
-        set: &Block,
+        set: &Set,
         sums: &SketchSums,
         options: &FitOptions,
     ) -> Result<Self, PieceError> {
@@ -255,7 +265,7 @@ impl<'a> Merged<'a> {
     fn of_poles(
         plan: &'a Plan,
         poles: &Poles,
-        set: &Block,
+        set: &Set,
         options: &FitOptions,
     ) -> Result<Self, PieceError> {
         let mut head = with_dofs(poles.head(options.effort)?, set);
@@ -418,7 +428,7 @@ impl Source for Merged<'_> {
 }
 
 /// The head of all FRFs.
-fn with_dofs(head: DataLayout, set: &Block) -> DataLayout {
+fn with_dofs(head: DataLayout, set: &Set) -> DataLayout {
     DataLayout {
         responses: set.responses.clone(),
         references: set.references.clone(),
@@ -431,7 +441,7 @@ fn with_dofs(head: DataLayout, set: &Block) -> DataLayout {
 
 /// DOFs and FRFs of all blocks, row by row; for each FRF its place among those of the
 /// blocks one after another.
-fn whole(blocks: &[Block]) -> Result<(Block, Vec<usize>), Error> {
+fn whole(blocks: &[Block]) -> Result<(Set, Vec<usize>), Error> {
     fn place(all: &mut Vec<Dof>, known: &mut HashMap<Dof, usize>, dof: Dof) -> usize {
         *known.entry(dof).or_insert_with(|| {
             all.push(dof);
@@ -473,18 +483,14 @@ fn whole(blocks: &[Block]) -> Result<(Block, Vec<usize>), Error> {
             .expected("every FRF once")
             .help("cut the data into blocks that share no FRF"));
     }
-    let set = Block {
-        number: 0,
-        piece: 0,
-        responses: responses.0,
-        references: references.0,
-        nodes,
+    let set = Set {
+        responses: responses.0.into(),
+        references: references.0.into(),
+        nodes: nodes.into(),
         pairs: order.iter().map(|&l| pairs[l]).collect(),
         // without products of every block there are no energies of every FRF
-        energy: in_turn(&energy, &order).unwrap_or_default(),
-        r0: None,
+        energy: in_turn(&energy, &order).unwrap_or_default().into(),
         given: given.and_then(|(giver, noise)| Some((giver, in_turn(&noise, &order)?))),
-        sources: Vec::new(),
     };
     Ok((set, order))
 }

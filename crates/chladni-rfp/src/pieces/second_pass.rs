@@ -82,7 +82,7 @@ pub(crate) fn second_pass(
         .all_pairs()
         .partition(|&(i, j)| frf.values.get(i, j, head.lines[0]).is_finite());
     let layout = DataLayout {
-        pairs: pairs.clone(),
+        pairs: pairs.as_slice().into(),
         weighting: weighting.clone(),
         ..head.clone()
     };
