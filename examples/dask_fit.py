@@ -21,6 +21,7 @@ from dask.utils import format_bytes, parse_bytes
 
 AXES = ["S", "X", "Y", "Z", "RX", "RY", "RZ"]
 TOGETHER = 8  # partials that one task merges
+TASKS = 4  # of a pass, for each worker at least
 
 
 # %% what workers run: a block is read where it is reduced
@@ -41,8 +42,9 @@ def read_block(path, start, stop):
         )
 
 
-def reduce(path, start, stop, number, poles):
-    return chladni.reduce_block(read_block(path, start, stop), number, poles=poles)
+def reduce(path, rows, first, poles):
+    """Neighbouring blocks, one in memory at a time: their sums become one, and little is sent."""
+    return chladni.merge(chladni.reduce_block(read_block(path, *ends), first + n, poles=poles) for n, ends in enumerate(rows))
 
 
 def left_over(path, start, stop, model):
@@ -58,16 +60,18 @@ def merged(client, partials):
     return partials[0]
 
 
-def fit(client, path, blocks):
+def fit(client, path, blocks, workers):
     """Two passes over the blocks; a further one where the second shows that poles must be sought once more."""
+    share = max(len(blocks) // (TASKS * workers), 1)
+    share = 2 ** (share.bit_length() - 1)  # sums over a power of two of blocks are those of the tree
     found = None
     while not isinstance(found, chladni.Model):
         start = perf_counter()
         poles = client.scatter(found, broadcast=True) if found is not None else None
-        partials = [client.submit(reduce, path, *rows, number, poles) for number, rows in enumerate(blocks)]
+        partials = [client.submit(reduce, path, blocks[n : n + share], n, poles) for n in range(0, len(blocks), share)]
         partial = merged(client, partials)
         del partials  # or the cluster keeps them
-        found = client.submit(chladni.solve_poles, partial).result()
+        found = chladni.solve_poles(partial.result())  # here, on all cores: workers have one each, and would wait
         print(f"  {perf_counter() - start:6.2f} s  {found}")
     return found
 
@@ -80,7 +84,7 @@ def fit_on(workers, path, blocks, memory_limit):
             client.run(lambda: chladni.__version__)  # imported, and so not timed
             print(f"{workers} worker(s) of at most {format_bytes(parse_bytes(memory_limit))}")
             start = perf_counter()
-            model = fit(client, path, blocks)
+            model = fit(client, path, blocks, workers)
             fitted = perf_counter()
             held = client.scatter(model, broadcast=True)
             left = client.gather([client.submit(left_over, path, *rows, held) for rows in blocks])

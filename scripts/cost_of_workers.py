@@ -16,16 +16,17 @@ parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.R
 parser.add_argument("--lines", type=int, default=1001, help="lines of each FRF")
 parser.add_argument("--bytes", type=int, default=8, help="bytes of a value: 8 in single precision, 16 in double")
 parser.add_argument("--passes", type=int, default=1, help="1 where a pilot shows the poles, else 2")
-parser.add_argument("--reduce", type=float, default=REDUCE, help="values that a core reduces, 1e6/s")
-parser.add_argument("--together", type=float, default=TOGETHER, help="rate of each of the cores of a machine over that of one alone")
+parser.add_argument("--reduce", type=float, default=45.0, help="values that a core reduces, 1e6/s")
+parser.add_argument("--together", type=float, default=0.95, help="rate of each of the cores of a machine over that of one alone")
 parser.add_argument("--read", type=float, default=1.0, help="storage, all workers together, GB/s")
 parser.add_argument("--link", type=float, default=1.0, help="link between workers, GB/s")
-parser.add_argument("--partial", type=float, default=PARTIAL, help="bytes of a partial for each FRF")
-parser.add_argument("--fixed", type=float, default=FIXED, help="the rest of a partial, MB")
-parser.add_argument("--merge", type=float, default=MERGE, help="merging, reading and writing partials, GB/s")
-parser.add_argument("--poles", type=float, default=POLES, help="poles and law, s")
-parser.add_argument("--shapes", type=float, default=SHAPES, help="shapes, s for 1e6 FRFs")
-parser.add_argument("--model", type=float, default=MODEL, help="writing the model, s for 1e6 FRFs")
+parser.add_argument("--partial", type=float, default=405.0, help="bytes of a partial for each FRF")
+parser.add_argument("--fixed", type=float, default=1.3, help="the rest of a partial, MB")
+parser.add_argument("--merge", type=float, default=0.18, help="merging, reading and writing partials, GB/s")
+parser.add_argument("--poles", type=float, default=0.5, help="poles and law, s")
+parser.add_argument("--shapes", type=float, default=5.0, help="shapes, s for 1e6 FRFs")
+parser.add_argument("--model", type=float, default=2.5, help="writing the model, s for 1e6 FRFs")
+parser.add_argument("--memory", type=float, default=1.8, help="of the worker that solves, GB for 1e6 FRFs")
 parts = parser.parse_args()
 
 
@@ -40,11 +41,13 @@ def seconds(frfs, workers):
     return parts.passes * one_pass, parts.passes * merging, alone
 
 
-print("| FRFs | workers | passes | merging | on one worker | whole | over one worker |")
-print("|---|---|---|---|---|---|---|")
+print("| FRFs | workers | passes | merging | on one worker | whole | over one worker | memory of the one |")
+print("|---|---|---|---|---|---|---|---|")
 for frfs in (10**6, 10**7, 10**8):
     one = sum(seconds(frfs, 1))
     for workers in (1, 2, 8, 32, 200):
         passes, merging, alone = seconds(frfs, workers)
         whole = passes + merging + alone
-        print(f"| {frfs:.0e} | {workers} | {passes:.0f} s | {merging:.1f} s | {alone:.0f} s | {whole:.0f} s | {one / whole:.1f} |")
+        cells = [f"10^{len(str(frfs)) - 1}", workers, f"{passes:.0f} s", f"{merging:.0f} s", f"{alone:.0f} s", f"{whole:.0f} s"]
+        cells += [f"{one / whole:.1f}", f"{parts.memory * frfs / 1e6:.0f} GB"]
+        print("| " + " | ".join(map(str, cells)) + " |")

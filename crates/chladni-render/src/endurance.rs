@@ -237,3 +237,72 @@ impl<'a> Panel<'a> {
         fields.columns().into_iter().filter(serves).count() as f64 / fields.ncols() as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drift::Drift;
+    use crate::modal_field::ModalField;
+    use crate::scene::Scene;
+    use chladni_frf::{Dof, Node};
+    use chladni_plate::{Synthetic, SyntheticShapes};
+    use std::path::Path;
+
+    /// Many rigs at a time are what each is by itself, in both damping laws.
+    #[test]
+    fn products_of_matrices_are_the_fields_of_single_rigs() {
+        let text = "frequency_hz = 100.0\n[zones]\ngrid = [2, 1]\nhot = [1]\n\
+                    transition_m = 0.001\n";
+        for damping in [Damping::Structural, Damping::Viscous] {
+            let mut model = Synthetic {
+                natural_frequency_hz: vec![80.0, 99.0, 120.0],
+                loss_factor: vec![0.08, 0.03, 0.05],
+                responses: 12,
+                references: 3,
+                shapes: SyntheticShapes::Real,
+                damping,
+                frequency_hz: Array1::range(10.0, 200.0, 1.0),
+                residual_powers: Vec::new(),
+                ..Synthetic::default()
+            }
+            .build()
+            .unwrap()
+            .truth;
+            let node = |(k, dof): (usize, &Dof)| Node {
+                label: dof.node,
+                xyz_m: [0.01 * (k % 4) as f64, 0.01 * (k / 4) as f64, 0.0],
+            };
+            model.nodes = model.responses.iter().enumerate().map(node).collect();
+            model.scaling = Scaling::UnitModalMass;
+            let scene = Scene::parse(text, Path::new("")).unwrap();
+            let setup = Setup::new(&model, &scene, &Drift::default()).unwrap();
+            let panel = Panel::new(&setup, &model);
+            let drive = Drive::from_shape_fn(3, |j| Complex64::from_polar(1e-3, j as f64));
+            let modal = ModalField::new(&model, &setup.operator, &drive);
+            let judged = |field: Array1<Complex64>| field.select(Axis(0), &setup.judged);
+            let near = |found: ArrayView1<Complex64>, expected: Array1<Complex64>| {
+                let size = expected.iter().map(|v| v.norm()).fold(0.0, f64::max);
+                let apart = (&found - &expected)
+                    .iter()
+                    .map(|v| v.norm())
+                    .fold(0.0, f64::max);
+                assert!(apart < 1e-12 * size, "{damping:?}: {apart} of {size}");
+            };
+            let still = panel.answers(&Array2::ones((3, 1)));
+            let factors = Array2::from_shape_fn((3, 2), |(n, rig)| {
+                1.0 + 0.01 * (n as f64 - 1.0) * (rig as f64 + 1.0)
+            });
+            let column = drive.view().insert_axis(Axis(1));
+            let free = matmul(panel.mobility.view(), column);
+            let change = &(&panel.answers(&factors) - &still) * &panel.forces(column);
+            let moved = &free + &panel.of_modes(&change);
+            let touched = panel.touched(&Finger::MID, &still, &free);
+            for rig in 0..2 {
+                let alone = modal.with_frequencies(|n| factors[[n, rig]]);
+                near(moved.column(rig), judged(alone));
+            }
+            let alone = modal.touched(&Finger::MID, setup.judged[0]).unwrap();
+            near(touched.column(0), judged(alone));
+        }
+    }
+}
