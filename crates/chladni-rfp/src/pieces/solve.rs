@@ -23,14 +23,13 @@ pub enum Solved {
 /// Solves merged partials: those of a first pass for poles, those of a second for the
 /// fit; those of a first pass with a pilot for the fit where the pilot's poles will do.
 ///
+/// The partial is used up: the sums of a million FRFs need not be in memory twice.
 /// `progress` is told the name of each stage as it begins. Of `options` a first pass
 /// needs `modes`, a second `damping`, `shapes` and `exponential_window_per_s`.
 ///
 /// # Errors
 /// [`crate::FitError`] as for [`crate::fit()`]; no block, no sums, an FRF that stands in
 /// two, a second pass over other FRFs than the first.
-///
-/// The partial is used up: the sums of a million FRFs need not be in memory twice.
 pub fn solve(
     partial: Partial,
     options: &FitOptions,

@@ -30,7 +30,7 @@ fn mls_from_a_fitted_model_serves_every_response_of_every_quarter() {
 fn the_default_leaves_no_response_that_the_thorough_method_serves() {
     let mut panel = Panel::default();
     (panel.frf.start_hz, panel.frf.step_hz) = (100.0, 300.0);
-    (panel.responses.grid, panel.responses.spacing_m) = ([28, 19], 0.00817);
+    (panel.responses.grid, panel.responses.spacing_m) = ([44, 28], 0.0057);
     let model = simulate(&panel, None, None).unwrap().truth;
     let least = |method: MethodChoice, limen: &str| {
         let scene = cell_scene([2, 2], 1, limen);
