@@ -170,7 +170,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         resume.done();
         return Ok(outcome);
     }
-    let (frf, mut sources) = read_frf(&files, &args.reading, console)?;
+    let (frf, mut sources) = read_frf(&files, &args.reading, console)
+        .map_err(|error| args.following.explained(error, &files))?;
     if let Some(model) = args.following.followed(&frf, &sources, console)? {
         return written(args, model, output.as_ref(), console);
     }

@@ -88,6 +88,14 @@ impl Args {
             .map(Some)
     }
 
+    /// The error of reading `files`, with what to do where one is a field without weights.
+    pub fn explained(&self, error: Error, files: &[PathBuf]) -> Error {
+        match self.is_given() && files.iter().any(|file| read_field(file).is_ok()) {
+            true => error.help("of a measured field name the weights that played: --weights"),
+            false => error,
+        }
+    }
+
     /// Refuses a set that is read part by part.
     pub fn too_large(&self) -> Error {
         Error::new(

@@ -93,5 +93,5 @@ fn a_warmer_panel_is_followed_by_a_rendered_field() {
         .exits(2);
     folder.run("fit field.csv --weights weights.json").exits(2);
     let refused = folder.run("fit field.csv --poles-of model.json").said();
-    assert!(refused.contains("field"), "{refused}");
+    assert!(refused.contains("--weights"), "{refused}");
 }

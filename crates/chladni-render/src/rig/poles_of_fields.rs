@@ -79,7 +79,8 @@ pub fn poles_of_fields(
         mode.frequency_hz = hz;
         mode.frequency_std_hz = hz * std.hypot(told.shift_std[k]);
         mode.damping_ratio *= loss_factor / mode.loss_factor;
-        mode.loss_factor_std = mode.loss_factor_std.hypot(2.0 * told.shift_std[k]);
+        // (1 + δ)² turns the square of ω_n by twice the imaginary part
+        mode.loss_factor_std = mode.loss_factor_std.hypot(2.0 * told.damping_std[k]);
         mode.loss_factor = loss_factor;
     }
     let own = told

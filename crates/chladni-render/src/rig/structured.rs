@@ -36,6 +36,8 @@ pub(crate) struct Structured {
     pub(crate) shifts: Vec<Complex64>,
     /// Standard deviation of their real parts.
     pub(crate) shift_std: Vec<f64>,
+    /// The same of their imaginary parts.
+    pub(crate) damping_std: Vec<f64>,
     /// All unknowns: where the search goes on once another field is known.
     theta: Array1<f64>,
 }
@@ -90,6 +92,12 @@ impl Parts {
                     let variance = &best.covariance;
                     let sum = variance[[own, own]] + variance[[common, common]];
                     (sum + 2.0 * variance[[own, common]]).max(0.0).sqrt()
+                })
+                .collect(),
+            damping_std: (0..self.modes.len())
+                .map(|n| {
+                    let imaginary = 2 * (count + n) + 1;
+                    best.covariance[[imaginary, imaginary]].sqrt()
                 })
                 .collect(),
             odd: best.odd,
@@ -205,6 +213,7 @@ mod tests {
                 gain_std: vec![0.0],
                 shifts: vec![shift],
                 shift_std: vec![0.0],
+                damping_std: vec![0.0],
                 theta: Array1::zeros(1),
             };
             let (frequency_hz, loss_factor) = structured.moved_pole(0, &mode, damping, 100.0);
