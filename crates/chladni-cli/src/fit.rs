@@ -142,9 +142,6 @@ pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::asked(args.output.as_deref(), MODEL, &files, console)?;
-    if let Some(model) = args.following.followed_by_fields(&files, console)? {
-        return written(args, model, output.as_ref(), console);
-    }
     let mut options = args.fit_options()?;
     let panel = args.scale.panel(args.memory)?;
     let frf_bytes = frf_bytes(&files)?;
@@ -159,6 +156,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             outputs: args.output.as_deref().into_iter().collect(),
         };
         return Ok(plan.outcome());
+    }
+    if let Some(model) = args.following.followed_by_fields(&files, console)? {
+        return written(args, model, output.as_ref(), console);
     }
     if in_parts && args.following.is_given() {
         return Err(args.following.too_large());

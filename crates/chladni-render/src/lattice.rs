@@ -41,7 +41,7 @@ impl Lattice {
     }
 
     /// Fills the columns of the nodes with `function` of the squared distances; axes of
-    /// `matrix` (place, node and more), in standard order.
+    /// `matrix` (place, node and more).
     pub(crate) fn fill(&self, matrix: &mut Array2<f64>, function: impl Fn(f64) -> f64) {
         let [x, y] = &self.axes;
         let columns = y.squared.len();
@@ -53,9 +53,8 @@ impl Lattice {
             .collect();
         let (of_x, of_y) = (x.offsets(columns), y.offsets(1));
         let places = x.of_place.iter().zip(&y.of_place);
-        for (row, (&place_x, &place_y)) in matrix.rows_mut().into_iter().zip(places) {
+        for (mut row, (&place_x, &place_y)) in matrix.rows_mut().into_iter().zip(places) {
             let offsets = of_x[place_x].iter().zip(&of_y[place_y]);
-            let row = row.into_slice().unwrap_or_default();
             for (value, (x, y)) in row.iter_mut().zip(offsets) {
                 *value = table[x + y];
             }

@@ -88,6 +88,9 @@ fn a_warmer_panel_is_followed_by_a_rendered_field() {
     let names = today["source"].as_array().unwrap().iter();
     let names: Vec<&str> = names.map(|of| of["file"].as_str().unwrap()).collect();
     assert_eq!(names, ["field.csv", "weights.json", "model.json"]);
+    let line = "fit field.csv -o dry.json --poles-of model.json --weights weights.json --dry-run";
+    folder.run(line).exits(0);
+    assert!(!folder.path().join("dry.json").exists());
     folder
         .run("fit field.csv field.csv --poles-of model.json --weights weights.json")
         .exits(2);

@@ -5,6 +5,7 @@
 //! eq. 58) is asked, in which every channel may err as amplifiers do and every mode may
 //! move beside the others. The study found the common shift to 1 to 3e-4.
 
+use super::calibrated::movable_modes;
 use super::evidence::Tried;
 use super::field::{noise_assumed, LaidField};
 use super::parts::Parts;
@@ -13,7 +14,7 @@ use super::structured::Structured;
 use crate::operator::Operator;
 use crate::problem::Drive;
 use crate::tolerances;
-use crate::weights::Weights;
+use crate::weights::{Weight, Weights};
 use chladni_frf::{Error, Finding, MeasuredField, ModalModel, Result};
 
 /// A model with poles as fields tell them.
@@ -46,7 +47,8 @@ pub fn poles_of_fields(
         return Err(Error::bad_data("no field to follow")
             .field("field")
             .found("none")
-            .expected("at least one pair of weights and measured field"));
+            .expected("at least one pair of weights and measured field")
+            .help("play weights, measure the field, and give both"));
     };
     let frequency_hz = first.frequency_hz;
     let operator = Operator::of_model(model, frequency_hz, None)?;
@@ -65,20 +67,17 @@ pub fn poles_of_fields(
         return Err(Error::bad_data("the model has no mode to follow")
             .field("modes")
             .found("none in the band")
-            .expected("at least one mode"));
+            .expected("at least one mode")
+            .help("give a model whose band holds the modes near the drive"));
     }
     let told = parts.update(&seen, None, &Tried::OF_SHIFT)?;
     let mut moved = model.clone();
-    for (k, n) in super::calibrated::movable_modes(model)
-        .into_iter()
-        .enumerate()
-    {
+    for (k, n) in movable_modes(model).into_iter().enumerate() {
         let mode = &mut moved.modes[n];
         let (hz, loss_factor) = told.moved_pole(k, mode, model.damping, frequency_hz);
-        let std = mode.frequency_std_hz / mode.frequency_hz;
         mode.frequency_hz = hz;
-        mode.frequency_std_hz = hz * std.hypot(told.shift_std[k]);
-        mode.damping_ratio *= loss_factor / mode.loss_factor;
+        mode.frequency_std_hz = mode.frequency_std_hz.hypot(hz * told.shift_std[k]);
+        mode.damping_ratio = loss_factor / 2.0;
         // (1 + δ)² turns the square of ω_n by twice the imaginary part
         mode.loss_factor_std = mode.loss_factor_std.hypot(2.0 * told.damping_std[k]);
         mode.loss_factor = loss_factor;
@@ -87,7 +86,7 @@ pub fn poles_of_fields(
         .shifts
         .iter()
         .map(|shift| (shift.re - told.common).powi(2));
-    let found = PolesOfFields {
+    let mut found = PolesOfFields {
         common_shift: told.common,
         common_shift_std: told.common_std,
         own_shifts_rms: (own.sum::<f64>() / told.shifts.len() as f64).sqrt(),
@@ -95,7 +94,6 @@ pub fn poles_of_fields(
     };
     findings.push(followed(&found, seen.len()));
     findings.extend(unexplained(&told));
-    let mut found = found;
     found.model.quality.findings.extend(findings);
     Ok(found)
 }
@@ -114,13 +112,14 @@ fn drive_of(weights: &Weights, operator: &Operator, frequency_hz: f64) -> Result
         return Err(Error::bad_data("the weights are in another unit")
             .field("weights.unit")
             .found(weights.unit())
-            .expected(format!("{}, the unit of the model", operator.unit)));
+            .expected(format!("{}, the unit of the model", operator.unit))
+            .help("give the weights that were rendered with this model"));
     }
-    let known = |weight: &&crate::weights::Weight| {
+    let is_unknown = |weight: &&Weight| {
         let mut references = operator.references.iter();
         !references.any(|reference| reference.same_axis(weight.reference))
     };
-    if let Some(unknown) = weights.weights.iter().find(known) {
+    if let Some(unknown) = weights.weights.iter().find(is_unknown) {
         return Err(Error::bad_data("the model has no such actuator")
             .field("weights")
             .found(unknown.reference)

@@ -12,18 +12,17 @@ use crate::data::screening::{enough, lines_left_out, Screened};
 use crate::data::source::{Source, Way};
 use crate::pieces::error::PieceError;
 use crate::pieces::limits;
-use crate::pieces::partial::{sums, Block, Partial, ProductSums, SketchSums, Sums};
+use crate::pieces::partial::SketchSums;
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{DofWeights, Matrix, Pass, Poles};
+use crate::pieces::whole::{none, Set, Whole, WholeProducts};
 use crate::poles::passes::on_all_lines;
-use chladni_frf::{Damping, Dof, Error, Finding, Node};
-use chladni_linalg::blocked::{blocked_matmul_h, projected};
+use chladni_frf::{Damping, Error, Finding};
+use chladni_linalg::blocked::projected;
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
 use num_complex::Complex64;
-use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
-use std::sync::Arc;
 
 /// The reason that a fit of merged partials does not go on.
 #[derive(Debug)]
@@ -76,90 +75,6 @@ impl Deref for Merged<'_> {
     fn deref(&self) -> &DataLayout {
         &self.head
     }
-}
-
-/// Sums of a partial, brought into one.
-pub(crate) struct Whole {
-    pub plan: Plan,
-    poles: Option<Arc<Poles>>,
-    set: Set,
-    sketch: Option<SketchSums>,
-    products: Option<WholeProducts>,
-}
-
-/// The FRFs of all blocks, row by row.
-struct Set {
-    responses: Arc<[Dof]>,
-    references: Arc<[Dof]>,
-    nodes: Arc<[Node]>,
-    pairs: Arc<[(usize, usize)]>,
-    energy: Arc<[f64]>,
-    given: Option<(Giver, Vec<f64>)>,
-}
-
-/// Products of all blocks. R₀ stays in pieces: of a million FRFs it must not be in memory
-/// twice.
-#[derive(Debug)]
-struct WholeProducts {
-    t: Array2<f64>,
-    gram: Array2<f64>,
-    /// R₀ of each block, (unknown, FRF).
-    r0: Vec<Matrix<f64>>,
-    /// Column of R₀ of each FRF, one block after another.
-    place: Vec<usize>,
-}
-
-impl WholeProducts {
-    /// XᵀR₀ of an X.
-    fn turned(&self, x: &Array2<f64>) -> Array2<f64> {
-        let mut all = Array2::zeros((x.ncols(), self.place.len()).f());
-        let mut place = self.place.iter();
-        for r0 in &self.r0 {
-            let part = blocked_matmul_h(x.view(), r0.view());
-            for (values, &column) in part.columns().into_iter().zip(&mut place) {
-                all.column_mut(column).assign(&values);
-            }
-        }
-        all
-    }
-}
-
-impl Whole {
-    /// Of all blocks of `partial`.
-    ///
-    /// # Errors
-    /// No block, no sums, an FRF that stands in two.
-    pub fn new(partial: Partial) -> Result<Self, Error> {
-        let Partial {
-            plan,
-            poles,
-            blocks,
-            runs,
-        } = partial;
-        let (set, order) = whole(&blocks)?;
-        let Sums { sketch, products } = sums(runs).ok_or_else(none)?;
-        let of_sums = |ProductSums { t, gram }: ProductSums| WholeProducts {
-            t: t.array(),
-            gram: gram.array(),
-            r0: blocks.into_iter().filter_map(|block| block.r0).collect(),
-            place: places(&order),
-        };
-        Ok(Self {
-            plan,
-            poles,
-            set,
-            sketch,
-            products: products.map(of_sums),
-        })
-    }
-}
-
-fn none() -> Error {
-    Error::bad_data("nothing to solve")
-        .field("blocks")
-        .found("none")
-        .expected("at least one")
-        .help("reduce a block first")
 }
 
 impl<'a> Merged<'a> {
@@ -437,74 +352,4 @@ fn with_dofs(head: DataLayout, set: &Set) -> DataLayout {
         energy: set.energy.clone(),
         ..head
     }
-}
-
-/// DOFs and FRFs of all blocks, row by row; for each FRF its place among those of the
-/// blocks one after another.
-fn whole(blocks: &[Block]) -> Result<(Set, Vec<usize>), Error> {
-    fn place(all: &mut Vec<Dof>, known: &mut HashMap<Dof, usize>, dof: Dof) -> usize {
-        *known.entry(dof).or_insert_with(|| {
-            all.push(dof);
-            all.len() - 1
-        })
-    }
-    let (mut responses, mut references) =
-        ((Vec::new(), HashMap::new()), (Vec::new(), HashMap::new()));
-    let mut nodes: Vec<Node> = Vec::new();
-    let mut labels = HashSet::new();
-    let (mut pairs, mut energy) = (Vec::new(), Vec::new());
-    let mut given: Option<(Giver, Vec<f64>)> = None;
-    for block in blocks {
-        let rows: Vec<usize> = block
-            .responses
-            .iter()
-            .map(|&dof| place(&mut responses.0, &mut responses.1, dof))
-            .collect();
-        let columns: Vec<usize> = block
-            .references
-            .iter()
-            .map(|&dof| place(&mut references.0, &mut references.1, dof))
-            .collect();
-        pairs.extend(block.pairs.iter().map(|&(i, j)| (rows[i], columns[j])));
-        energy.extend(&block.energy);
-        if let Some((giver, noise)) = &block.given {
-            let all = given.get_or_insert((*giver, Vec::new()));
-            all.1.extend(noise.iter().filter(|_| all.0 == *giver));
-        }
-        nodes.extend(block.nodes.iter().filter(|node| labels.insert(node.label)));
-    }
-    let mut order: Vec<usize> = (0..pairs.len()).collect();
-    order.sort_by_key(|&l| pairs[l]);
-    if let Some(twice) = order.windows(2).find(|two| pairs[two[0]] == pairs[two[1]]) {
-        let (i, j) = pairs[twice[0]];
-        return Err(Error::bad_data("an FRF stands in two blocks")
-            .field("response and reference")
-            .found(format!("{} from {}", responses.0[i], references.0[j]))
-            .expected("every FRF once")
-            .help("cut the data into blocks that share no FRF"));
-    }
-    let set = Set {
-        responses: responses.0.into(),
-        references: references.0.into(),
-        nodes: nodes.into(),
-        pairs: order.iter().map(|&l| pairs[l]).collect(),
-        // without products of every block there are no energies of every FRF
-        energy: in_turn(&energy, &order).unwrap_or_default().into(),
-        given: given.and_then(|(giver, noise)| Some((giver, in_turn(&noise, &order)?))),
-    };
-    Ok((set, order))
-}
-
-/// Values of all FRFs in this order; `None` where some have none.
-fn in_turn(values: &[f64], order: &[usize]) -> Option<Vec<f64>> {
-    (values.len() == order.len()).then(|| order.iter().map(|&l| values[l]).collect())
-}
-
-/// For each FRF its place in this order.
-fn places(order: &[usize]) -> Vec<usize> {
-    let mut places = vec![0; order.len()];
-    for (place, &l) in order.iter().enumerate() {
-        places[l] = place;
-    }
-    places
 }

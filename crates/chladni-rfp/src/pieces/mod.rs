@@ -30,6 +30,7 @@ pub(crate) mod poles;
 pub(crate) mod second_pass;
 pub(crate) mod solve;
 pub(crate) mod sound;
+pub(crate) mod whole;
 
 pub use block::{reduce, Reducer};
 pub use error::PieceError;

@@ -5,9 +5,10 @@ use crate::data::watch::{CancelToken, Watch};
 use crate::driver::walk;
 use crate::methods::auto::Fit;
 use crate::pieces::error::PieceError;
-use crate::pieces::merged::{Merged, Stop, Whole};
+use crate::pieces::merged::{Merged, Stop};
 use crate::pieces::partial::Partial;
 use crate::pieces::poles::Poles;
+use crate::pieces::whole::Whole;
 use chladni_linalg::blocked::in_pool;
 
 /// The result of merged partials.

@@ -43,6 +43,16 @@ impl Rig {
         self
     }
 
+    /// Natural frequencies that all differ by a factor 1 + `shift`: temperature.
+    pub fn shifted(mut self, shift: f64) -> Self {
+        let mut panel = super::truth().clone();
+        for mode in &mut panel.modes {
+            mode.frequency_hz *= 1.0 + shift;
+        }
+        self.mobility = panel.frf_matrix(FrfKind::Mobility, self.frequency_hz);
+        self
+    }
+
     /// One channel with another gain.
     pub fn channel(mut self, channel: usize, gain: f64) -> Self {
         self.gains[channel] = gain.into();
