@@ -42,6 +42,9 @@ pub(crate) struct Problem {
     pub(crate) threshold_m_per_s: f64,
     /// Force or voltage limits.
     pub(crate) drive_limits: DriveLimits,
+    /// κ of the responses that the ground between them may not cost:
+    /// `tolerances::KAPPA_LEAST`, more where a field was measured.
+    pub(crate) kappa_least: f64,
 }
 
 /// Limits of the drive, N or V; infinite where there is none.
@@ -117,6 +120,7 @@ impl Problem {
             limits,
             threshold_m_per_s: limits.threshold_m_per_s,
             drive_limits,
+            kappa_least: tolerances::KAPPA_LEAST,
         }
     }
 

@@ -139,6 +139,8 @@ impl Setup {
     }
 
     /// The same with an operator that measured fields have corrected, and its covariance.
+    /// What is measured comes first: the ground between the responses, which no field
+    /// shows, takes only the κ that these can spare.
     ///
     /// # Errors
     /// Those of the factorisation of the covariance.
@@ -150,6 +152,7 @@ impl Setup {
         let none = Array2::zeros((0, mobility.ncols()));
         let mut setup = self.with_model(mobility, none, self.modes.clone());
         setup.problem.covariance = Covariance::of_gram(covariance)?;
+        setup.problem.kappa_least = setup.problem.kappa_of_confidence();
         Ok(setup)
     }
 

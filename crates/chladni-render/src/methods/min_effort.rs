@@ -20,7 +20,7 @@ pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, effort: Effort) -
     let (kappa, drive) = climb.reach_kappa(&start, problem.kappa_of_confidence())?;
     if kappa == 0.0 {
         // nothing keeps every limit: whoever serves more responses
-        let mut contest = mls::Contest::new(problem, problem, tolerances::KAPPA_LEAST);
+        let mut contest = mls::Contest::new(problem, problem, problem.kappa_least);
         contest.offer(problem, &start);
         contest.offer(problem, &drive);
         return Ok(Solution::of_drive(contest.into_best()));

@@ -9,8 +9,8 @@
 //! falls with the first error of the model.
 //!
 //! Rows interpolated between the responses take part, too. Where κ would fall below
-//! `tolerances::KAPPA_LEAST` with all of them, the responses keep that much, and as
-//! much of the ground between them is served as that leaves. The climb starts from `mls`,
+//! `Problem::kappa_least` with all of them, the responses keep that much, and as much of
+//! the ground between them is served as that leaves. The climb starts from `mls`,
 //! and where no drive serves every response, the one of both is taken that serves more.
 
 use crate::climb::Climb;
@@ -66,9 +66,9 @@ fn climb_from(setup: &Setup, starts: &[Drive], effort: Effort) -> Result<Drive> 
         .map(|rows| problem.with_between(rows, 1.0));
     let on = ground.as_ref().unwrap_or(problem);
     let contest =
-        |most| mls::Contest::new(problem, on, tolerances::KAPPA_LEAST).at_least_force(most);
+        |most| mls::Contest::new(problem, on, problem.kappa_least).at_least_force(most);
     let (mut served, mut others) = (contest(enough), contest(f64::INFINITY));
-    let serves = |kappa: f64| kappa >= tolerances::KAPPA_LEAST * (1.0 - tolerances::SAME_KAPPA);
+    let serves = |kappa: f64| kappa >= problem.kappa_least * (1.0 - tolerances::SAME_KAPPA);
     let mut most = 0.0;
     for (number, start) in starts.iter().take(effort.starts.max(1)).enumerate() {
         others.offer(problem, start);
@@ -95,7 +95,7 @@ fn climb_from(setup: &Setup, starts: &[Drive], effort: Effort) -> Result<Drive> 
         others.offer(on, &drive);
         if ground.is_some() {
             let asked = Asked {
-                kappa: tolerances::KAPPA_LEAST,
+                kappa: problem.kappa_least,
                 factor: 1.0,
             };
             others.offer_as_is(&by_need()?.serve_ground(on_points, asked)?);
