@@ -235,6 +235,12 @@ impl Problem {
         (sums[0] / self.rows.hot as f64).min(sums[1] / self.rows.cold() as f64)
     }
 
+    /// For a mobility that fields have corrected: the ground between the responses, which no
+    /// field shows, takes only the κ that these can spare.
+    pub(crate) fn put_responses_first(&mut self) {
+        self.kappa_least = self.kappa_of_confidence();
+    }
+
     /// κ at which every row keeps its limit with `tolerances::CONFIDENCE`, or more
     /// (theory.md, section 10).
     pub(crate) fn kappa_of_confidence(&self) -> f64 {

@@ -72,7 +72,9 @@ impl Setup {
             .help("choose a less sensitive frequency")
         }));
         let learned = scene.learned.as_deref();
-        let covariance = match learned.and_then(|known| known.covariance_of(&operator)) {
+        let told = learned.and_then(|known| known.covariance_of(&operator));
+        let measured = told.is_some();
+        let covariance = match told {
             Some(gram) => Covariance::of_gram(gram)?,
             None => {
                 let drift = scene.drift.as_ref().unwrap_or(drift);
@@ -89,7 +91,10 @@ impl Setup {
             positions_m,
             &zones,
         );
-        let problem = Problem::new(rows, covariance, limits, drive_limits);
+        let mut problem = Problem::new(rows, covariance, limits, drive_limits);
+        if measured {
+            problem.put_responses_first();
+        }
         let counts =
             |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
         let modes = (0..model.modes.len()).filter(counts).collect();
@@ -139,8 +144,6 @@ impl Setup {
     }
 
     /// The same with an operator that measured fields have corrected, and its covariance.
-    /// What is measured comes first: the ground between the responses, which no field
-    /// shows, takes only the κ that these can spare.
     ///
     /// # Errors
     /// Those of the factorisation of the covariance.
@@ -152,7 +155,7 @@ impl Setup {
         let none = Array2::zeros((0, mobility.ncols()));
         let mut setup = self.with_model(mobility, none, self.modes.clone());
         setup.problem.covariance = Covariance::of_gram(covariance)?;
-        setup.problem.kappa_least = setup.problem.kappa_of_confidence();
+        setup.problem.put_responses_first();
         Ok(setup)
     }
 

@@ -79,8 +79,22 @@ pub fn calibrate(
     let covariance = operator
         .covariance
         .mapv(|value| value * learned.inflation());
-    let corrected = setup.with_operator(operator.mobility.clone(), covariance)?;
-    let solution = Method::Robust.solve(&corrected, model, options.effort, None)?;
+    let barred = |share: f64| {
+        let covariance = covariance.mapv(|value| value * share);
+        setup.with_operator(operator.mobility.clone(), covariance)
+    };
+    let corrected = barred(1.0)?;
+    let solve = |setup: &Setup| Method::Robust.solve(setup, model, options.effort, None);
+    let mut solution = solve(&corrected)?;
+    let expected = |drive| corrected.problem.expected_ratio(drive);
+    let surest = expected(&solution.drive);
+    if surest < tolerances::DARE_BELOW {
+        // the surest drive is sure of nothing: one that trusts the operator more may serve more
+        let daring = solve(&barred(tolerances::DARING)?)?;
+        if expected(&daring.drive) > surest {
+            solution = daring;
+        }
+    }
     findings.extend(solution.findings);
     let given = best_of(&corrected, solution.drive, &seen);
     let correction = corrected_by(&setup, &seen, &learned, &given);

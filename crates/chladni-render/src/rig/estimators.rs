@@ -36,7 +36,14 @@ pub(super) fn estimate(
     seen: &[Seen],
     before: Option<&Structured>,
 ) -> Result<Estimators> {
-    let structured = parts.update(seen, before, &Tried::OF_RIG)?;
+    let mut structured = parts.update(seen, None, &Tried::OF_RIG)?;
+    if before.is_some() {
+        // an odd channel that fewer fields spoke for can hold the search where it is
+        let gone_on = parts.update(seen, before, &Tried::OF_RIG)?;
+        if gone_on.ln_evidence >= structured.ln_evidence {
+            structured = gone_on;
+        }
+    }
     let share = Complex64::from(tolerances::DESIGN_SHARE);
     let mut remainder = KalmanOperator {
         mobility: structured.mobility.clone(),

@@ -18,6 +18,8 @@ use std::f64::consts::TAU;
 pub(crate) struct Structured {
     /// Scales of the largest evidence.
     pub(crate) scales: Scales,
+    /// ln of that evidence, to a constant of the fields.
+    pub(crate) ln_evidence: f64,
     /// Channels that are odd.
     pub(crate) odd: Vec<usize>,
     /// Gain error of each channel.
@@ -72,6 +74,7 @@ impl Parts {
         let of = |at: usize| Complex64::new(theta[at], theta[at + 1]);
         Ok(Structured {
             scales: best.scales,
+            ln_evidence: best.ln_evidence,
             gains: (0..count).map(|i| of(2 * i)).collect(),
             common: theta[theta.len() - 1],
             common_std: best.covariance[[theta.len() - 1, theta.len() - 1]].sqrt(),
@@ -204,6 +207,7 @@ mod tests {
                     common: 0.0,
                     modes: 0.0,
                 },
+                ln_evidence: 0.0,
                 odd: Vec::new(),
                 gains: Array1::zeros(1),
                 common: 0.0,

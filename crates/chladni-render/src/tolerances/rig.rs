@@ -69,6 +69,13 @@ pub const STRUCTURED_CHANGE: f64 = 1e-3;
 /// its gains and poles: what these cannot express.
 pub const DESIGN_SHARE: f64 = 0.1;
 
+/// Share of hot and cold responses that a corrected drive is expected to serve, below which
+/// one that trusts the operator more is tried: above it the surest drive was the better one.
+pub const DARE_BELOW: f64 = 0.9;
+
+/// Share of the covariance that this one believes in. A hundredth served no more rigs.
+pub const DARING: f64 = 0.1;
+
 /// NIS of a corrected prediction above which a field was not what was foretold.
 pub const SCAN_NIS: f64 = 3.0;
 
