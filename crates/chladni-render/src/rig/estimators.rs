@@ -36,12 +36,12 @@ pub(super) fn estimate(
     seen: &[Seen],
     before: Option<&Structured>,
 ) -> Result<Estimators> {
-    let mut structured = parts.update(seen, None, &Tried::OF_RIG)?;
-    if before.is_some() {
-        // an odd channel that fewer fields spoke for can hold the search where it is
-        let gone_on = parts.update(seen, before, &Tried::OF_RIG)?;
-        if gone_on.ln_evidence >= structured.ln_evidence {
-            structured = gone_on;
+    let mut structured = parts.update(seen, before, &Tried::OF_RIG)?;
+    if before.is_some_and(|before| !before.odd.is_empty()) {
+        // a channel that fewer fields called odd can hold the search where it is
+        let anew = parts.update(seen, None, &Tried::OF_RIG)?;
+        if anew.ln_evidence > structured.ln_evidence {
+            structured = anew;
         }
     }
     let share = Complex64::from(tolerances::DESIGN_SHARE);
