@@ -22,6 +22,14 @@ pub struct Drift {
 }
 
 impl Drift {
+    /// The same with at least this error of each actuator's force.
+    pub(crate) fn with_drive_error(self, least: f64) -> Self {
+        Self {
+            drive_relative: self.drive_relative.max(least),
+            ..self
+        }
+    }
+
     /// The keys of `[drift]` in a scene, and the values here.
     pub(crate) fn named(&self) -> [(&'static str, f64); 5] {
         [

@@ -29,10 +29,11 @@ impl Estimators {
     }
 }
 
-/// Both estimators from all fields so far; `first` is the model with its error bars.
+/// Both estimators from all fields so far; `first` is the model with its error bars, `open`
+/// the same with those that the operator update alone starts from.
 pub(super) fn estimate(
     parts: &Parts,
-    first: &KalmanOperator,
+    [first, open]: [&KalmanOperator; 2],
     seen: &[Seen],
     before: Option<&Structured>,
 ) -> Result<Estimators> {
@@ -49,7 +50,7 @@ pub(super) fn estimate(
         mobility: structured.mobility.clone(),
         covariance: &structured.covariance + &first.covariance.mapv(|value| value * share),
     };
-    let mut kalman = first.clone();
+    let mut kalman = open.clone();
     for seen in seen {
         for operator in [&mut remainder, &mut kalman] {
             let velocity = seen.phased(&operator.mobility);

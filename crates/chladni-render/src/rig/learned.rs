@@ -14,6 +14,7 @@ use super::kalman::KalmanOperator;
 use super::parts::Parts;
 use super::prior::design;
 use super::seen::Seen;
+use crate::drift::Drift;
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
@@ -39,12 +40,15 @@ impl Learned {
     ) -> Result<Self> {
         let drift = &scene.drift.unwrap_or_default();
         let all: Vec<usize> = (0..setup.operator.responses.len()).collect();
-        let design = design(model, &setup.operator, scene, drift)?;
         let parts = Parts::new(model, &setup.operator);
-        let first = KalmanOperator {
-            mobility: setup.operator.mobility.clone(),
-            covariance: design.gram().clone(),
+        let unmeasured = |drift: &Drift| -> Result<KalmanOperator> {
+            Ok(KalmanOperator {
+                mobility: setup.operator.mobility.clone(),
+                covariance: design(model, &setup.operator, scene, drift)?.gram().clone(),
+            })
         };
+        let first = unmeasured(drift)?;
+        let open = unmeasured(&drift.with_drive_error(tolerances::OPERATOR_DRIVE_ERROR))?;
         let mut learned: Option<Self> = None;
         for (count, newest) in (1..).zip(seen) {
             let whole = newest.rows.len() == all.len();
@@ -64,7 +68,7 @@ impl Learned {
                 }
                 None => nis.push(score(&first, newest)),
             }
-            let estimators = estimate(&parts, &first, &seen[..count], before.as_ref())?;
+            let estimators = estimate(&parts, [&first, &open], &seen[..count], before.as_ref())?;
             let largest = tolerances::MODE_SCALES[tolerances::MODE_SCALES.len() - 1];
             if count == 1 && whole && estimators.structured.scales.modes >= largest {
                 chosen = Estimator::Kalman;

@@ -7,14 +7,6 @@ use crate::scene::Scene;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Result};
 
-/// The drift with at least the error of amplifiers that every rig has.
-fn rig_drift(drift: Drift) -> Drift {
-    Drift {
-        drive_relative: drift.drive_relative.max(tolerances::RIG_DRIVE_ERROR),
-        ..drift
-    }
-}
-
 /// The drift that a prediction has: of a rig whose gains nobody has measured at least the
 /// usual error of amplifiers.
 ///
@@ -24,7 +16,7 @@ pub(crate) fn prior_drift(asked: &Scene, scene: &Scene, default: Drift) -> Drift
     let calibration = asked.actuators.calibration.as_deref();
     match calibration.and_then(|known| known.gain_error(asked.frequency_hz)) {
         Some(_) => drift,
-        None => rig_drift(drift),
+        None => drift.with_drive_error(tolerances::RIG_DRIVE_ERROR),
     }
 }
 
