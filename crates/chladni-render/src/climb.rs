@@ -65,7 +65,10 @@ impl<'a> Climb<'a> {
             return Ok(drive);
         }
         let asked = Asked {
-            kappa: f64::max(kappa * tolerances::KEEP, kappa.min(self.problem.kappa_least)),
+            kappa: f64::max(
+                kappa * tolerances::KEEP,
+                kappa.min(self.problem.kappa_least),
+            ),
             factor: 1.0,
         };
         let drive = self.lower_peak(drive, asked)?;
