@@ -11,9 +11,8 @@ use std::sync::Arc;
 
 /// Rigs of each kind.
 const RIGS: u64 = 3;
-/// Share that corrections reach as yet, mean of the smaller of hot and cold ratio; the
-/// goal is 0.99.
-const REACHED: f64 = 0.93;
+/// Share that corrections must reach, mean of the smaller of hot and cold ratio.
+const REACHED: f64 = 0.99;
 /// Noise of the scanner over the rms of its field.
 const NOISE: f64 = 0.01;
 
@@ -119,23 +118,24 @@ fn one_field_mends_gains_and_channels() {
     for gain in [0.0, -1.0] {
         let rig = |seed| Rig::new(300.0, seed).channel(channel(seed), gain);
         let means = course(1, rig, |field| field);
-        assert!(means[0] < 0.9 && means[1] >= 0.99, "{gain}: {means:?}");
+        assert!(means[0] < 0.9 && means[1] >= REACHED, "{gain}: {means:?}");
     }
 }
 
 #[test]
-fn two_fields_mend_most_of_a_mass_that_stays() {
-    let mass = Finger::of_mass(0.5e-3);
-    let rig = |seed| Rig::new(300.0, seed).loaded(&mass, [0.06 + 0.02 * seed as f64, 0.06]);
-    let means = course(2, rig, |field| field);
-    assert!(means[2] >= REACHED, "{means:?}");
+fn two_fields_mend_a_mass_or_a_finger_that_stays() {
+    for load in [Finger::of_mass(0.5e-3), Finger::default()] {
+        let rig = |seed| Rig::new(300.0, seed).loaded(&load, [0.06 + 0.02 * seed as f64, 0.06]);
+        let means = course(2, rig, |field| field);
+        assert!(means[2] >= REACHED, "{load:?}: {means:?}");
+    }
 }
 
 #[test]
 fn eight_points_or_magnitudes_alone_mend_a_dead_channel_in_two_fields() {
     let rig = |seed| Rig::new(300.0, seed).channel(channel(seed), 0.0);
     let means = course(2, rig, magnitudes);
-    assert!(means[2] >= 0.99, "magnitudes: {means:?}");
+    assert!(means[2] >= REACHED, "magnitudes: {means:?}");
     let eight = |mut field: MeasuredField| {
         let mut number = 0;
         field.points.retain(|_| {
@@ -146,7 +146,7 @@ fn eight_points_or_magnitudes_alone_mend_a_dead_channel_in_two_fields() {
         field
     };
     let means = course(2, rig, eight);
-    assert!(means[2] >= 0.99, "8 points: {means:?}");
+    assert!(means[2] >= REACHED, "8 points: {means:?}");
 }
 
 #[test]
