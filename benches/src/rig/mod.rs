@@ -276,7 +276,19 @@ fn drive_of(rendering: &Rendering) -> Array1<Complex64> {
 mod tests {
     use super::*;
 
-    /// Mean share after `fields` fields, corner of the glass panel.
+    /// Two rigs of the corner scene, from a seed on.
+    fn corner(error: RigError, first_seed: u64, fields: usize) -> Vec<RigRow> {
+        let options = RigOptions {
+            errors: vec![error],
+            rigs: 2,
+            first_seed,
+            fields,
+            corner_only: true,
+        };
+        rigs(&options, &mut Journal::none(), &|_| {}).unwrap()
+    }
+
+    /// Mean share after so many fields.
     fn mean(rows: &[RigRow], way: RigWay, fields: usize) -> f64 {
         let counts = |row: &&RigRow| row.way == way && row.fields == fields;
         crate::statistics::mean(rows.iter().filter(counts).map(|row| row.min_ratio))
@@ -284,32 +296,17 @@ mod tests {
 
     #[test]
     fn one_field_mends_a_dead_channel_and_learning_does_not() {
-        let options = RigOptions {
-            errors: vec![RigError::Dead],
-            rigs: 2,
-            first_seed: 0,
-            fields: 1,
-            corner_only: true,
-        };
-        let rows = rigs(&options, &mut Journal::none(), &|_| {}).unwrap();
-        let [corrected, learned] =
-            [RigWay::Correct, RigWay::Learning].map(|way| mean(&rows, way, 1));
-        assert!(mean(&rows, RigWay::Unchanged, 1) < 0.9, "{rows:?}");
+        let rows = corner(RigError::Dead, 0, 1);
+        let mean = |way| mean(&rows, way, 1);
+        let [corrected, learned] = [RigWay::Correct, RigWay::Learning].map(mean);
+        assert!(mean(RigWay::Unchanged) < 0.9, "{rows:?}");
         assert!(corrected >= 0.99 && corrected > learned, "{rows:?}");
     }
 
     #[test]
     fn two_fields_mend_two_fingers_that_stay() {
-        let options = RigOptions {
-            errors: vec![RigError::Fingers],
-            rigs: 2,
-            first_seed: 17,
-            fields: 2,
-            corner_only: true,
-        };
-        let rows = rigs(&options, &mut Journal::none(), &|_| {}).unwrap();
+        let rows = corner(RigError::Fingers, 17, 2);
         // 0.92 where the operator update starts from the errors of amplifiers
-        let corrected = mean(&rows, RigWay::Correct, 2);
-        assert!(corrected >= 0.98, "{rows:?}");
+        assert!(mean(&rows, RigWay::Correct, 2) >= 0.98, "{rows:?}");
     }
 }

@@ -79,7 +79,8 @@ pub const OPERATOR_DRIVE_ERROR: f64 = 0.15;
 /// one that trusts the operator more is tried. 0.98 serves no more rigs.
 pub const DARE_BELOW: f64 = 0.9;
 
-/// Share of the covariance that this one believes in. A hundredth and a thousandth, tried as well, serve no more rigs.
+/// Share of the covariance that this one believes in. A hundredth and a thousandth, tried as
+/// well, serve no more rigs.
 pub const DARING: f64 = 0.1;
 
 /// NIS of a corrected prediction above which a field was not what was foretold.
