@@ -6,7 +6,6 @@
 //! (`measured/impulse.rs`), missing values (`data/screening.rs`).
 
 use crate::checks::case::{Case, Checked};
-use crate::checks::force_drop::force_drop;
 use crate::checks::{delay, hidden, kind, moving, reciprocal, split, window_bias};
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
@@ -47,12 +46,7 @@ pub(crate) fn examine(
         white,
         noise_variance,
     };
-    let drop = force_drop(&case);
     let found: Vec<Checked> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();
-    if let Some(drop) = drop {
-        drop.hold(model);
-        model.quality.findings.push(drop.finding());
-    }
     for checked in found {
         model.quality.trusted &= checked.finding.severity != Severity::Fault;
         for (n, reason) in checked.weak {

@@ -25,13 +25,6 @@ pub(super) const TRIAL_STEP: f64 = 0.25;
 /// Most trial delays on either side: taste.
 pub(super) const TRIALS_MOST: usize = 20_000;
 
-// force_drop.rs
-
-/// Ratios of decays that are tried; the first is an even force, the last a drop of 30 dB.
-pub(super) const DROPS: [f64; 9] = [1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0, 18.0, 32.0];
-/// Lines per half-power bandwidth from which on the shape of a line tells a drop.
-pub(super) const DROP_LINES: f64 = 1.5;
-
 // hidden.rs
 
 /// Poles around such a place that may take over what a mode there would add.
@@ -81,8 +74,6 @@ pub(super) const SHARPENED_MOST: f64 = 0.7;
 pub(super) const LINE_SHAPE_STEP: f64 = 0.5;
 /// Length of a step that did not serve, over that before.
 pub(super) const LINE_SHAPE_SHORTER: f64 = 0.3;
-/// Decays over which derivatives are differences.
-pub(super) const LINE_SHAPE_DIFFERENCE: f64 = 1e-4;
 
 // moving.rs
 

@@ -87,7 +87,7 @@ impl LineShapes {
 }
 
 /// The lines around a mode that stands alone, without what the model says of all else.
-pub(super) struct Isolated {
+struct Isolated {
     /// jω of each line, rad/s.
     s: Vec<Complex64>,
     /// Its strongest FRFs, (line, FRF).
@@ -98,7 +98,7 @@ pub(super) struct Isolated {
 
 impl Isolated {
     /// `None` where another of `modes` stands near, or lines are too few.
-    pub fn new(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<Self> {
+    fn new(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<Self> {
         let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
         let near = |other: &&Mode| {
             *other != mode
@@ -120,19 +120,14 @@ impl Isolated {
     ///
     /// # Errors
     /// A kernel that fails.
-    pub fn fitted(&self, shape: &LineShape, shift: f64) -> Result<Fitted, LinalgError> {
+    fn fitted(&self, shape: &LineShape, shift: f64) -> Result<Fitted, LinalgError> {
         best(&self.s, &self.own, shape, self.pole + shift)
     }
 
     /// Log-likelihood up to a constant: a noise level of its own is taken out.
-    pub fn log_likelihood(&self, fitted: &Fitted) -> f64 {
+    fn log_likelihood(&self, fitted: &Fitted) -> f64 {
         let free = (self.s.len() - limits::UNKNOWNS) as f64;
         -free * fitted.sse.max(f64::MIN_POSITIVE).ln()
-    }
-
-    /// Half-power bandwidth, rad/s.
-    pub fn bandwidth(&self) -> f64 {
-        -2.0 * self.pole.re
     }
 }
 
@@ -156,7 +151,6 @@ fn mode_scores(
         let shape = LineShape {
             kernel: kernel.as_ref(),
             record_s,
-            drop: 1.0,
         };
         Some(isolated.log_likelihood(&isolated.fitted(&shape, shift).ok()?))
     };
@@ -164,35 +158,31 @@ fn mode_scores(
 }
 
 /// The line that one pole leaves in the mean of H1.
-pub(super) struct LineShape<'a> {
+struct LineShape<'a> {
     /// The window of the records; `None`: a pure resonance.
-    pub kernel: Option<&'a WindowKernel>,
+    kernel: Option<&'a WindowKernel>,
     /// Their length, s.
-    pub record_s: f64,
-    /// Ratio d of decays of a force that drops at the resonance, S_ff ∝ |jω − s|²/|jω − p|²,
-    /// p = d·Re s + j·Im s; 1: an even force.
-    pub drop: f64,
+    record_s: f64,
 }
 
 impl LineShape<'_> {
-    /// On the lines `s` as one column, for a pole in rad/s, in units of the record length
-    /// (theory.md, eq. F4f).
-    fn column(&self, s: &[Complex64], pole: Complex64) -> Array2<Complex64> {
-        let value = |s: Complex64| -> Complex64 {
-            let Some(kernel) = self.kernel else {
-                return ((s - pole) * self.record_s).inv();
-            };
-            let of_force = Complex64::new(self.drop * pole.re, pole.im);
-            let g = kernel.value_and_slope((s - of_force) * self.record_s)[0];
-            let (drop, decay) = (self.drop, -pole.re * self.record_s);
-            (g - (1.0 - 1.0 / drop) * g.re) / (1.0 - (drop - 1.0 / drop) * decay * g.re)
+    /// On the lines `s` as one column, for a pole in rad/s, in units of the record length, and
+    /// its derivative by the pole.
+    fn columns(&self, s: &[Complex64], pole: Complex64) -> [Array2<Complex64>; 2] {
+        let value_and_slope = |s: &Complex64| -> [Complex64; 2] {
+            let z = (s - pole) * self.record_s;
+            let of_kernel = self.kernel.map(|kernel| kernel.value_and_slope(z));
+            of_kernel.unwrap_or_else(|| [z.inv(), -z.inv().powi(2)])
         };
-        Array2::from_shape_fn((s.len(), 1).f(), |(k, _)| value(s[k]))
+        let all: Vec<[Complex64; 2]> = s.iter().map(value_and_slope).collect();
+        let column = |of: usize, factor: f64| {
+            Array2::from_shape_fn((s.len(), 1).f(), |(k, _)| all[k][of] * factor)
+        };
+        [column(0, 1.0), column(1, -self.record_s)]
     }
 }
 
-/// Least sum of squares over the pole: variable projection, the real and the imaginary part
-/// two unknowns.
+/// Least sum of squares over the pole: variable projection.
 fn best(
     s: &[Complex64],
     own: &Array2<Complex64>,
@@ -202,7 +192,7 @@ fn best(
     let mut now = Fitted::new(s, own, shape, start)?;
     let mut damping = 1.0;
     for _ in 0..limits::STEPS {
-        let step = damping * now.step(s, shape);
+        let step = damping * now.step();
         let pole = now.pole;
         let step = if step.norm() > -limits::LINE_SHAPE_STEP * pole.re {
             step * (-limits::LINE_SHAPE_STEP * pole.re / step.norm())
@@ -223,13 +213,14 @@ fn best(
 }
 
 /// Linear part at one pole: the resonance, a constant and a slope.
-pub(super) struct Fitted {
+struct Fitted {
     /// The pole, rad/s.
-    pub pole: Complex64,
-    q: Array2<Complex64>,
+    pole: Complex64,
+    /// Derivative of the resonance by the pole, the span of the linear part taken out.
+    outside: Array2<Complex64>,
     residual: Array2<Complex64>,
     /// Coefficient of the resonance in each FRF.
-    pub strength: Vec<Complex64>,
+    strength: Vec<Complex64>,
     sse: f64,
 }
 
@@ -240,7 +231,7 @@ impl Fitted {
         shape: &LineShape,
         pole: Complex64,
     ) -> Result<Self, LinalgError> {
-        let resonance = shape.column(s, pole);
+        let [resonance, derivative] = shape.columns(s, pole);
         let (first, span) = (s[0].im, s[s.len() - 1].im - s[0].im);
         let basis = Array2::from_shape_fn((s.len(), 3).f(), |(k, c)| match c {
             0 => resonance[[k, 0]],
@@ -248,42 +239,32 @@ impl Fitted {
             _ => Complex64::new((s[k].im - first) / span, 0.0),
         });
         let (q, _) = qr_thin(basis.view())?;
-        let residual = own - &matmul(q.view(), matmul_h(q.view(), own.view()).view());
+        let beyond = |columns: &Array2<Complex64>| {
+            columns - &matmul(q.view(), matmul_h(q.view(), columns.view()).view())
+        };
+        let residual = beyond(own);
         let sse = residual.iter().map(|v| v.norm_sqr()).sum();
         let strength = lstsq(basis.view(), own.view())?.row(0).to_vec();
         Ok(Self {
             pole,
-            q,
+            outside: beyond(&derivative),
             residual,
             strength,
             sse,
         })
     }
 
-    /// Step of Gauss and Newton; a force that drops makes the column no analytic function of
-    /// the pole.
-    fn step(&self, s: &[Complex64], shape: &LineShape) -> Complex64 {
-        let h = limits::LINE_SHAPE_DIFFERENCE * self.pole.re;
-        let outside = [Complex64::ONE, Complex64::I].map(|along| {
-            let sides = [h, -h].map(|h| shape.column(s, self.pole + along * h));
-            let difference: Array2<Complex64> = (&sides[0] - &sides[1]) / Complex64::from(2.0 * h);
-            let inside = matmul_h(self.q.view(), difference.view());
-            difference - &matmul(self.q.view(), inside.view())
-        });
-        let power: f64 = self.strength.iter().map(|v| v.norm_sqr()).sum();
-        let product = |a: &Array2<Complex64>, b: &Array2<Complex64>| -> f64 {
-            a.iter().zip(b).map(|(a, b)| (a.conj() * b).re).sum::<f64>() * power
-        };
-        let slope = |a: &Array2<Complex64>| -> f64 {
-            let matched = matmul_h(a.view(), self.residual.view());
-            let each = matched.iter().zip(&self.strength);
-            each.map(|(m, r)| (m * r.conj()).re).sum()
-        };
-        let [re, im] = &outside;
-        let (a, b, c) = (product(re, re), product(re, im), product(im, im));
-        let (p, q) = (slope(re), slope(im));
-        let determinant = (a * c - b * b).max(f64::MIN_POSITIVE);
-        Complex64::new(c * p - b * q, a * q - b * p) / determinant
+    /// Step of Gauss and Newton.
+    fn step(&self) -> Complex64 {
+        let square = |values: &[Complex64]| values.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let stretch = square(self.outside.as_slice_memory_order().unwrap_or_default());
+        let matched = matmul_h(self.outside.view(), self.residual.view());
+        let slope: Complex64 = matched
+            .iter()
+            .zip(&self.strength)
+            .map(|(m, r)| m * r.conj())
+            .sum();
+        slope / (stretch * square(&self.strength)).max(f64::MIN_POSITIVE)
     }
 }
 
@@ -291,91 +272,29 @@ impl Fitted {
 mod tests {
     use super::*;
 
-    /// Power of the transform of a Hann window, `x` cycles per record from its middle, up to
-    /// a factor.
-    fn hann_power(x: f64) -> f64 {
-        let turn = std::f64::consts::PI * x;
-        let near = |value: f64| (x.abs() - value).abs() < 1e-9;
-        let value = if near(0.0) {
-            1.0
-        } else if near(1.0) {
-            0.5
-        } else {
-            turn.sin() / (turn * (1.0 - x * x))
-        };
-        value * value
-    }
-
-    /// Mean cross spectrum over mean power of the force, summed over frequencies.
-    fn by_sum(line: Complex64, pole: Complex64, drop: f64, record_s: f64) -> Complex64 {
-        let mut sums = (Complex64::ZERO, 0.0);
-        for k in -2400..=2400 {
-            let cycles = f64::from(k) / 60.0;
-            let s = line + Complex64::new(0.0, TAU * cycles / record_s);
-            let of_force = Complex64::new(drop * pole.re, pole.im);
-            let power = hann_power(cycles) * (s - pole).norm_sqr() / (s - of_force).norm_sqr();
-            sums.0 += power / (s - pole);
-            sums.1 += power;
-        }
-        sums.0 / sums.1
-    }
-
     #[test]
-    fn the_line_of_a_force_that_drops_is_the_mean_of_its_spectra() {
+    fn the_window_of_a_line_is_told_and_its_pole_found() {
         let kernel = Window::Hann.kernel().unwrap();
-        let record_s = 2.0;
-        // two lines per half-power bandwidth
-        let pole = Complex64::new(-TAU * 0.5, TAU * 60.1);
-        let lines: Vec<Complex64> = (116..125)
-            .map(|k| Complex64::new(0.0, TAU * 0.5 * f64::from(k)))
-            .collect();
-        for drop in [1.0, 4.0, 31.6] {
-            let shape = LineShape {
-                kernel: Some(&kernel),
-                record_s,
-                drop,
-            };
-            let column = shape.column(&lines, pole);
-            for (line, value) in lines.iter().zip(&column) {
-                let expected = by_sum(*line, pole, drop, record_s);
-                let off = (value * record_s - expected).norm();
-                assert!(
-                    off < 1e-6 * expected.norm(),
-                    "drop {drop}, {line}: {value} for {expected}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn the_ratio_of_a_drop_is_found_with_its_pole() {
-        let kernel = Window::Hann.kernel().unwrap();
-        let shape = |drop: f64| LineShape {
-            kernel: Some(&kernel),
+        let shape = |kernel| LineShape {
+            kernel,
             record_s: 2.0,
-            drop,
         };
+        // two lines per half-power bandwidth
         let pole = Complex64::new(-TAU * 0.5, TAU * 60.1);
         let s: Vec<Complex64> = (104..137)
             .map(|k| Complex64::new(0.0, TAU * 0.5 * f64::from(k)))
             .collect();
+        let [own, _] = shape(Some(&kernel)).columns(&s, pole);
         let isolated = Isolated {
-            own: shape(4.0).column(&s, pole),
+            own,
             s,
             pole: pole * Complex64::new(1.0, 0.001),
         };
-        let even = isolated.fitted(&shape(1.0), 0.0).unwrap();
-        let found = isolated.fitted(&shape(4.0), 0.0).unwrap();
-        assert!(
-            (found.pole - pole).norm() < 1e-3 * -pole.re,
-            "{}",
-            found.pole
-        );
-        assert!(
-            (even.pole - pole).re.abs() > 0.03 * -pole.re,
-            "{}",
-            even.pole
-        );
-        assert!(isolated.log_likelihood(&found) > isolated.log_likelihood(&even) + 50.0);
+        let found = isolated.fitted(&shape(Some(&kernel)), 0.0).unwrap();
+        let plain = isolated.fitted(&shape(None), 0.0).unwrap();
+        let off = |fitted: &Fitted| (fitted.pole - pole).norm() / -pole.re;
+        assert!(off(&found) < 1e-3, "{}", found.pole);
+        assert!(off(&plain) > 0.1, "{}", plain.pole);
+        assert!(isolated.log_likelihood(&found) > isolated.log_likelihood(&plain) + 50.0);
     }
 }

@@ -6,7 +6,6 @@ pub(crate) mod case;
 pub(crate) mod correlation;
 pub(crate) mod delay;
 pub(crate) mod examine;
-pub(crate) mod force_drop;
 pub(crate) mod hidden;
 pub(crate) mod kind;
 mod limits;

@@ -25,6 +25,7 @@ use chladni_frf::{
 use chladni_linalg::LinalgError;
 use ndarray::Array2;
 use num_complex::Complex64;
+use std::f64::consts::TAU;
 
 /// Identified poles with the residues of every FRF brought into shapes: all but the
 /// scaling.
@@ -103,7 +104,10 @@ impl Shaped {
             shapes: &self.shapes,
             scales: &self.scales,
         };
-        for term in line_bars(&found, errors)? {
+        let (terms, drop) = line_bars(&found, errors)?;
+        let of_force = drop.and_then(|drop| drop.finding(data.omega_max / TAU));
+        self.identified.warnings.extend(of_force);
+        for term in terms {
             term.put(&mut self.poles, &mut self.bars);
         }
         Ok(())

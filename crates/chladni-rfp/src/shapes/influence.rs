@@ -31,7 +31,7 @@ pub(crate) struct Found<'a> {
 
 impl Found<'_> {
     /// Scale of the FRF of pair l.
-    fn scale_of(&self, l: usize) -> f64 {
+    pub fn scale_of(&self, l: usize) -> f64 {
         self.scales_of_frfs.as_ref().map_or(1.0, |all| all[l])
     }
 
@@ -102,7 +102,7 @@ impl Found<'_> {
     }
 
     /// Weight of line k over that of an FRF as it was measured.
-    fn weight(&self, k: usize) -> f64 {
+    pub fn weight(&self, k: usize) -> f64 {
         let power = f64::from(self.data.kind.omega_power());
         self.work.g[k] / self.work.x[k].powf(0.5 * power)
     }
@@ -113,6 +113,7 @@ pub(super) struct Influence<'a> {
     pub found: &'a Found<'a>,
     pub errors: &'a BlockErrors,
     pub lambda: Vec<Complex64>,
+    pub projection: Projection,
     /// Row n of A⁺ and DᴴP⊥ of pole n, (line, 2n).
     pub rows: Array2<Complex64>,
     /// A⁺D, (pole, pole).
@@ -190,6 +191,7 @@ impl<'a> Influence<'a> {
             left: left.collect(),
             rows,
             lambda,
+            projection,
         };
         let weight = |l: usize| found.scale_of(l).powi(-2);
         let at = |force: usize, l: usize| match influence.force[l] == force {
@@ -266,6 +268,13 @@ impl<'a> Influence<'a> {
             }
         }
         matmul(mixed.t(), weighted.mapv(|v| v.conj()).view())
+    }
+
+    /// Mean variance of noise of the columns, before the weights of lines.
+    pub fn noise_of_columns(&self) -> f64 {
+        let of_column = |(l, noise): (usize, &f64)| noise / self.found.scale_of(l).powi(2);
+        let sum: f64 = self.noise.iter().enumerate().map(of_column).sum();
+        sum / self.noise.len().max(1) as f64
     }
 
     /// Lines whose leakage counts for the mode n.

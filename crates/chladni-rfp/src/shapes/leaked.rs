@@ -5,6 +5,7 @@
 
 use crate::damping::columns::{leaking_pole, resonance};
 use crate::data::window::block_errors::{Band, Form, Leak};
+use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::Influence;
 use crate::shapes::limits;
 use chladni_linalg::matmul;
@@ -23,17 +24,17 @@ pub(super) struct Moments {
 }
 
 /// Leakage of some poles into some lines.
-struct Leaking<'a> {
-    band: Band<'a>,
+pub(super) struct Leaking<'a> {
+    pub band: Band<'a>,
     /// Of each pole.
-    leaks: Vec<Leak>,
+    pub leaks: Vec<Leak>,
     /// Its column over 1/(jω − s) on each line.
-    units: Vec<Vec<Complex64>>,
+    pub units: Vec<Vec<Complex64>>,
 }
 
 impl Influence<'_> {
     /// Leakage of `poles` into `lines` about the mode n; `None` where nothing leaks.
-    fn leaking(&self, n: usize, poles: &[usize], lines: &[usize]) -> Option<Leaking<'_>> {
+    pub fn leaking(&self, n: usize, poles: &[usize], lines: &[usize]) -> Option<Leaking<'_>> {
         let (work, middle) = (self.found.work, self.middle(n));
         let y: Vec<f64> = lines.iter().map(|&k| work.x[k].sqrt()).collect();
         let s: Vec<Complex64> = poles
@@ -69,10 +70,7 @@ impl Influence<'_> {
                 continue;
             };
             for (place, &k) in lines.iter().enumerate() {
-                let mut row = vec![Complex64::ZERO; lines.len()];
-                row[place] = leaking.units[0][place];
-                let form = leaking.band.form(std::iter::once((row, &leaking.leaks[0])));
-                foretold += leaking.band.covariance(&[form])[[0, 0]].re * products[[n, n]].re;
+                foretold += self.leaked_on(&leaking, place) * products[[n, n]].re;
                 seen += self.left[k];
             }
         }
@@ -83,6 +81,14 @@ impl Influence<'_> {
         }
     }
 
+    /// Variance of what the first pole leaks into a line, for one block.
+    pub fn leaked_on(&self, leaking: &Leaking, place: usize) -> f64 {
+        let mut row = vec![Complex64::ZERO; leaking.units[0].len()];
+        row[place] = leaking.units[0][place];
+        let form = leaking.band.form(std::iter::once((row, &leaking.leaks[0])));
+        leaking.band.covariance(&[form])[[0, 0]].re
+    }
+
     /// Moments for the mode n where leakage has the variance `share` of that in one block,
     /// and errors that FRFs share the variances `shared` on lines.
     pub fn moments(
@@ -91,6 +97,7 @@ impl Influence<'_> {
         noise: &Array2<Complex64>,
         share: f64,
         shared: &[f64],
+        drop: Option<&ForceDrop>,
     ) -> Moments {
         let count = self.lambda.len();
         let distance = |m: usize| self.errors.cycles((self.middle(m) - self.middle(n)).abs());
@@ -116,6 +123,12 @@ impl Influence<'_> {
         let (mut whole, mut twice) = (of_poles[[place, place]].re, Complex64::ZERO);
         let lines = self.lines_about(n, limits::LEAK_CYCLES);
         let leaking = self.leaking(n, &near, &lines).filter(|_| share > 0.0);
+        let of_drop = match (&leaking, drop) {
+            (Some(leaking), Some(drop)) => {
+                self.moments_of_drop((n, &near), (&lines, leaking), drop)
+            }
+            _ => Vec::new(),
+        };
         for (force, leaked) in leaked.iter_mut().enumerate() {
             let products = &self.of_forces[force];
             if !shared.is_empty() {
@@ -129,6 +142,11 @@ impl Influence<'_> {
             whole += share * straight[[size + place, size + place]].re;
             twice += share * leaking.band.mean_square(&forms[size + place]);
             leaked.scaled_add(share.into(), &straight);
+            if let Some((of_drop, of_pole)) = of_drop.get(force) {
+                whole += of_drop[[size + place, size + place]].re;
+                twice += of_pole;
+                *leaked += of_drop;
+            }
         }
         let pole = [0.5 * (whole + twice.re), 0.5 * (whole - twice.re)].map(|v| v.max(0.0));
         Moments { near, leaked, pole }

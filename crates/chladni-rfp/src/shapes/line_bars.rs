@@ -4,6 +4,7 @@
 use crate::data::window::block_errors::BlockErrors;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::ShapeBars;
+use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::{square, Found, Influence};
 use crate::shapes::leaked::Moments;
 use crate::shapes::limits;
@@ -63,11 +64,14 @@ impl TermBars {
     }
 }
 
-/// Error bars of the modes of the band.
+/// Error bars of the modes of the band, and what the residual says of the force.
 ///
 /// # Errors
 /// A kernel that fails.
-pub(crate) fn line_bars(found: &Found, errors: &BlockErrors) -> Result<Vec<TermBars>, LinalgError> {
+pub(crate) fn line_bars(
+    found: &Found,
+    errors: &BlockErrors,
+) -> Result<(Vec<TermBars>, Option<ForceDrop>), LinalgError> {
     let influence = Influence::new(found, errors)?;
     let variances = influence.line_variances();
     let own: Vec<f64> = variances.iter().map(|v| influence.alone * v).collect();
@@ -81,13 +85,14 @@ pub(crate) fn line_bars(found: &Found, errors: &BlockErrors) -> Result<Vec<TermB
     let share = told
         .filter(|told| seen < limits::LEAKS_AS_TOLD * told)
         .unwrap_or(seen);
+    let drop = influence.force_drop(share);
     let shares = !influence.shared.is_empty();
     let of_term = |term: usize| {
         let owner = found.shapes.owner[term];
-        let told = influence.moments(owner, &correlated, share, &influence.shared);
+        let told = influence.moments(owner, &correlated, share, &influence.shared, drop.as_ref());
         let other = found.poles[owner].given.as_ref();
         let white = other.filter(|_| !shares).map(|_| {
-            let moments = influence.moments(owner, &white, 0.0, &[]);
+            let moments = influence.moments(owner, &white, 0.0, &[], None);
             let shape = influence.term(term, &moments, &white);
             (moments.pole, shape)
         });
@@ -106,7 +111,7 @@ pub(crate) fn line_bars(found: &Found, errors: &BlockErrors) -> Result<Vec<TermB
             .in_band(influence.lambda[found.shapes.owner[*term]])
     };
     let terms: Vec<usize> = (0..found.shapes.owner.len()).filter(inside).collect();
-    Ok(terms.into_par_iter().map(of_term).collect())
+    Ok((terms.into_par_iter().map(of_term).collect(), drop))
 }
 
 impl Influence<'_> {

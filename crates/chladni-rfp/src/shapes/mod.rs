@@ -7,6 +7,7 @@ mod around;
 mod attempt;
 pub(crate) mod error_bars;
 pub(crate) mod factor;
+pub(crate) mod force_drop;
 pub(crate) mod growth;
 pub(crate) mod influence;
 mod inverse_root;

@@ -53,6 +53,16 @@ pub(crate) const BLACKMAN: [f64; 3] = [0.42, -0.25, 0.04];
 /// 1 − 1.933 cos 2πu + 1.286 cos 4πu − 0.388 cos 6πu + 0.028 cos 8πu, of ISO 18431-2.
 pub(crate) const FLATTOP: [f64; 5] = [1.0, -0.9665, 0.643, -0.194, 0.014];
 
+/// A force whose power near a resonance s goes as |jω − s|²/|jω − p|², p = d·Re s + j·Im s,
+/// read with white noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Force {
+    /// d; 1: an even force.
+    pub drop: f64,
+    /// Power of the noise over that of the force beside resonances.
+    pub noise: f64,
+}
+
 impl WindowKernel {
     /// Continuous noise under Σ_n c_n e^{2πjnu} on force and response; a_q = c_q² over
     /// Σ c_n², twice for q > 0, and b_q = −(2/π)·c_q·Σ_{m≠−q} c_m/(q + m) over the same.
@@ -95,6 +105,18 @@ impl WindowKernel {
             powers.pop();
         }
         Self::Series { harmonics: powers }
+    }
+
+    /// The column over T of a pole s at whose resonance the `force` drops; an even one gives g(z)
+    /// (theory.md, eq. F4f).
+    ///
+    /// * `z`: (jω − s)T
+    /// * `decay`: −Re s·T
+    pub(crate) fn under_force(&self, z: Complex64, decay: f64, force: &Force) -> Complex64 {
+        let Force { drop, noise } = *force;
+        let [g, _] = self.value_and_slope(z + (drop - 1.0) * decay);
+        let power = 1.0 - (drop - 1.0 / drop) * decay * g.re;
+        (1.0 + noise) * (g - (1.0 - 1.0 / drop) * g.re) / (power + noise)
     }
 
     /// g(z) and its derivative.
@@ -199,6 +221,7 @@ fn series(z: Complex64, first: u32) -> Complex64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::window::kinds::Window;
 
     /// Points of Simpson's rule.
     const POINTS: usize = 1200;
@@ -330,6 +353,59 @@ mod tests {
                 (far * value(&kernel, far) - 1.0).norm() < 2e-3,
                 "{kernel:?}"
             );
+        }
+    }
+
+    /// Power of the transform of a Hann window, `x` cycles per record from its middle, up to
+    /// a factor.
+    fn hann_power(x: f64) -> f64 {
+        let turn = std::f64::consts::PI * x;
+        let near = |value: f64| (x.abs() - value).abs() < 1e-9;
+        let value = if near(0.0) {
+            1.0
+        } else if near(1.0) {
+            0.5
+        } else {
+            turn.sin() / (turn * (1.0 - x * x))
+        };
+        value * value
+    }
+
+    /// Mean cross spectrum over mean power of the force, summed over frequencies.
+    fn by_sum(line: Complex64, pole: Complex64, drop: f64, record_s: f64) -> Complex64 {
+        let mut sums = (Complex64::ZERO, 0.0);
+        for k in -2400..=2400 {
+            let cycles = f64::from(k) / 60.0;
+            let s = line + Complex64::new(0.0, TAU * cycles / record_s);
+            let of_force = Complex64::new(drop * pole.re, pole.im);
+            let power = hann_power(cycles) * (s - pole).norm_sqr() / (s - of_force).norm_sqr();
+            sums.0 += power / (s - pole);
+            sums.1 += power;
+        }
+        sums.0 / sums.1
+    }
+
+    #[test]
+    fn the_line_of_a_force_that_drops_is_the_mean_of_its_spectra() {
+        let kernel = Window::Hann.kernel().unwrap();
+        let record_s = 2.0;
+        // two lines per half-power bandwidth
+        let pole = Complex64::new(-TAU * 0.5, TAU * 60.1);
+        let lines: Vec<Complex64> = (116..125)
+            .map(|k| Complex64::new(0.0, TAU * 0.5 * f64::from(k)))
+            .collect();
+        for drop in [1.0, 4.0, 31.6] {
+            for line in &lines {
+                let z = (line - pole) * record_s;
+                let force = Force { drop, noise: 0.0 };
+                let value = kernel.under_force(z, -pole.re * record_s, &force);
+                let expected = by_sum(*line, pole, drop, record_s);
+                let off = (value * record_s - expected).norm();
+                assert!(
+                    off < 1e-6 * expected.norm(),
+                    "drop {drop}, {line}: {value} for {expected}"
+                );
+            }
         }
     }
 }

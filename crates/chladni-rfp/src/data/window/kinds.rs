@@ -95,6 +95,11 @@ impl Window {
     pub const WORDS: &'static str = "none, transient, hann, hamming, blackman, flattop, \
                                      rectangular, kaiser:BETA (0 to 40) or burst:PART (above 0 to 1)";
 
+    /// True for the windows of continuous random excitation.
+    pub(crate) fn is_continuous(self) -> bool {
+        !matches!(self, Self::None | Self::Transient | Self::Burst { .. })
+    }
+
     /// Its effect on the columns of a fit; `None`: nothing.
     pub(crate) fn kernel(self) -> Option<WindowKernel> {
         Some(match self {

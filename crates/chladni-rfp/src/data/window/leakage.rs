@@ -11,7 +11,7 @@
 //! other pole leaks is of order 1/(ωT) and left out.
 
 use crate::data::limits;
-use crate::data::window::kernel::WindowKernel;
+use crate::data::window::kernel::{Force, WindowKernel};
 use num_complex::Complex64;
 
 /// The forward model of one set of FRFs.
@@ -51,6 +51,13 @@ impl Leakage {
             record: self.record / factor as f64,
             ..self.clone()
         }
+    }
+
+    /// What a force that is not even adds to the column 1/(jω − s), in powers of ω_max.
+    pub fn by_force(&self, s: Complex64, y: f64, force: &Force) -> Complex64 {
+        let z = (Complex64::new(0.0, y) - s) * self.record;
+        let [even, _] = self.kernel.value_and_slope(z);
+        self.record * (self.kernel.under_force(z, -s.re * self.record, force) - even)
     }
 
     /// F(z) − 1 and its derivative by s on the line y = ω/ω_max.

@@ -1,0 +1,268 @@
+//! A shaker's force that drops at resonances: told by what a fit leaves beside them, and
+//! what it does to poles and shapes (theory.md, eq. F4f).
+//!
+//! Near a resonance the power of such a force goes as |jω − s|²/|jω − p|², p = d·Re s +
+//! j·Im s: it is not white within one line, and the column of a mode changes by a known
+//! amount. What poles and residues cannot take over of the change stays in the residual, and
+//! tells d, one unknown of all modes; what they take over is their error.
+
+use crate::damping::columns::leaking_pole;
+use crate::data::window::kernel::Force;
+use crate::data::window::leakage::Leakage;
+use crate::shapes::influence::{square, Influence};
+use crate::shapes::leaked::Leaking;
+use crate::shapes::limits;
+use chladni_frf::Finding;
+use chladni_linalg::{matmul, matmul_h};
+use ndarray::{concatenate, s, Array1, Array2, Axis};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use std::f64::consts::LN_10;
+use std::ops::Range;
+
+/// What the residual says of the force.
+#[derive(Debug, Clone)]
+pub(crate) struct ForceDrop {
+    /// Forces that may be, and their probabilities.
+    forces: Vec<(Force, f64)>,
+    /// d of the likeliest.
+    ratio: f64,
+    /// Its log-likelihood over an even force.
+    gain: f64,
+    /// Frequencies of the modes that were asked, over ω_max.
+    asked: Vec<f64>,
+}
+
+impl ForceDrop {
+    /// The finding, in words; `None` where the force may be even.
+    ///
+    /// * `hz`: ω_max/2π
+    pub fn finding(&self, hz: f64) -> Option<Finding> {
+        if self.gain < limits::DROP_DECIDES {
+            return None;
+        }
+        let drop_db = 20.0 * self.ratio.log10();
+        let words = format!(
+            "the force drops at resonances, by about {drop_db:.0} dB: the lines of {} mode(s) say \
+             so (10^{:.0} times as likely as under an even force); the line shape of the window \
+             is that of an even force, so the error bars hold the difference",
+            self.asked.len(),
+            self.gain / LN_10
+        );
+        let finding = Finding::caution("force-drop", words)
+            .modes_hz(self.asked.iter().map(|y| y * hz))
+            .value("drop_db", drop_db)
+            .value("line_shape_nats", self.gain)
+            .help(
+                "estimate the FRFs from the records by the local rational method, which a drop \
+                 does not bias",
+            );
+        Some(finding)
+    }
+}
+
+/// Lines on which the column of one pole changes with the force.
+struct Lines<'a> {
+    /// Positions.
+    places: &'a [usize],
+    /// The column over 1/(jω − s) on each.
+    unit: &'a [Complex64],
+}
+
+/// What the fit leaves of the column of a mode that stands alone, on the lines about it.
+struct Left {
+    /// Lines that leak, and the column over 1/(jω − s) on each.
+    lines: Vec<usize>,
+    unit: Vec<Complex64>,
+    /// The lines about the mode, among these.
+    about: Range<usize>,
+    /// What is left there, and its variance.
+    left: Vec<(Complex64, f64)>,
+    /// Part of a column on `lines` that poles and residues take over: its rows.
+    taken: Array2<Complex64>,
+}
+
+impl Influence<'_> {
+    /// What the residual says of the force, where leakage has the variance `share` of that
+    /// in one block; `None` where no window of a continuous force is known, or lines are too
+    /// few.
+    pub fn force_drop(&self, share: f64) -> Option<ForceDrop> {
+        self.continuous()?;
+        let inside = |n: &usize| self.found.work.in_band(self.lambda[*n]);
+        let modes: Vec<(usize, Left)> = (0..self.lambda.len())
+            .into_par_iter()
+            .filter(inside)
+            .filter_map(|n| Some((n, self.left_of(n, share)?)))
+            .collect();
+        if modes.is_empty() {
+            return None;
+        }
+        let with_noise = |drop| limits::NOISES.map(|noise| Force { drop, noise });
+        let gain = |force: Force| -> (Force, f64) {
+            let each = modes.iter().map(|(n, left)| self.gain(*n, left, &force));
+            (force, each.sum())
+        };
+        let all: Vec<(Force, f64)> = limits::DROPS
+            .into_par_iter()
+            .flat_map(with_noise)
+            .map(gain)
+            .collect();
+        let &(likeliest, most) = all.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let sum: f64 = all.iter().map(|(_, gain)| (gain - most).exp()).sum();
+        let probable = all
+            .into_iter()
+            .map(|(force, gain)| (force, (gain - most).exp() / sum))
+            .filter(|(force, part)| force.drop > 1.0 && *part > limits::FORCE_LEAST);
+        Some(ForceDrop {
+            forces: probable.collect(),
+            ratio: likeliest.drop,
+            gain: most,
+            asked: modes.iter().map(|(n, _)| self.middle(*n)).collect(),
+        })
+    }
+
+    /// The line shape of a continuous force under a known window.
+    fn continuous(&self) -> Option<&Leakage> {
+        let leakage = self.found.data.leakage.as_deref()?;
+        let window = self.found.data.window?;
+        window.is_continuous().then_some(leakage)
+    }
+
+    /// `None` where the mode n does not stand alone, or lines are too few.
+    fn left_of(&self, n: usize, share: f64) -> Option<Left> {
+        let work = self.found.work;
+        let half_width = 0.5 * self.lambda[n].im / self.middle(n);
+        let is_near = |m: usize| {
+            let distance = (self.middle(m) - self.middle(n)).abs();
+            m != n && work.in_band(self.lambda[m]) && distance < limits::DROP_ALONE * half_width
+        };
+        let width = self.errors.cycles(half_width);
+        if 2.0 * width < limits::DROP_LINES || (0..self.lambda.len()).any(is_near) {
+            return None;
+        }
+        let (half_widths, least) = limits::DROP_REACH;
+        let near = self.lines_about(n, (half_widths * width).max(least).min(limits::LEAK_CYCLES));
+        let lines = self.lines_about(n, limits::LEAK_CYCLES);
+        if near.len() < 2 * limits::DROP_UNKNOWNS {
+            return None;
+        }
+        let leaking = self.leaking(n, &[n], &lines)?;
+        let first = lines.iter().position(|k| *k == near[0])?;
+        let about = first..first + near.len();
+        let residues = matmul(self.rows.slice(s![.., n..=n]).t(), work.b.view());
+        let power = square(residues.iter());
+        let noise = self.noise_of_columns() / power;
+        let left = |place: usize| {
+            let k = lines[place];
+            let row = self.projection.residual.row(k);
+            let matched = row.iter().zip(&residues).map(|(e, r)| e * r.conj());
+            let weight = self.found.weight(k).powi(2);
+            let variance = share * self.leaked_on(&leaking, place) + weight * noise;
+            (matched.sum::<Complex64>() / power, variance)
+        };
+        let outside = self.rows.column(self.lambda.len() + n);
+        let scale = square(outside.iter()).sqrt();
+        let derivative = lines.iter().map(|&k| outside[k].conj() / scale);
+        let derivative = Array2::from_shape_vec((lines.len(), 1), derivative.collect());
+        let q = self.projection.q.select(Axis(0), &lines);
+        Some(Left {
+            left: about.clone().map(left).collect(),
+            taken: concatenate![Axis(1), q, derivative.expect("one column")],
+            unit: leaking.units[0].clone(),
+            about,
+            lines,
+        })
+    }
+
+    /// Log-likelihood of a force over an even one; the level of errors is free.
+    fn gain(&self, n: usize, left: &Left, force: &Force) -> f64 {
+        let lines = Lines {
+            places: &left.lines,
+            unit: &left.unit,
+        };
+        let change = Array1::from(self.changed(n, &lines, force)).insert_axis(Axis(1));
+        let part = matmul_h(left.taken.view(), change.view());
+        let stays = &change - &matmul(left.taken.view(), part.view());
+        let (mut before, mut after) = (0.0, f64::MIN_POSITIVE);
+        for (&(left, variance), stays) in
+            left.left.iter().zip(stays.slice(s![left.about.clone(), 0]))
+        {
+            before += left.norm_sqr() / variance;
+            after += (left - stays).norm_sqr() / variance;
+        }
+        let free = left.left.len() - limits::DROP_UNKNOWNS;
+        free as f64 * (before / after).ln()
+    }
+
+    /// What a force that is not even adds to the column of a pole.
+    fn changed(&self, n: usize, lines: &Lines, force: &Force) -> Vec<Complex64> {
+        let work = self.found.work;
+        let s = leaking_pole(work.law, self.lambda[n]).s;
+        let by_force = |y: f64| match self.continuous() {
+            Some(leakage) => leakage.by_force(s, y, force),
+            None => Complex64::ZERO,
+        };
+        let each = lines.places.iter().zip(lines.unit);
+        each.map(|(&k, unit)| unit * by_force(work.x[k].sqrt()))
+            .collect()
+    }
+
+    /// Second moments of what the forces that may be do, for each force of the test: E d·dᴴ of
+    /// the errors of the residue of n by each of `near`, then of their poles, and E δ² of the
+    /// pole n.
+    pub fn moments_of_drop(
+        &self,
+        (n, near): (usize, &[usize]),
+        (places, leaking): (&[usize], &Leaking),
+        drop: &ForceDrop,
+    ) -> Vec<(Array2<Complex64>, Complex64)> {
+        let size = 2 * near.len();
+        let own = near.iter().position(|&m| m == n);
+        let none = (Array2::zeros((size, size)), Complex64::ZERO);
+        let mut moments = vec![none; self.forces];
+        for (force, probability) in &drop.forces {
+            let of_pole = |(&a, unit): (&usize, &Vec<Complex64>)| {
+                self.changed(a, &Lines { places, unit }, force)
+            };
+            let changes: Vec<Vec<Complex64>> =
+                near.iter().zip(&leaking.units).map(of_pole).collect();
+            for ((sum, of_pole), products) in moments.iter_mut().zip(&self.of_forces) {
+                let off = self.sums((n, near), places, &changes, products);
+                let pole = own.map_or(Complex64::ZERO, |own| off[near.len() + own]);
+                *of_pole += *probability * pole * pole;
+                let column = Array1::from(off).insert_axis(Axis(1));
+                let adjoint = column.t().mapv(|v| v.conj());
+                sum.scaled_add((*probability).into(), &column.dot(&adjoint));
+            }
+        }
+        moments
+    }
+
+    /// Sums over lines of errors that are residues times `changes` of columns: of the residue
+    /// of n by each of `near`, then of their poles.
+    fn sums(
+        &self,
+        (n, near): (usize, &[usize]),
+        places: &[usize],
+        changes: &[Vec<Complex64>],
+        products: &Array2<Complex64>,
+    ) -> Vec<Complex64> {
+        let count = self.lambda.len();
+        let seen_by = |row: usize, change: &[Complex64]| -> Complex64 {
+            let each = places.iter().zip(change);
+            each.map(|(&k, change)| self.rows[[k, row]] * change).sum()
+        };
+        let score = |&q: &usize| -> Complex64 {
+            let each = near.iter().zip(changes);
+            each.map(|(&a, change)| products[[q, a]] * seen_by(count + q, change))
+                .sum()
+        };
+        let scores: Vec<Complex64> = near.iter().map(score).collect();
+        let of_pole = |&m: &usize| -> Complex64 {
+            let each = near.iter().zip(&scores);
+            each.map(|(&q, score)| self.inverse[[m, q]] * score).sum()
+        };
+        let direct = changes.iter().map(|change| seen_by(n, change));
+        direct.chain(near.iter().map(of_pole)).collect()
+    }
+}
