@@ -161,13 +161,14 @@ impl Judged {
                 })
                 .sum()
         };
-        let covariance = Array2::from_shape_fn((limits::STRETCH, limits::STRETCH).f(), |(k, q)| {
+        let length = stretches.nrows();
+        let covariance = Array2::from_shape_fn((length, length).f(), |(k, q)| {
             of_differences(k as i32 - q as i32)
         });
         let lower = cholesky(covariance.view()).ok()?;
         let mut whitened = solve_lower(lower.view(), stretches.view()).ok()?;
         let determinant: f64 = lower.diag().iter().map(|pivot| 2.0 * pivot.re.ln()).sum();
-        let lines = limits::STRETCH as f64;
+        let lines = length as f64;
         let of_stretches = whitened.columns_mut().into_iter().map(|mut column| {
             let sum: f64 = column.iter().map(|v| v.norm_sqr()).sum();
             let sum = sum.max(f64::MIN_POSITIVE);

@@ -136,6 +136,8 @@ pub(super) const BIAS_UNDONE: f64 = 0.03;
 
 /// Lines of a stretch whose errors are looked at together.
 pub(super) const STRETCH: usize = 40;
+/// ... where long ones are fewer than [`STRETCHES_LEAST`].
+pub(super) const SHORT_STRETCH: usize = 20;
 
 /// Fewest stretches over all FRFs that are asked.
 pub(super) const STRETCHES_LEAST: usize = 3;

@@ -57,13 +57,18 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     let open = |mode: &&Mode| {
         doubt(&leakage, mode) > limits::BIAS.max(mode.loss_factor_std / mode.loss_factor)
     };
-    let concerned: Vec<&Mode> = case.sure_modes().into_iter().filter(open).collect();
+    let sure = case.sure_modes();
+    let asked = match sure.is_empty() {
+        true => case.model.in_band_modes().collect(),
+        false => sure,
+    };
+    let concerned: Vec<&Mode> = asked.into_iter().filter(open).collect();
     let worst = *concerned
         .iter()
         .max_by(|a, b| first_order(step, a).total_cmp(&first_order(step, b)))?;
     let (bias, rule) = match window {
         Window::Hann => (first_order(step, worst), "1/(πb) "),
-        _ => (1.0 / (1.0 - doubt(&leakage, worst)) - 1.0, ""),
+        _ => (excess(&leakage, worst), ""),
     };
     let of_shapes = shapes.as_ref().and_then(LineShapes::decided);
     let evidence = match (of_shapes, shapes) {
@@ -123,8 +128,10 @@ impl Evidence {
         let of_errors = errors.map_or([false; TAPERED.len()], |found| found.open);
         let of_shapes = shapes.map_or([false; TAPERED.len()], LineShapes::open);
         let most = |holds: &dyn Fn(usize) -> bool| (0..TAPERED.len()).rev().find(|&w| holds(w));
+        // errors hardly tell one window from the next wider one
+        let by_errors = |w: usize| of_errors[w] || (w > 0 && of_errors[w - 1]);
         let place = match (of_errors.contains(&true), tapered) {
-            (true, _) => most(&|w| of_errors[w] && of_shapes[w])
+            (true, _) => most(&|w| by_errors(w) && of_shapes[w])
                 // one of them is mistaken
                 .or_else(|| most(&|w| of_errors[w] || of_shapes[w])),
             (false, true) => most(&|w| of_shapes[w]),
@@ -142,7 +149,8 @@ pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout, window: Window) {
     };
     let scaling = model.scaling;
     for mode in model.modes.iter_mut().filter(stands) {
-        let doubt = doubt(&leakage, mode);
+        // of the smaller loss factor: equal height tells too little of broad lines
+        let doubt = excess(&leakage, mode);
         widen(mode, scaling, doubt, limits::SCALE_OF_DAMPING * doubt);
     }
 }
@@ -171,6 +179,11 @@ fn leakage_of(window: Window, data: &DataLayout) -> Option<Leakage> {
 /// Part of a loss factor that a window would have added.
 fn doubt(leakage: &Leakage, mode: &Mode) -> f64 {
     added(leakage, PI * mode.loss_factor * mode.frequency_hz)
+}
+
+/// Relative excess of a loss factor to which a window would have added that part.
+fn excess(leakage: &Leakage, mode: &Mode) -> f64 {
+    1.0 / (1.0 - doubt(leakage, mode)) - 1.0
 }
 
 /// Part of the decay `seen`, 1/s, that a window added.

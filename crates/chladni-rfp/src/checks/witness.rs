@@ -77,7 +77,7 @@ pub(crate) fn witness(case: &Case) -> Option<Witness> {
     let lines = data.line_hz.len();
     let step_hz = data.line_spacing_hz();
     let even = |two: &[f64]| (two[1] - two[0] - step_hz).abs() < limits::WITNESS_UNEVEN * step_hz;
-    if lines < limits::STRETCH + limits::SIXTH.len() || !data.line_hz.windows(2).all(even) {
+    if lines < limits::SHORT_STRETCH + limits::SIXTH.len() || !data.line_hz.windows(2).all(even) {
         return None;
     }
     let beside = |hz: f64| {
@@ -91,13 +91,17 @@ pub(crate) fn witness(case: &Case) -> Option<Witness> {
     let every = data.pairs.len().div_ceil(limits::FRFS_ASKED.0);
     let frfs: Vec<usize> = (0..data.pairs.len()).step_by(every).collect();
     let (_, residual) = without_others(case, &[], 0..lines, &frfs)?;
-    let columns = residual.columns().into_iter().enumerate();
-    let stretches: Vec<Stretch> = columns
-        .flat_map(|(frf, errors)| stretches(frf, errors, &away))
-        .collect();
-    if stretches.len() < limits::STRETCHES_LEAST {
-        return None;
-    }
+    let of_length = |length: usize| -> Vec<Stretch> {
+        let columns = residual.columns().into_iter().enumerate();
+        columns
+            .flat_map(|(frf, errors)| stretches(frf, errors, &away, length))
+            .collect()
+    };
+    // where modes leave no long ones between them, short ones say less but something
+    let stretches = [limits::STRETCH, limits::SHORT_STRETCH]
+        .into_iter()
+        .map(of_length)
+        .find(|found| found.len() >= limits::STRETCHES_LEAST)?;
     let share = (limits::FRFS_ASKED.1 as f64 / frfs.len() as f64).min(1.0);
     judged(&stretches, share)
 }
@@ -115,8 +119,8 @@ impl Stretch {
     /// |Σ a·b*|² over Σ|a|²·Σ|b|² on shared lines; `None` of one FRF, or on few lines.
     fn coherence(&self, other: &Self) -> Option<f64> {
         let first = self.first.max(other.first);
-        let end = self.first.min(other.first) + limits::STRETCH;
-        if self.frf == other.frf || end < first + limits::STRETCH / 2 {
+        let end = self.first.min(other.first) + self.errors.len();
+        if self.frf == other.frf || end < first + self.errors.len() / 2 {
             return None;
         }
         let of = |own: &Self| own.errors[first - own.first..end - own.first].to_vec();
@@ -137,8 +141,13 @@ fn shared(stretches: &[Stretch]) -> Option<bool> {
     (count > 0.0).then_some(sum > limits::SHARED * count)
 }
 
-/// The stretches of one FRF.
-fn stretches(frf: usize, errors: ArrayView1<Complex64>, away: &[bool]) -> Vec<Stretch> {
+/// The stretches of one FRF, of `length` lines.
+fn stretches(
+    frf: usize,
+    errors: ArrayView1<Complex64>,
+    away: &[bool],
+    length: usize,
+) -> Vec<Stretch> {
     let differences: Vec<Complex64> = errors
         .windows(limits::SIXTH.len())
         .into_iter()
@@ -166,7 +175,7 @@ fn stretches(frf: usize, errors: ArrayView1<Complex64>, away: &[bool]) -> Vec<St
         } else {
             k + 1..k + 1
         };
-        if run.len() == limits::STRETCH {
+        if run.len() == length {
             found.push(Stretch {
                 frf,
                 first: run.start,
@@ -180,7 +189,8 @@ fn stretches(frf: usize, errors: ArrayView1<Complex64>, away: &[bool]) -> Vec<St
 
 /// The likeliest of all correlations, each log-likelihood times `share`.
 fn judged(stretches: &[Stretch], share: f64) -> Option<Witness> {
-    let columns = Array2::from_shape_fn((limits::STRETCH, stretches.len()).f(), |(k, c)| {
+    let length = stretches.first()?.errors.len();
+    let columns = Array2::from_shape_fn((length, stretches.len()).f(), |(k, c)| {
         stretches[c].errors[k]
     });
     let shared = shared(stretches);
@@ -261,7 +271,12 @@ mod tests {
         let all: Vec<Stretch> = (0..3)
             .flat_map(|frf| {
                 let errors = errors(window, averages, 3 * seed + frf);
-                stretches(frf as usize, ndarray::aview1(&errors), &away)
+                stretches(
+                    frf as usize,
+                    ndarray::aview1(&errors),
+                    &away,
+                    limits::STRETCH,
+                )
             })
             .collect();
         judged(&all, 1.0).unwrap()
@@ -337,7 +352,7 @@ mod tests {
         }
         let away = vec![true; 200];
         (0..3)
-            .flat_map(|frf| stretches(frf, ndarray::aview1(&sum), &away))
+            .flat_map(|frf| stretches(frf, ndarray::aview1(&sum), &away, limits::STRETCH))
             .collect()
     }
 
