@@ -35,11 +35,12 @@ pub(crate) fn strongest(case: &Case, mode: &Mode, most: usize) -> Vec<(f64, usiz
 }
 
 /// Lines around a mode (`reach`: half-bandwidths, and at least so many lines, on both
-/// sides), and its strongest FRFs there without what the model says of all other modes
-/// and residual terms; `None` without the data.
+/// sides), and its strongest FRFs there without what the model says of all modes but it and its
+/// `twins`, and of residual terms; `None` without the data.
 pub(crate) fn neighbourhood(
     case: &Case,
     mode: &Mode,
+    twins: &[&Mode],
     reach: (f64, usize),
     frfs_most: usize,
 ) -> Option<(Columns, Array2<Complex64>)> {
@@ -48,7 +49,7 @@ pub(crate) fn neighbourhood(
         .into_iter()
         .map(|(_, l)| l)
         .collect();
-    without_others(case, &[mode], rows, &frfs)
+    without_others(case, &[&[mode], twins].concat(), rows, &frfs)
 }
 
 /// FRFs (positions among the pairs) on the lines `rows` without what the model says of

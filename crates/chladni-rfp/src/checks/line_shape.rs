@@ -6,7 +6,7 @@
 //! Each shape is fitted to the lines around every isolated mode, its pole free, and the
 //! sums of squares are compared: hypotheses with the same number of unknowns.
 
-use crate::checks::around::neighbourhood;
+use crate::checks::around::{neighbourhood, strongest};
 use crate::checks::case::Case;
 use crate::checks::correlation::TAPERED;
 use crate::checks::limits;
@@ -97,17 +97,28 @@ struct Isolated {
 }
 
 impl Isolated {
-    /// `None` where another of `modes` stands near, or lines are too few.
+    /// Poles on one line count as one mode, which a window may have split. `None` where another
+    /// of `modes` stands near, a stronger one on the same line, or lines are too few.
     fn new(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<Self> {
         let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
-        let near = |other: &&Mode| {
-            *other != mode
-                && (other.frequency_hz - mode.frequency_hz).abs() < limits::ALONE * half_width
-        };
-        if half_width <= 0.0 || modes.iter().any(near) {
+        let line_hz = limits::ONE_LINE * case.data.line_spacing_hz();
+        let distance = |other: &Mode| (other.frequency_hz - mode.frequency_hz).abs();
+        let others = modes.iter().copied().filter(|other| *other != mode);
+        let near = others.filter(|other| distance(other) < limits::ALONE * half_width);
+        let (twins, near): (Vec<&Mode>, Vec<&Mode>) =
+            near.partition(|other| distance(other) < line_hz);
+        let strength = |mode: &Mode| strongest(case, mode, 1).first().map_or(0.0, |own| own.0);
+        let second = |twin: &&Mode| strength(twin) > strength(mode);
+        if half_width <= 0.0 || !near.is_empty() || twins.iter().any(second) {
             return None;
         }
-        let (work, own) = neighbourhood(case, mode, limits::REACH, limits::LINE_SHAPE_FRFS_MOST)?;
+        let (work, own) = neighbourhood(
+            case,
+            mode,
+            &twins,
+            limits::REACH,
+            limits::LINE_SHAPE_FRFS_MOST,
+        )?;
         let on_axis = |x: &f64| Complex64::new(0.0, x.sqrt() * case.data.omega_max);
         (work.lines() >= 2 * limits::UNKNOWNS).then(|| Self {
             s: work.x.iter().map(on_axis).collect(),

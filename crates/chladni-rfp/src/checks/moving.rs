@@ -53,7 +53,13 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
         return None;
     }
     let frfs = strongest(case, mode, limits::MOVING_FRFS_MOST);
-    let (local, own) = neighbourhood(case, mode, limits::MOVING_WINDOW, limits::MOVING_FRFS_MOST)?;
+    let (local, own) = neighbourhood(
+        case,
+        mode,
+        &[],
+        limits::MOVING_WINDOW,
+        limits::MOVING_FRFS_MOST,
+    )?;
     let (mut places, mut noise, mut total) = (Vec::new(), 0.0, 0.0);
     for (column, &(strength, _)) in frfs.iter().enumerate() {
         let single = local.with_columns(own.slice(ndarray::s![.., column..column + 1]).to_owned());

@@ -142,17 +142,38 @@ impl Evidence {
 }
 
 /// Widens the bars of modes by what `window` would have added to their damping, and to
-/// their mass scale with it.
+/// their mass scale with it; those of frequencies where two poles may be one broadened line.
 pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout, window: Window) {
     let Some(leakage) = leakage_of(window, data) else {
         return;
     };
     let scaling = model.scaling;
-    for mode in model.modes.iter_mut().filter(stands) {
+    let twins: Vec<Option<f64>> = model
+        .modes
+        .iter()
+        .map(|m| twin_hz(model, data, m))
+        .collect();
+    for (mode, twin) in model
+        .modes
+        .iter_mut()
+        .zip(twins)
+        .filter(|(mode, _)| stands(mode))
+    {
         // of the smaller loss factor: equal height tells too little of broad lines
         let doubt = excess(&leakage, mode);
         widen(mode, scaling, doubt, limits::SCALE_OF_DAMPING * doubt);
+        let between = 0.5 * twin.unwrap_or(0.0);
+        mode.frequency_std_hz = mode.frequency_std_hz.hypot(between);
     }
+}
+
+/// Distance of the next mode, Hz, where it is so near that both may be one broadened line.
+fn twin_hz(model: &ModalModel, data: &DataLayout, mode: &Mode) -> Option<f64> {
+    let others = model.in_band_modes().filter(|other| *other != mode);
+    others
+        .map(|other| (other.frequency_hz - mode.frequency_hz).abs())
+        .filter(|distance| *distance < limits::ONE_LINE * data.line_spacing_hz())
+        .min_by(f64::total_cmp)
 }
 
 /// Widens the bars of a mode by relative doubts of its loss factor and of its mass scale.
@@ -166,7 +187,7 @@ pub(crate) fn widen(mode: &mut Mode, scaling: Scaling, of_loss: f64, of_scale: f
     values.for_each(|(value, std)| *std = std.hypot(of_scale * value.norm()));
 }
 
-fn stands(mode: &&mut Mode) -> bool {
+fn stands(mode: &Mode) -> bool {
     mode.in_band && mode.trust != Trust::Rejected
 }
 
@@ -219,7 +240,7 @@ impl FoundWindow {
         let others = self.others.iter().filter_map(|w| leakage_of(*w, data));
         let others: Vec<Leakage> = others.collect();
         let scaling = model.scaling;
-        for mode in model.modes.iter_mut().filter(stands) {
+        for mode in model.modes.iter_mut().filter(|mode| stands(mode)) {
             let decay = PI * mode.loss_factor * mode.frequency_hz;
             let seen = decay * (1.0 + own.broadening(decay));
             let off = |other: &Leakage| (other.unbroadened(seen) / decay - 1.0).abs();
@@ -235,10 +256,13 @@ pub(crate) fn decided(case: &Case, found: &Evidence) -> Option<FoundWindow> {
     let shapes = found.shapes.as_ref()?;
     let window = shapes.likeliest();
     let leakage = leakage_of(window, case.data)?;
-    // only where broadening stands clear of the error bars; else these hold it
+    // only where broadening stands clear of the error bars, which hold it else, or may have
+    // split a mode into two poles
     let clear = |mode: &&Mode| {
         let bar = 2.0 * mode.loss_factor_std / mode.loss_factor;
-        doubt(&leakage, mode) > limits::BIAS_UNDONE.max(bar)
+        let doubt = doubt(&leakage, mode);
+        let split = || twin_hz(case.model, case.data, mode).is_some();
+        doubt > limits::BIAS_UNDONE && (doubt > bar || split())
     };
     case.sure_modes().into_iter().find(clear)?;
     let errors = found.errors?;
