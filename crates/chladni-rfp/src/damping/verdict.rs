@@ -196,8 +196,8 @@ pub(crate) fn undecidable(taken: Damping, most: f64) -> Finding {
         "law-undecidable",
         format!(
             "damping law undecidable: structural and viscous damping explain these data equally \
-             well; the numbers follow the {} law (frequencies under the other one differ by about \
-             η²/4, up to {most:.0} error bars here)",
+             well; the numbers follow the {} law, and the error bars hold both (frequencies under the \
+             other one differ by about η²/4, up to {most:.0} error bars of noise)",
             name(taken)
         ),
     )

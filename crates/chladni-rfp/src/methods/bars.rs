@@ -20,7 +20,7 @@ use crate::methods::found::{Finder, MethodPoles, Stabilization};
 use crate::methods::selection::{rises, variance_left};
 use crate::methods::survey::{Compressed, Survey};
 use crate::model::build::Shaped;
-use crate::model::identified::Identified;
+use crate::model::identified::{Identified, LawOpen};
 use crate::poles::estimate;
 use crate::poles::limits::UNCERTAIN;
 use crate::poles::pole::Grade;
@@ -81,7 +81,7 @@ pub(crate) fn fit_by_method(
         warnings: found.warnings,
         consistent: true,
         real_shapes: false,
-        law_open: false,
+        law_open: LawOpen::No,
     };
     let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);

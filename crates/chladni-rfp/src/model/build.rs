@@ -8,7 +8,7 @@ use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use crate::data::window::block_errors::BlockErrors;
 use crate::model::free_fit::{expressible, FreeFit};
-use crate::model::identified::Identified;
+use crate::model::identified::{Identified, LawOpen};
 use crate::model::limits;
 use crate::model::modes::{few_modes, modes, rejected_mode, scale_unknown, scales, unscaled};
 use crate::model::residual_energy::{above_rounding, by_sums, Laid};
@@ -82,7 +82,7 @@ impl Shaped {
         if let Some(errors) = &data.errors {
             shaped.hold_errors_of_lines(data, errors)?;
         }
-        if shaped.identified.law_open {
+        if shaped.identified.law_open != LawOpen::No {
             shaped.hold_both_laws();
         }
         Ok(shaped)
@@ -123,14 +123,43 @@ impl Shaped {
         if self.scaling != Scaling::UnitModalMass {
             return;
         }
+        let unexplained = match self.identified.law_open {
+            LawOpen::Turned => self.turned(),
+            LawOpen::No | LawOpen::Light => 0.0,
+        };
         for (term, mut row) in self.bars.shape.rows_mut().into_iter().enumerate() {
             let [.., turn] = shifts(self.poles[self.shapes.owner[term]].loss_factor);
-            self.bars.scale[term] = self.bars.scale[term].hypot(turn);
-            let size = self.scales[term].factor.norm() * turn;
+            let turn = turn.max(unexplained);
+            let (scale, before) = (&self.scales[term], self.bars.scale[term]);
+            self.bars.scale[term] = before.hypot(turn);
+            // as much as the scale's own bar grows
+            let stated = [before.hypot(turn), before].map(|bar| scale.stated(bar));
+            let grown = match stated {
+                [Some(after), Some(before)] => (after.powi(2) - before.powi(2)).max(0.0).sqrt(),
+                _ => turn,
+            };
+            let size = scale.factor.norm() * grown;
             row.zip_mut_with(&self.shapes.shape.row(term), |bar, value| {
                 *bar = bar.hypot(size * value.norm());
             });
         }
+    }
+
+    /// Rms of what turns the mass-normalised shapes of the band, relative: √2 times that of their
+    /// angles, for their size may be off by as much.
+    fn turned(&self) -> f64 {
+        let terms = (0..self.shapes.owner.len()).filter(|&term| {
+            let pole = &self.poles[self.shapes.owner[term]];
+            self.identified.work.in_band(pole.lambda())
+        });
+        let angle = |term: usize| {
+            let squares: Complex64 = self.shapes.shape.row(term).iter().map(|x| x * x).sum();
+            0.5 * (squares * self.scales[term].factor.powi(2)).arg()
+        };
+        let (sum, count) = terms.fold((0.0, 0.0), |(sum, count), term| {
+            (sum + angle(term).powi(2), count + 1.0)
+        });
+        (2.0 * sum / f64::max(count, 1.0)).sqrt()
     }
 
     /// Builds the model; `left` as from [`Self::left`].

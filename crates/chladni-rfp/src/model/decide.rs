@@ -6,7 +6,7 @@ use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::data::watch::Watch;
-use crate::model::identified::Identified;
+use crate::model::identified::{Identified, LawOpen};
 use crate::model::limits;
 use crate::poles::estimate::{is_faint, PoleEstimate};
 use crate::shapes::search::structured;
@@ -55,11 +55,15 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         Search::Refused(sigmas) => (None, Some(sigmas)),
         Search::Inapplicable => (None, None),
     };
-    let open = found.measured && told == Verdict::Undecidable && options.damping.is_none();
-    let mut identified = Identified::new(found);
-    identified.law_open = open;
-    let shift = identified.shift_by_other_law();
     let free = options.damping.is_none();
+    let measured = found.measured;
+    let mut identified = Identified::new(found);
+    let shift = identified.shift_by_other_law();
+    identified.law_open = match free && told == Verdict::Undecidable {
+        true if measured => LawOpen::Light,
+        true if shift > limits::LAW_SHIFTS => LawOpen::Turned,
+        _ => LawOpen::No,
+    };
     let mut warnings = Vec::from_iter(words_on_law(&told, law, real, free, shift));
     warnings.extend(unlike.map(one_shape_refused));
     if let Some(structured) = refined {

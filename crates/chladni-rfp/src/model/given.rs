@@ -2,7 +2,7 @@
 
 use crate::damping::places::{lambda_of_value, value_of};
 use crate::data::columns::Columns;
-use crate::model::identified::Identified;
+use crate::model::identified::{Identified, LawOpen};
 use crate::model::residues::linear;
 use crate::poles::pole::Pole;
 use chladni_frf::{Damping, ModalModel, Mode, Trust};
@@ -83,7 +83,7 @@ impl GivenPoles {
             warnings: Vec::new(),
             consistent: true,
             real_shapes: false,
-            law_open: false,
+            law_open: LawOpen::No,
         })
     }
 }

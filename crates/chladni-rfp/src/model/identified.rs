@@ -35,8 +35,20 @@ pub(crate) struct Identified {
     pub consistent: bool,
     /// True where shapes and participations given with poles are real.
     pub real_shapes: bool,
-    /// True where the damping law is open and the bars have to hold both.
-    pub law_open: bool,
+    /// Whether bars have to hold both damping laws.
+    pub law_open: LawOpen,
+}
+
+/// Whether the damping law is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LawOpen {
+    /// It is decided, given, or makes no difference.
+    No,
+    /// Damping is light and errors are no noise.
+    Light,
+    /// The residual is noise, and phases are turned by what no law explains: by complex shapes, or
+    /// by records that cut responses off.
+    Turned,
 }
 
 impl Identified {
@@ -93,7 +105,7 @@ impl Identified {
             warnings,
             consistent,
             real_shapes: false,
-            law_open: false,
+            law_open: LawOpen::No,
         }
     }
 
