@@ -174,4 +174,38 @@ mod tests {
         let losses = mean(modes.iter().map(|mode| mode.loss_sigmas.abs()));
         assert!((0.2..1.2).contains(&losses), "{losses}");
     }
+
+    #[test]
+    fn bars_hold_what_nobody_told_and_what_responses_share() {
+        // windows between near modes, no sure mode, lines split by a window, records that cut
+        // responses off, one denominator of all responses
+        for (name, way, seeds) in [
+            ("random flattop 31 x 0.50 b=8", MeasuredWay::Blind, 6),
+            ("random kaiser:8.6 31 x 0.50 b=1", MeasuredWay::Blind, 6),
+            ("random hann 190 x 0.67 b=2", MeasuredWay::Blind, 3),
+            ("hammer rectangular 5 b=1", MeasuredWay::Blind, 6),
+            (
+                "random hann 46 x 0.67 b=2 noise 30 dB",
+                MeasuredWay::Lrm,
+                12,
+            ),
+        ] {
+            let rows = rows_of(name, seeds);
+            let own = rows.iter().filter(|row| row.way == way);
+            let modes: Vec<_> = own.flat_map(|row| &row.outcome.modes).collect();
+            assert!(modes.len() == 4 * seeds, "{name}: {}", modes.len());
+            let rms = |of: &dyn Fn(&outcome::FoundMode) -> f64| {
+                mean(modes.iter().map(|mode| of(mode).powi(2))).sqrt()
+            };
+            let bars = [
+                rms(&|mode| mode.frequency_sigmas),
+                rms(&|mode| mode.loss_sigmas),
+                mean(modes.iter().flat_map(|mode| mode.shape_sigmas)),
+            ];
+            assert!(
+                bars.iter().all(|bar| (0.02..1.4).contains(bar)),
+                "{name}: {bars:.2?}"
+            );
+        }
+    }
 }

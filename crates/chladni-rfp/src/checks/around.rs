@@ -1,10 +1,12 @@
 //! The lines around a mode, and its FRFs there without all other modes.
 
 use crate::checks::case::Case;
+use crate::checks::limits;
 use crate::damping::measured_model::frf_matrix;
 use crate::damping::places::{lambda_of_value, value_of};
 use crate::data::columns::Columns;
-use chladni_frf::Mode;
+use crate::validation::mac::mac;
+use chladni_frf::{ModalModel, Mode};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
@@ -18,6 +20,17 @@ pub(crate) fn pole(case: &Case, mode: &Mode) -> Complex64 {
 /// |residue| of a mode in an FRF, in the mode's own scaling.
 pub(crate) fn strength(mode: &Mode, (i, j): (usize, usize)) -> f64 {
     (mode.shape.0[i] * mode.participation.0[j]).norm()
+}
+
+/// Poles of a model that a window may have made of one mode and `mode`: of one shape, and nearer
+/// than lines tell.
+pub(crate) fn twins<'a>(model: &'a ModalModel, line_hz: f64, mode: &Mode) -> Vec<&'a Mode> {
+    let is_twin = |other: &&Mode| {
+        let distance = (other.frequency_hz - mode.frequency_hz).abs();
+        let near = distance > 0.0 && distance < limits::ONE_LINE * line_hz;
+        near && mac(&other.shape.0, &mode.shape.0) > limits::ONE_SHAPE
+    };
+    model.in_band_modes().filter(is_twin).collect()
 }
 
 /// (strength, position) of the FRFs that show a mode best.

@@ -131,6 +131,11 @@ pub(super) const TWINS_LEAST: usize = 5;
 pub(super) const BIAS: f64 = 0.01;
 /// ... and are worth a fit that undoes it.
 pub(super) const BIAS_UNDONE: f64 = 0.03;
+/// Part of a loss factor that bars take a window to have added at most: they have twice the
+/// length of what would be left.
+pub(super) const DOUBT_MOST: f64 = 2.0 / 3.0;
+/// MAC of two poles that may be one mode.
+pub(super) const ONE_SHAPE: f64 = 0.9;
 /// Lines between two poles that may be one mode, broadened by a window: under Hann's they lie 1.1
 /// to 1.3 apart at two lines per bandwidth.
 pub(super) const ONE_LINE: f64 = 2.0;

@@ -6,7 +6,7 @@
 //! Each shape is fitted to the lines around every isolated mode, its pole free, and the
 //! sums of squares are compared: hypotheses with the same number of unknowns.
 
-use crate::checks::around::{neighbourhood, strongest};
+use crate::checks::around::{neighbourhood, strongest, twins};
 use crate::checks::case::Case;
 use crate::checks::correlation::TAPERED;
 use crate::checks::limits;
@@ -101,15 +101,14 @@ impl Isolated {
     /// of `modes` stands near, a stronger one on the same line, or lines are too few.
     fn new(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<Self> {
         let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
-        let line_hz = limits::ONE_LINE * case.data.line_spacing_hz();
+        let twins = twins(case.model, case.data.line_spacing_hz(), mode);
         let distance = |other: &Mode| (other.frequency_hz - mode.frequency_hz).abs();
-        let others = modes.iter().copied().filter(|other| *other != mode);
-        let near = others.filter(|other| distance(other) < limits::ALONE * half_width);
-        let (twins, near): (Vec<&Mode>, Vec<&Mode>) =
-            near.partition(|other| distance(other) < line_hz);
+        let is_near = |other: &&Mode| {
+            *other != mode && !twins.contains(other) && distance(other) < limits::ALONE * half_width
+        };
         let strength = |mode: &Mode| strongest(case, mode, 1).first().map_or(0.0, |own| own.0);
         let second = |twin: &&Mode| strength(twin) > strength(mode);
-        if half_width <= 0.0 || !near.is_empty() || twins.iter().any(second) {
+        if half_width <= 0.0 || modes.iter().any(is_near) || twins.iter().any(second) {
             return None;
         }
         let (work, own) = neighbourhood(

@@ -1,5 +1,6 @@
 //! Damping that a window of the test may have raised, where nobody said which it was.
 
+use crate::checks::around::twins;
 use crate::checks::case::{Case, Checked};
 use crate::checks::correlation::{Correlation, TAPERED};
 use crate::checks::limits;
@@ -9,6 +10,7 @@ use crate::checks::witness::{decades, witness, Witness};
 use crate::data::layout::DataLayout;
 use crate::data::window::kinds::Window;
 use crate::data::window::leakage::Leakage;
+use crate::model::modes::widen_scale;
 use chladni_frf::{Finding, ModalModel, Mode, Scaling, Trust};
 use std::f64::consts::PI;
 
@@ -32,8 +34,7 @@ pub(crate) fn modelled(case: &Case) -> Option<Checked> {
             .to_owned(),
         _ => format!(
             "the fit has the line shape of records under a {window} window: the loss factors are \
-             those of the structure, up to {:.0} % below those of the broadened lines; a shaker's \
-             force that drops at resonances leaves the truth between both",
+             those of the structure, up to {:.0} % below those of the broadened lines",
             100.0 * worst / (1.0 + worst)
         ),
     };
@@ -159,7 +160,6 @@ pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout, window: Window) {
         .zip(twins)
         .filter(|(mode, _)| stands(mode))
     {
-        // of the smaller loss factor: equal height tells too little of broad lines
         let doubt = excess(&leakage, mode);
         widen(mode, scaling, doubt, limits::SCALE_OF_DAMPING * doubt);
         let between = 0.5 * twin.unwrap_or(0.0);
@@ -167,24 +167,20 @@ pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout, window: Window) {
     }
 }
 
-/// Distance of the next mode, Hz, where it is so near that both may be one broadened line.
+/// Distance, Hz, of the next of the poles that a window may have made of one mode.
 fn twin_hz(model: &ModalModel, data: &DataLayout, mode: &Mode) -> Option<f64> {
-    let others = model.in_band_modes().filter(|other| *other != mode);
-    others
-        .map(|other| (other.frequency_hz - mode.frequency_hz).abs())
-        .filter(|distance| *distance < limits::ONE_LINE * data.line_spacing_hz())
-        .min_by(f64::total_cmp)
+    let distance = |other: &Mode| (other.frequency_hz - mode.frequency_hz).abs();
+    let twins = twins(model, data.line_spacing_hz(), mode);
+    twins.into_iter().map(distance).min_by(f64::total_cmp)
 }
 
 /// Widens the bars of a mode by relative doubts of its loss factor and of its mass scale.
-pub(crate) fn widen(mode: &mut Mode, scaling: Scaling, of_loss: f64, of_scale: f64) {
+fn widen(mode: &mut Mode, scaling: Scaling, of_loss: f64, of_scale: f64) {
     mode.loss_factor_std = mode.loss_factor_std.hypot(of_loss * mode.loss_factor);
     if scaling != Scaling::UnitModalMass {
         return;
     }
-    mode.scale_std = mode.scale_std.map(|std| std.hypot(of_scale));
-    let values = mode.shape.0.iter().zip(&mut mode.shape_std);
-    values.for_each(|(value, std)| *std = std.hypot(of_scale * value.norm()));
+    widen_scale(mode, of_scale);
 }
 
 fn stands(mode: &Mode) -> bool {
@@ -202,14 +198,20 @@ fn doubt(leakage: &Leakage, mode: &Mode) -> f64 {
     added(leakage, PI * mode.loss_factor * mode.frequency_hz)
 }
 
-/// Relative excess of a loss factor to which a window would have added that part.
+/// The same relative to the loss factor that would be left: lines of equal height tell too
+/// little of how far a window spreads broad ones.
 fn excess(leakage: &Leakage, mode: &Mode) -> f64 {
-    1.0 / (1.0 - doubt(leakage, mode)) - 1.0
+    // lines narrower than those of the window alone tell none
+    let doubt = doubt(leakage, mode).min(limits::DOUBT_MOST);
+    doubt / (1.0 - doubt)
 }
 
 /// Part of the decay `seen`, 1/s, that a window added.
 fn added(leakage: &Leakage, seen: f64) -> f64 {
-    1.0 - leakage.unbroadened(seen) / seen
+    match seen > 0.0 {
+        true => 1.0 - leakage.unbroadened(seen) / seen,
+        false => 0.0,
+    }
 }
 
 /// True where damping may be biased and nobody said by which window.
@@ -256,8 +258,8 @@ pub(crate) fn decided(case: &Case, found: &Evidence) -> Option<FoundWindow> {
     let shapes = found.shapes.as_ref()?;
     let window = shapes.likeliest();
     let leakage = leakage_of(window, case.data)?;
-    // only where broadening stands clear of the error bars, which hold it else, or may have
-    // split a mode into two poles
+    // a window is worth a new fit where its broadening exceeds the error bars, or where it may
+    // have split a mode
     let clear = |mode: &&Mode| {
         let bar = 2.0 * mode.loss_factor_std / mode.loss_factor;
         let doubt = doubt(&leakage, mode);
@@ -305,6 +307,15 @@ pub(crate) fn decided(case: &Case, found: &Evidence) -> Option<FoundWindow> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_narrower_than_those_of_a_window_have_bars_of_their_size() {
+        let leakage = Leakage::new(Window::Flattop.kernel().unwrap(), 1.0, 0);
+        for lines in [0.0, 0.1, 0.5, 2.0] {
+            let doubt = added(&leakage, PI * lines);
+            assert!((0.0..=1.0).contains(&doubt), "{lines}: {doubt}");
+        }
+    }
 
     #[test]
     fn bars_hold_what_windows_added_in_simulated_tests() {

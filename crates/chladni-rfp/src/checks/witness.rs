@@ -120,7 +120,7 @@ impl Stretch {
     fn coherence(&self, other: &Self) -> Option<f64> {
         let first = self.first.max(other.first);
         let end = self.first.min(other.first) + self.errors.len();
-        if self.frf == other.frf || end < first + self.errors.len() / 2 {
+        if self.frf == other.frf || end < first + limits::STRETCH / 2 {
             return None;
         }
         let of = |own: &Self| own.errors[first - own.first..end - own.first].to_vec();
@@ -138,7 +138,9 @@ fn shared(stretches: &[Stretch]) -> Option<bool> {
         others.filter_map(move |other| stretch.coherence(other))
     });
     let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), c| (sum + c, count + 1.0));
-    (count > 0.0).then_some(sum > limits::SHARED * count)
+    // by chance it goes as one over the lines
+    let length = stretches.first()?.errors.len() as f64;
+    (count > 0.0).then_some(sum > limits::SHARED * count * limits::STRETCH as f64 / length)
 }
 
 /// The stretches of one FRF, of `length` lines.

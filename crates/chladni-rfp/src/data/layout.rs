@@ -233,6 +233,11 @@ impl DataLayout {
         self.nearest(&self.line_variance.over_power, x)
     }
 
+    /// Part of the variance that FRFs share by the way they were estimated.
+    pub fn shared_part(&self) -> f64 {
+        self.line_variance.shared
+    }
+
     /// The value of the line next to x; `None` without values.
     fn nearest(&self, values: &[f64], x: f64) -> Option<f64> {
         let last = values.len().checked_sub(1)?;

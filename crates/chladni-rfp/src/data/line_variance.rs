@@ -1,7 +1,8 @@
 //! Variance of lines, which local methods tell: it follows the power of the force, and as a
 //! part of the FRFs it is what noise of the force would make of all of them.
 
-use chladni_frf::FrfSet;
+use crate::data::limits;
+use chladni_frf::{Estimator, FrfSet};
 
 /// Variance of lines.
 #[derive(Debug, Clone, Default)]
@@ -11,6 +12,8 @@ pub(crate) struct LineVariance {
     pub over_median: Vec<f64>,
     /// Σ_l Var H_l/Σ_l |H_l|² of each line.
     pub over_power: Vec<f64>,
+    /// Part of the variance that FRFs share by the way they were estimated.
+    pub shared: f64,
 }
 
 impl LineVariance {
@@ -21,6 +24,7 @@ impl LineVariance {
             false => Self {
                 over_median: lines(&self.over_median),
                 over_power: lines(&self.over_power),
+                shared: self.shared,
             },
         }
     }
@@ -33,7 +37,7 @@ pub(crate) fn line_variance(
     lines: &[usize],
 ) -> Option<LineVariance> {
     let local = frf.estimation.filter(|made| made.estimator.is_local());
-    let (Some(variance), Some(_)) = (&frf.variance, local) else {
+    let (Some(variance), Some(made)) = (&frf.variance, local) else {
         return None;
     };
     let mut sum = vec![0.0; lines.len()];
@@ -46,6 +50,13 @@ pub(crate) fn line_variance(
     }
     let middle = median(sum.clone())?;
     let relative: Vec<f64> = sum.iter().map(|sum| sum / middle).collect();
+    // one denominator for all responses of a force
+    let shared = match made.estimator {
+        Estimator::Lrm => {
+            limits::OF_DENOMINATOR / (frf.responses.len() as f64 + limits::OF_DENOMINATOR)
+        }
+        _ => 0.0,
+    };
     let usable = relative.iter().all(|v| v.is_finite() && *v > 0.0);
     let over_power = |&k: &usize| {
         let all = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
@@ -56,6 +67,7 @@ pub(crate) fn line_variance(
     };
     usable.then(|| LineVariance {
         over_power: lines.iter().map(over_power).collect(),
+        shared,
         over_median: relative,
     })
 }

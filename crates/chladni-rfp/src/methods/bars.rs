@@ -82,6 +82,7 @@ pub(crate) fn fit_by_method(
         consistent: true,
         real_shapes: false,
         law_open: LawOpen::No,
+        fitted: true,
     };
     let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);

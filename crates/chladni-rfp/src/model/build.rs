@@ -10,7 +10,9 @@ use crate::data::window::block_errors::BlockErrors;
 use crate::model::free_fit::{expressible, FreeFit};
 use crate::model::identified::{Identified, LawOpen};
 use crate::model::limits;
-use crate::model::modes::{few_modes, modes, rejected_mode, scale_unknown, scales, unscaled};
+use crate::model::modes::{
+    few_modes, modes, rejected_mode, scale_unknown, scales, turned, unscaled, widen_scale,
+};
 use crate::model::residual_energy::{above_rounding, by_sums, Laid};
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
@@ -100,6 +102,7 @@ impl Shaped {
             work: &self.identified.work,
             scales_of_frfs: noise.map(|noise| noise.mapv(f64::sqrt).to_vec()),
             powers: &self.identified.powers,
+            fitted: self.identified.fitted,
             poles: &self.poles,
             shapes: &self.shapes,
             scales: &self.scales,
@@ -120,53 +123,31 @@ impl Shaped {
             pole.omega_std = pole.omega_std.hypot(omega * pole.omega);
             pole.loss_factor_std = pole.loss_factor_std.hypot(loss);
         }
+    }
+
+    /// Widens the bars of mass-scaled shapes by what the other damping law would turn, and by
+    /// what turned phases suggest where the residual is noise.
+    fn hold_turns(&self, modes: &mut [Mode]) {
+        let unexplained = match self.identified.law_open {
+            LawOpen::No => return,
+            LawOpen::Light => 0.0,
+            LawOpen::White => turned(modes),
+        };
         if self.scaling != Scaling::UnitModalMass {
             return;
         }
-        let unexplained = match self.identified.law_open {
-            LawOpen::Turned => self.turned(),
-            LawOpen::No | LawOpen::Light => 0.0,
-        };
-        for (term, mut row) in self.bars.shape.rows_mut().into_iter().enumerate() {
-            let [.., turn] = shifts(self.poles[self.shapes.owner[term]].loss_factor);
-            let turn = turn.max(unexplained);
-            let (scale, before) = (&self.scales[term], self.bars.scale[term]);
-            self.bars.scale[term] = before.hypot(turn);
-            // as much as the scale's own bar grows
-            let stated = [before.hypot(turn), before].map(|bar| scale.stated(bar));
-            let grown = match stated {
-                [Some(after), Some(before)] => (after.powi(2) - before.powi(2)).max(0.0).sqrt(),
-                _ => turn,
-            };
-            let size = scale.factor.norm() * grown;
-            row.zip_mut_with(&self.shapes.shape.row(term), |bar, value| {
-                *bar = bar.hypot(size * value.norm());
-            });
+        for mode in modes.iter_mut() {
+            let [.., turn] = shifts(mode.loss_factor);
+            widen_scale(mode, turn.max(unexplained));
         }
-    }
-
-    /// Rms of what turns the mass-normalised shapes of the band, relative: √2 times that of their
-    /// angles, for their size may be off by as much.
-    fn turned(&self) -> f64 {
-        let terms = (0..self.shapes.owner.len()).filter(|&term| {
-            let pole = &self.poles[self.shapes.owner[term]];
-            self.identified.work.in_band(pole.lambda())
-        });
-        let angle = |term: usize| {
-            let squares: Complex64 = self.shapes.shape.row(term).iter().map(|x| x * x).sum();
-            0.5 * (squares * self.scales[term].factor.powi(2)).arg()
-        };
-        let (sum, count) = terms.fold((0.0, 0.0), |(sum, count), term| {
-            (sum + angle(term).powi(2), count + 1.0)
-        });
-        (2.0 * sum / f64::max(count, 1.0)).sqrt()
     }
 
     /// Builds the model; `left` as from [`Self::left`].
     pub fn model(mut self, data: &DataLayout, options: &FitOptions, left: &[f64]) -> ModalModel {
         let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
-        let modes = self.modes(data);
+        let mut modes = self.modes(data);
+        self.hold_turns(&mut modes);
         let mut findings = data.warnings.clone();
         findings.append(&mut self.identified.warnings);
         findings.extend(self.findings(data, &modes));

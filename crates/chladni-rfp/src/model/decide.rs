@@ -61,7 +61,7 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     let shift = identified.shift_by_other_law();
     identified.law_open = match free && told == Verdict::Undecidable {
         true if measured => LawOpen::Light,
-        true if shift > limits::LAW_SHIFTS => LawOpen::Turned,
+        true if shift > limits::LAW_SHIFTS => LawOpen::White,
         _ => LawOpen::No,
     };
     let mut warnings = Vec::from_iter(words_on_law(&told, law, real, free, shift));

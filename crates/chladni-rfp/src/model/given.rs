@@ -84,6 +84,7 @@ impl GivenPoles {
             consistent: true,
             real_shapes: false,
             law_open: LawOpen::No,
+            fitted: false,
         })
     }
 }

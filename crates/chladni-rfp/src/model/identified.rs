@@ -37,6 +37,8 @@ pub(crate) struct Identified {
     pub real_shapes: bool,
     /// Whether bars have to hold both damping laws.
     pub law_open: LawOpen,
+    /// False where the poles were given, and not fitted to these columns.
+    pub fitted: bool,
 }
 
 /// Whether the damping law is open.
@@ -46,9 +48,8 @@ pub(crate) enum LawOpen {
     No,
     /// Damping is light and errors are no noise.
     Light,
-    /// The residual is noise, and phases are turned by what no law explains: by complex shapes, or
-    /// by records that cut responses off.
-    Turned,
+    /// The residual is noise, and the laws differ by more than an error bar.
+    White,
 }
 
 impl Identified {
@@ -106,6 +107,7 @@ impl Identified {
             consistent,
             real_shapes: false,
             law_open: LawOpen::No,
+            fitted: true,
         }
     }
 

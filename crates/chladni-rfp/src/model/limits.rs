@@ -69,3 +69,9 @@ pub(super) const TRACK_LOSS_STEP: f64 = 0.5;
 
 /// Natural frequency over that of the last line below which a pole has none.
 pub(super) const NO_FREQUENCY: f64 = 1e-6;
+
+// modes.rs
+
+/// Relative error bar of a mass scale below which the angle of its shape says something of
+/// phases.
+pub(super) const SCALE_TELLS: f64 = 0.1;

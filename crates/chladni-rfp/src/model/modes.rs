@@ -10,7 +10,7 @@ use crate::validation::complexity::mpc;
 use chladni_frf::{ComplexVector, Damping, Finding, Mode, ReferenceUnit, Scaling, Trust};
 use ndarray::Array1;
 use num_complex::Complex64;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Factor that takes a participation in work units to SI units of receptance residues.
 fn to_si(data: &DataLayout, damping: Damping, pole: &Pole) -> Complex64 {
@@ -171,6 +171,29 @@ pub(crate) fn modes(
             }
         })
         .collect()
+}
+
+/// Widens the bars of a mass-scaled shape by a relative doubt of its scale.
+pub(crate) fn widen_scale(mode: &mut Mode, doubt: f64) {
+    mode.scale_std = mode.scale_std.map(|std| std.hypot(doubt));
+    let values = mode.shape.0.iter().zip(&mut mode.shape_std);
+    values.for_each(|(value, std)| *std = std.hypot(doubt * value.norm()));
+}
+
+/// Relative error of the scale that turned phases suggest: √2 times the rms angle of the
+/// mass-normalised shapes of the band, without what their error bars explain. A sensor that
+/// is turned round turns shapes by 90 degrees and changes no size.
+pub(crate) fn turned(modes: &[Mode]) -> f64 {
+    let angle = |mode: &Mode| -> Option<f64> {
+        let known = mode.scale_std.filter(|std| *std < limits::SCALE_TELLS)?;
+        let squares: Complex64 = mode.shape.0.iter().map(|v| v * v).sum();
+        let angle = 0.5 * squares.arg().abs();
+        let square = angle.min(FRAC_PI_2 - angle).powi(2) - 0.5 * known.powi(2);
+        mode.in_band.then_some(square.max(0.0))
+    };
+    let squares: Vec<f64> = modes.iter().filter_map(angle).collect();
+    let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
+    (2.0 * mean).sqrt()
 }
 
 /// The reason that shapes have no absolute scale.

@@ -38,7 +38,7 @@ impl ForceDrop {
     ///
     /// * `hz`: ω_max/2π
     pub fn finding(&self, hz: f64) -> Option<Finding> {
-        if self.gain < limits::DROP_DECIDES {
+        if self.gain.is_nan() || self.gain < limits::DROP_DECIDES {
             return None;
         }
         let drop_db = 20.0 * self.ratio.log10();
@@ -87,7 +87,10 @@ impl Influence<'_> {
     /// in one block; `None` where no window of a continuous force is known, or lines are too
     /// few.
     pub fn force_drop(&self, share: f64) -> Option<ForceDrop> {
-        self.continuous()?;
+        let of_fit = self.found.fitted && self.continuous().is_some();
+        if !of_fit {
+            return None;
+        }
         let inside = |n: &usize| self.found.work.in_band(self.lambda[*n]);
         let modes: Vec<(usize, Left)> = (0..self.lambda.len())
             .into_par_iter()
@@ -165,8 +168,11 @@ impl Influence<'_> {
         let derivative = lines.iter().map(|&k| outside[k].conj() / scale);
         let derivative = Array2::from_shape_vec((lines.len(), 1), derivative.collect());
         let q = self.projection.q.select(Axis(0), &lines);
-        Some(Left {
-            left: about.clone().map(left).collect(),
+        let left: Vec<(Complex64, f64)> = about.clone().map(left).collect();
+        let usable = |(left, variance): &(Complex64, f64)| left.is_finite() && *variance > 0.0;
+        let sound = left.iter().all(usable) && left.iter().any(|own| own.0.norm_sqr() > 0.0);
+        sound.then(|| Left {
+            left,
             taken: concatenate![Axis(1), q, derivative.expect("one column")],
             unit: leaking.units[0].clone(),
             about,
@@ -221,6 +227,8 @@ impl Influence<'_> {
         let none = (Array2::zeros((size, size)), Complex64::ZERO);
         let mut moments = vec![none; self.forces];
         for (force, probability) in &drop.forces {
+            // the same drop of all forces: at most their number times that of independent ones
+            let weight = probability * self.forces as f64;
             let of_pole = |(&a, unit): (&usize, &Vec<Complex64>)| {
                 self.changed(a, &Lines { places, unit }, force)
             };
@@ -229,10 +237,10 @@ impl Influence<'_> {
             for ((sum, of_pole), products) in moments.iter_mut().zip(&self.of_forces) {
                 let off = self.sums((n, near), places, &changes, products);
                 let pole = own.map_or(Complex64::ZERO, |own| off[near.len() + own]);
-                *of_pole += *probability * pole * pole;
+                *of_pole += weight * pole * pole;
                 let column = Array1::from(off).insert_axis(Axis(1));
                 let adjoint = column.t().mapv(|v| v.conj());
-                sum.scaled_add((*probability).into(), &column.dot(&adjoint));
+                sum.scaled_add(weight.into(), &column.dot(&adjoint));
             }
         }
         moments

@@ -24,6 +24,8 @@ pub(crate) struct Found<'a> {
     /// Scale of each FRF, where the columns are scaled FRFs.
     pub scales_of_frfs: Option<Vec<f64>>,
     pub powers: &'a [i32],
+    /// True where the poles are those of a fit to these columns.
+    pub fitted: bool,
     pub poles: &'a [Pole],
     pub shapes: &'a Shapes,
     pub scales: &'a [Scale],
@@ -73,14 +75,18 @@ impl Found<'_> {
         (0..self.data.pairs.len()).map(noise).collect()
     }
 
-    /// Variance of the error that FRFs share on each line, over their power, as noise of the
-    /// force makes it, and the part of the other noise that is left; empty where they share
-    /// none (theory.md, eq. F4h).
-    fn shared(&self, residual: &Array2<Complex64>) -> (Vec<f64>, f64) {
+    /// The error that FRFs share on each line, as noise of the force makes it (theory.md, eq.
+    /// F4h), or one denominator of all responses.
+    fn shared(&self, residual: &Array2<Complex64>) -> Shared {
         let Self { data, work, .. } = self;
+        let none = Shared {
+            variances: Vec::new(),
+            alone: 1.0,
+            by_force: false,
+        };
         let shares: Option<Vec<f64>> = work.x.iter().map(|x| data.share_at(*x)).collect();
-        let Some(shares) = shares.filter(|all| all.len() >= limits::SHARED_LINES) else {
-            return (Vec::new(), 1.0);
+        let Some(shares) = shares else {
+            return none;
         };
         // FRFs of several forces count as those of one: the part comes out too small
         let of_line = |(k, share): (usize, &f64)| {
@@ -88,17 +94,24 @@ impl Found<'_> {
             shared_power(work.b.row(k).into_iter().copied().zip(errors), *share)
         };
         let mut parts: Vec<f64> = shares.iter().enumerate().filter_map(of_line).collect();
-        if parts.len() < limits::SHARED_LINES {
-            return (Vec::new(), 1.0);
+        let seen = match parts.len() {
+            0..limits::SHARED_LINES => 0.0,
+            count => *parts.select_nth_unstable_by(count / 2, f64::total_cmp).1 / LN_2,
+        };
+        let by_force = seen >= limits::SHARED_PART;
+        let (part, most) = match by_force {
+            // far from modes noise of the responses hides some of it
+            true => (seen, seen.max(1.0)),
+            false => (data.shared_part(), data.shared_part()),
+        };
+        if part <= 0.0 {
+            return none;
         }
-        let middle = parts.len() / 2;
-        let part = *parts.select_nth_unstable_by(middle, f64::total_cmp).1 / LN_2;
-        if part < limits::SHARED_PART {
-            return (Vec::new(), 1.0);
+        Shared {
+            variances: shares.iter().map(|share| most * share).collect(),
+            alone: (1.0 - part).max(0.0),
+            by_force,
         }
-        // far from modes noise of the responses hides some of it
-        let shared = shares.iter().map(|share| part.max(1.0) * share).collect();
-        (shared, (1.0 - part).max(0.0))
     }
 
     /// Weight of line k over that of an FRF as it was measured.
@@ -106,6 +119,17 @@ impl Found<'_> {
         let power = f64::from(self.data.kind.omega_power());
         self.work.g[k] / self.work.x[k].powf(0.5 * power)
     }
+}
+
+/// Errors that FRFs share.
+pub(super) struct Shared {
+    /// Variance of each line's error that all FRFs of a force share, over their power; empty
+    /// where they share none.
+    pub variances: Vec<f64>,
+    /// Part of the noise that they do not share.
+    pub alone: f64,
+    /// True where it is noise of the force.
+    pub by_force: bool,
 }
 
 /// Poles and residues as sums over errors of lines.
@@ -135,10 +159,7 @@ pub(super) struct Influence<'a> {
     pub of_response: Vec<Vec<usize>>,
     /// Σ|residual|² of each line over the share that a fit leaves of an error.
     pub left: Vec<f64>,
-    /// Variance of each line's error that all FRFs of a force share, over their power.
-    pub shared: Vec<f64>,
-    /// Part of the noise that FRFs do not share.
-    pub alone: f64,
+    pub shared: Shared,
 }
 
 impl<'a> Influence<'a> {
@@ -173,12 +194,11 @@ impl<'a> Influence<'a> {
         let left = energy
             .zip(kept_share(&projection.q, &outside))
             .map(|(row, kept)| square(row.iter()) / kept);
-        let (shared, alone) = found.shared(&projection.residual);
+        let shared = found.shared(&projection.residual);
         let mut influence = Self {
             found,
             errors,
             shared,
-            alone,
             follow,
             inverse: Array2::zeros((0, 0)),
             residues: found.residues(),

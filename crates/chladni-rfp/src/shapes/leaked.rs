@@ -1,4 +1,5 @@
-//! Moments of what leakage and noise do to poles and residues (theory.md, eq. F4d).
+//! Moments of what leakage, noise and a force that drops do to poles and residues (theory.md,
+//! eq. F4d and F4f).
 //!
 //! Leakage is a sum over poles of what each leaks, times its residue, the same in all FRFs of
 //! one force: a few forms of the force, of which every shape takes its part.

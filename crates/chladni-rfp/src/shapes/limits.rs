@@ -158,8 +158,8 @@ pub(super) const SHARED_PART: f64 = 0.3;
 pub(super) const FORCES_MOST: usize = 4;
 /// Variance beside modes over the one foretold, beyond which the residual is believed and not
 /// the averages that the set names: by chance it varies by a quarter. Noise of the force 34 dB
-/// below it makes 1.2 to 2: at 2.0 error bars of loss factors held in 0.89 of cases, at 1.4 in 0.90,
-/// and in 0.92 to 0.95 without it at either.
+/// below it makes 1.2 to 2: at 2.0 and at 1.3 error bars of loss factors held in 0.88 of 400 cases, at 1.15 in
+/// 0.90 of 240; without it in 0.91 and more at each.
 pub(super) const LEAKS_AS_TOLD: f64 = 1.3;
 
 // force_drop.rs

@@ -27,7 +27,7 @@ pub(crate) struct TermBars {
     /// The same for independent errors, where the bars at hand are those of another
     /// estimator and only the ratio counts.
     white: Option<([f64; 2], ShapeDeviations)>,
-    /// True where all FRFs share errors: a residual that is not white makes bars of its own,
+    /// True where all FRFs share noise of a force: a residual that is not white makes bars of its own,
     /// and the larger ones hold.
     shares: bool,
 }
@@ -74,7 +74,10 @@ pub(crate) fn line_bars(
 ) -> Result<(Vec<TermBars>, Option<ForceDrop>), LinalgError> {
     let influence = Influence::new(found, errors)?;
     let variances = influence.line_variances();
-    let own: Vec<f64> = variances.iter().map(|v| influence.alone * v).collect();
+    let own: Vec<f64> = variances
+        .iter()
+        .map(|v| influence.shared.alone * v)
+        .collect();
     let correlated = influence.noise_products(|cycles| errors.of_noise(cycles), &own);
     let independent = |cycles: f64| f64::from(u8::from(cycles == 0.0)).into();
     let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
@@ -86,10 +89,16 @@ pub(crate) fn line_bars(
         .filter(|told| seen < limits::LEAKS_AS_TOLD * told)
         .unwrap_or(seen);
     let drop = influence.force_drop(share);
-    let shares = !influence.shared.is_empty();
+    let shares = influence.shared.by_force;
     let of_term = |term: usize| {
         let owner = found.shapes.owner[term];
-        let told = influence.moments(owner, &correlated, share, &influence.shared, drop.as_ref());
+        let told = influence.moments(
+            owner,
+            &correlated,
+            share,
+            &influence.shared.variances,
+            drop.as_ref(),
+        );
         let other = found.poles[owner].given.as_ref();
         let white = other.filter(|_| !shares).map(|_| {
             let moments = influence.moments(owner, &white, 0.0, &[], None);

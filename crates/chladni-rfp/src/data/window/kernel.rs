@@ -372,17 +372,18 @@ mod tests {
     }
 
     /// Mean cross spectrum over mean power of the force, summed over frequencies.
-    fn by_sum(line: Complex64, pole: Complex64, drop: f64, record_s: f64) -> Complex64 {
+    fn by_sum(line: Complex64, pole: Complex64, force: &Force, record_s: f64) -> Complex64 {
         let mut sums = (Complex64::ZERO, 0.0);
         for k in -2400..=2400 {
             let cycles = f64::from(k) / 60.0;
             let s = line + Complex64::new(0.0, TAU * cycles / record_s);
-            let of_force = Complex64::new(drop * pole.re, pole.im);
-            let power = hann_power(cycles) * (s - pole).norm_sqr() / (s - of_force).norm_sqr();
+            let of_force = Complex64::new(force.drop * pole.re, pole.im);
+            let window = hann_power(cycles);
+            let power = window * (s - pole).norm_sqr() / (s - of_force).norm_sqr();
             sums.0 += power / (s - pole);
-            sums.1 += power;
+            sums.1 += power + force.noise * window;
         }
-        sums.0 / sums.1
+        (1.0 + force.noise) * sums.0 / sums.1
     }
 
     #[test]
@@ -394,16 +395,16 @@ mod tests {
         let lines: Vec<Complex64> = (116..125)
             .map(|k| Complex64::new(0.0, TAU * 0.5 * f64::from(k)))
             .collect();
-        for drop in [1.0, 4.0, 31.6] {
+        for (drop, noise) in [(1.0, 0.0), (4.0, 0.0), (31.6, 0.0), (4.0, 0.01)] {
+            let force = Force { drop, noise };
             for line in &lines {
                 let z = (line - pole) * record_s;
-                let force = Force { drop, noise: 0.0 };
                 let value = kernel.under_force(z, -pole.re * record_s, &force);
-                let expected = by_sum(*line, pole, drop, record_s);
+                let expected = by_sum(*line, pole, &force, record_s);
                 let off = (value * record_s - expected).norm();
                 assert!(
                     off < 1e-6 * expected.norm(),
-                    "drop {drop}, {line}: {value} for {expected}"
+                    "{force:?}, {line}: {value} for {expected}"
                 );
             }
         }
