@@ -77,7 +77,7 @@ struct Left {
     /// The lines about the mode, among these.
     about: Range<usize>,
     /// What is left there, and its variance.
-    left: Vec<(Complex64, f64)>,
+    seen: Vec<(Complex64, f64)>,
     /// Part of a column on `lines` that poles and residues take over: its rows.
     taken: Array2<Complex64>,
 }
@@ -87,10 +87,7 @@ impl Influence<'_> {
     /// in one block; `None` where no window of a continuous force is known, or lines are too
     /// few.
     pub fn force_drop(&self, share: f64) -> Option<ForceDrop> {
-        let of_fit = self.found.fitted && self.continuous().is_some();
-        if !of_fit {
-            return None;
-        }
+        let leakage = self.continuous().filter(|_| self.found.fitted)?;
         let inside = |n: &usize| self.found.work.in_band(self.lambda[*n]);
         let modes: Vec<(usize, Left)> = (0..self.lambda.len())
             .into_par_iter()
@@ -102,7 +99,9 @@ impl Influence<'_> {
         }
         let with_noise = |drop| limits::NOISES.map(|noise| Force { drop, noise });
         let gain = |force: Force| -> (Force, f64) {
-            let each = modes.iter().map(|(n, left)| self.gain(*n, left, &force));
+            let each = modes
+                .iter()
+                .map(|(n, left)| self.gain(leakage, *n, left, &force));
             (force, each.sum())
         };
         let all: Vec<(Force, f64)> = limits::DROPS
@@ -155,7 +154,7 @@ impl Influence<'_> {
         let residues = matmul(self.rows.slice(s![.., n..=n]).t(), work.b.view());
         let power = square(residues.iter());
         let noise = self.noise_of_columns() / power;
-        let left = |place: usize| {
+        let seen = |place: usize| {
             let k = lines[place];
             let row = self.projection.residual.row(k);
             let matched = row.iter().zip(&residues).map(|(e, r)| e * r.conj());
@@ -168,11 +167,11 @@ impl Influence<'_> {
         let derivative = lines.iter().map(|&k| outside[k].conj() / scale);
         let derivative = Array2::from_shape_vec((lines.len(), 1), derivative.collect());
         let q = self.projection.q.select(Axis(0), &lines);
-        let left: Vec<(Complex64, f64)> = about.clone().map(left).collect();
-        let usable = |(left, variance): &(Complex64, f64)| left.is_finite() && *variance > 0.0;
-        let sound = left.iter().all(usable) && left.iter().any(|own| own.0.norm_sqr() > 0.0);
+        let seen: Vec<(Complex64, f64)> = about.clone().map(seen).collect();
+        let usable = |(seen, variance): &(Complex64, f64)| seen.is_finite() && *variance > 0.0;
+        let sound = seen.iter().all(usable) && seen.iter().any(|own| own.0.norm_sqr() > 0.0);
         sound.then(|| Left {
-            left,
+            seen,
             taken: concatenate![Axis(1), q, derivative.expect("one column")],
             unit: leaking.units[0].clone(),
             about,
@@ -181,35 +180,36 @@ impl Influence<'_> {
     }
 
     /// Log-likelihood of a force over an even one; the level of errors is free.
-    fn gain(&self, n: usize, left: &Left, force: &Force) -> f64 {
+    fn gain(&self, leakage: &Leakage, n: usize, left: &Left, force: &Force) -> f64 {
         let lines = Lines {
             places: &left.lines,
             unit: &left.unit,
         };
-        let change = Array1::from(self.changed(n, &lines, force)).insert_axis(Axis(1));
+        let by_force = |s: Complex64, y: f64| leakage.by_force(s, y, force);
+        let change = Array1::from(self.changed(n, &lines, &by_force)).insert_axis(Axis(1));
         let part = matmul_h(left.taken.view(), change.view());
         let stays = &change - &matmul(left.taken.view(), part.view());
         let (mut before, mut after) = (0.0, f64::MIN_POSITIVE);
-        for (&(left, variance), stays) in
-            left.left.iter().zip(stays.slice(s![left.about.clone(), 0]))
-        {
-            before += left.norm_sqr() / variance;
-            after += (left - stays).norm_sqr() / variance;
+        let stays = stays.slice(s![left.about.clone(), 0]);
+        for (&(seen, variance), stays) in left.seen.iter().zip(stays) {
+            before += seen.norm_sqr() / variance;
+            after += (seen - stays).norm_sqr() / variance;
         }
-        let free = left.left.len() - limits::DROP_UNKNOWNS;
+        let free = left.seen.len() - limits::DROP_UNKNOWNS;
         free as f64 * (before / after).ln()
     }
 
-    /// What a force that is not even adds to the column of a pole.
-    fn changed(&self, n: usize, lines: &Lines, force: &Force) -> Vec<Complex64> {
+    /// What a force that is not even adds to the column of a pole; `by_force`: to 1/(jω − s).
+    fn changed(
+        &self,
+        n: usize,
+        lines: &Lines,
+        by_force: &dyn Fn(Complex64, f64) -> Complex64,
+    ) -> Vec<Complex64> {
         let work = self.found.work;
         let s = leaking_pole(work.law, self.lambda[n]).s;
-        let by_force = |y: f64| match self.continuous() {
-            Some(leakage) => leakage.by_force(s, y, force),
-            None => Complex64::ZERO,
-        };
         let each = lines.places.iter().zip(lines.unit);
-        each.map(|(&k, unit)| unit * by_force(work.x[k].sqrt()))
+        each.map(|(&k, unit)| unit * by_force(s, work.x[k].sqrt()))
             .collect()
     }
 
@@ -222,6 +222,9 @@ impl Influence<'_> {
         (places, leaking): (&[usize], &Leaking),
         drop: &ForceDrop,
     ) -> Vec<(Array2<Complex64>, Complex64)> {
+        let Some(leakage) = self.continuous() else {
+            return Vec::new();
+        };
         let size = 2 * near.len();
         let own = near.iter().position(|&m| m == n);
         let none = (Array2::zeros((size, size)), Complex64::ZERO);
@@ -229,8 +232,9 @@ impl Influence<'_> {
         for (force, probability) in &drop.forces {
             // the same drop of all forces: at most their number times that of independent ones
             let weight = probability * self.forces as f64;
+            let by_force = |s: Complex64, y: f64| leakage.by_force(s, y, force);
             let of_pole = |(&a, unit): (&usize, &Vec<Complex64>)| {
-                self.changed(a, &Lines { places, unit }, force)
+                self.changed(a, &Lines { places, unit }, &by_force)
             };
             let changes: Vec<Vec<Complex64>> =
                 near.iter().zip(&leaking.units).map(of_pole).collect();

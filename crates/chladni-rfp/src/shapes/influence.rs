@@ -33,7 +33,7 @@ pub(crate) struct Found<'a> {
 
 impl Found<'_> {
     /// Scale of the FRF of pair l.
-    pub fn scale_of(&self, l: usize) -> f64 {
+    fn scale_of(&self, l: usize) -> f64 {
         self.scales_of_frfs.as_ref().map_or(1.0, |all| all[l])
     }
 
