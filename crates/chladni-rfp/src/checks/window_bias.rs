@@ -201,9 +201,14 @@ fn doubt(leakage: &Leakage, mode: &Mode) -> f64 {
 /// The same relative to the loss factor that would be left: lines of equal height tell too
 /// little of how far a window spreads broad ones.
 fn excess(leakage: &Leakage, mode: &Mode) -> f64 {
-    // lines narrower than those of the window alone tell none
-    let doubt = doubt(leakage, mode).min(limits::DOUBT_MOST);
-    doubt / (1.0 - doubt)
+    of_what_is_left(doubt(leakage, mode))
+}
+
+/// A part of a whole over the rest of it. Lines narrower than those of the window alone leave
+/// none, so the part has a bound.
+fn of_what_is_left(part: f64) -> f64 {
+    let part = part.min(limits::DOUBT_MOST);
+    part / (1.0 - part)
 }
 
 /// Part of the decay `seen`, 1/s, that a window added.
@@ -312,8 +317,8 @@ mod tests {
     fn lines_narrower_than_those_of_a_window_have_bars_of_their_size() {
         let leakage = Leakage::new(Window::Flattop.kernel().unwrap(), 1.0, 0);
         for lines in [0.0, 0.1, 0.5, 2.0] {
-            let doubt = added(&leakage, PI * lines);
-            assert!((0.0..=1.0).contains(&doubt), "{lines}: {doubt}");
+            let excess = of_what_is_left(added(&leakage, PI * lines));
+            assert!((0.0..=2.1).contains(&excess), "{lines}: {excess}");
         }
     }
 

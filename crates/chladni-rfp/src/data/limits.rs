@@ -11,10 +11,11 @@ pub(super) const IN_THE_DARK: f64 = 1e-6;
 
 // line_variance.rs
 
-/// What the denominator of the local rational method adds to the variance of an FRF, where one
-/// response tells it alone; L responses that tell it together have 1/L of that, the same error in all. On lines
-/// near modes and far from them sums over three responses had 1.23 times the variance of
-/// independent errors, (1 + 0.4)/(1 + 0.4/3), at 30 and 50 dB, half a line to two lines per bandwidth.
+/// Part that the denominator of the local rational method adds to the variance of an FRF, where
+/// one response tells it alone; L responses that tell it together have 1/L of that, the same
+/// error in all. Against the truth of simulated tests sums over three responses had 1.23 times the
+/// variance of independent errors, (1 + 0.4)/(1 + 0.4/3), near modes and far from them, at 30 and
+/// 50 dB, half a line to two lines per bandwidth; measured once, with three responses.
 pub(super) const OF_DENOMINATOR: f64 = 0.4;
 
 // memory.rs

@@ -35,13 +35,13 @@ pub(crate) struct Identified {
     pub consistent: bool,
     /// True where shapes and participations given with poles are real.
     pub real_shapes: bool,
-    /// Whether bars have to hold both damping laws.
+    /// State of the damping law: where it is open, bars hold both laws.
     pub law_open: LawOpen,
     /// False where the poles were given, and not fitted to these columns.
     pub fitted: bool,
 }
 
-/// Whether the damping law is open.
+/// State of the damping law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LawOpen {
     /// It is decided, given, or makes no difference.

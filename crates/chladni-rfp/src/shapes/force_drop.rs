@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use std::f64::consts::LN_10;
 use std::ops::Range;
 
-/// What the residual says of the force.
+/// Forces that the residual leaves possible.
 #[derive(Debug, Clone)]
 pub(crate) struct ForceDrop {
     /// Forces that may be, and their probabilities.
@@ -69,21 +69,21 @@ struct Lines<'a> {
     unit: &'a [Complex64],
 }
 
-/// What the fit leaves of the column of a mode that stands alone, on the lines about it.
+/// Residual of the column of a mode that stands alone, on the lines about it.
 struct Left {
     /// Lines that leak, and the column over 1/(jω − s) on each.
     lines: Vec<usize>,
     unit: Vec<Complex64>,
     /// The lines about the mode, among these.
     about: Range<usize>,
-    /// What is left there, and its variance.
+    /// The residual there, and its variance.
     seen: Vec<(Complex64, f64)>,
     /// Part of a column on `lines` that poles and residues take over: its rows.
     taken: Array2<Complex64>,
 }
 
 impl Influence<'_> {
-    /// What the residual says of the force, where leakage has the variance `share` of that
+    /// Forces that the residual leaves possible, where leakage has the variance `share` of that
     /// in one block; `None` where no window of a continuous force is known, or lines are too
     /// few.
     pub fn force_drop(&self, share: f64) -> Option<ForceDrop> {
@@ -199,7 +199,8 @@ impl Influence<'_> {
         free as f64 * (before / after).ln()
     }
 
-    /// What a force that is not even adds to the column of a pole; `by_force`: to 1/(jω − s).
+    /// The part that a force that is not even adds to the column of a pole; `by_force`: to
+    /// 1/(jω − s).
     fn changed(
         &self,
         n: usize,

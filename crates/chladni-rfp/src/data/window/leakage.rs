@@ -53,7 +53,7 @@ impl Leakage {
         }
     }
 
-    /// What a force that is not even adds to the column 1/(jω − s), in powers of ω_max.
+    /// The part that a force that is not even adds to the column 1/(jω − s), in powers of ω_max.
     pub fn by_force(&self, s: Complex64, y: f64, force: &Force) -> Complex64 {
         let z = (Complex64::new(0.0, y) - s) * self.record;
         let [even, _] = self.kernel.value_and_slope(z);
