@@ -161,9 +161,10 @@ fn moved(lambda: &[Complex64], turn: &[f64], step: &Array2<f64>) -> (Vec<Complex
 
 /// Everything at one set of poles and angles.
 struct Point {
-    /// Inner products of (φ, ∂φ/∂Re λ, ∂φ/∂Im λ) without background, (3n, 3n).
+    /// Inner products of φ, −j·∂φ/∂Im λ and, where it is another, ∂φ/∂Re λ, without
+    /// background: (2n, 2n) or (3n, 3n).
     gram: Array2<Complex64>,
-    /// Those with the data, (3n, column).
+    /// Those with the data, (2n or 3n, column).
     against: Array2<Complex64>,
     turn: Vec<f64>,
     /// Real residues, (mode, column).
@@ -182,8 +183,8 @@ impl Point {
         turn: &[f64],
     ) -> Result<Self, LinalgError> {
         let n = lambda.len();
-        let (down, across) = slopes(work, lambda);
-        let columns = concatenate![Axis(1), basis(work, lambda, &[]), down, across];
+        let (across, down) = slopes(work, lambda);
+        let columns = concatenate![Axis(1), basis(work, lambda, &[]), across, down];
         let (_, left) = projected(common.background.view(), columns.view());
         let gram = blocked_matmul_h(left.view(), left.view());
         let against = blocked_matmul_h(left.view(), common.data.view());
@@ -210,14 +211,16 @@ impl Point {
         })
     }
 
-    /// Column and factor of the tangent along one unknown.
+    /// Column and factor of the tangent along one unknown: Re λ of all modes, then Im λ,
+    /// then θ.
     fn tangent(&self, unknown: usize) -> (usize, Complex64) {
         let n = self.turn.len();
-        let phase = Complex64::from_polar(1.0, self.turn[unknown % n]);
-        if unknown < 2 * n {
-            (n + unknown, phase)
-        } else {
-            (unknown - 2 * n, phase * Complex64::I)
+        let m = unknown % n;
+        let phase = Complex64::from_polar(1.0, self.turn[m]);
+        match unknown / n {
+            0 => (self.gram.nrows() - n + m, phase),
+            1 => (n + m, phase * Complex64::I),
+            _ => (m, phase * Complex64::I),
         }
     }
 
@@ -269,21 +272,23 @@ impl Point {
     }
 }
 
-/// ∂φ/∂Re λ and ∂φ/∂Im λ in the law of `work`.
+/// −j·∂φ/∂Im λ and ∂φ/∂Re λ in the law of `work`; without the second where both are the
+/// same.
 fn slopes(work: &Columns, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
-    let along = basis_derivative(work, lambda);
-    let across = along.mapv(|v| v * Complex64::I);
-    let mut down = along;
-    if work.law == Damping::Viscous {
-        for (mut column, pole) in down.columns_mut().into_iter().zip(lambda) {
-            for (value, &x) in column.iter_mut().zip(&work.x) {
-                // λ − x → Re λ + j·Im λ·√(x/Re λ) − x
-                let loss = loss(work.law, *pole, x);
-                *value *= Complex64::new(1.0, -0.5 * pole.im * loss / pole.re) / loss;
-            }
+    let across = basis_derivative(work, lambda);
+    if work.law == Damping::Structural {
+        let none = Array2::zeros((work.lines(), 0));
+        return (across, none);
+    }
+    let mut down = across.clone();
+    for (mut column, pole) in down.columns_mut().into_iter().zip(lambda) {
+        for (value, &x) in column.iter_mut().zip(&work.x) {
+            // λ − x → Re λ + j·Im λ·√(x/Re λ) − x
+            let loss = loss(work.law, *pole, x);
+            *value *= Complex64::new(1.0, -0.5 * pole.im * loss / pole.re) / loss;
         }
     }
-    (down, across)
+    (across, down)
 }
 
 #[cfg(test)]
@@ -309,7 +314,12 @@ mod tests {
         let pole = Complex64::new(0.25, 0.01);
         for law in [Damping::Structural, Damping::Viscous] {
             let work = lines(law, 1);
-            let (down, across) = slopes(&work, &[pole]);
+            let (across, down) = slopes(&work, &[pole]);
+            let down = match law {
+                Damping::Structural => across.clone(),
+                Damping::Viscous => down,
+            };
+            let across = across.mapv(|v| v * Complex64::I);
             for (slope, unit) in [(down, Complex64::ONE), (across, Complex64::I)] {
                 let step = 1e-6;
                 let at = |sign: f64| basis(&work, &[pole + unit * (sign * step)], &[]);

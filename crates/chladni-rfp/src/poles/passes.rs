@@ -9,7 +9,7 @@ use crate::data::products::{energies, Projected};
 use crate::data::screening::Screened;
 use crate::data::source::{By, Source, Way};
 use crate::poles::limits;
-use crate::poles::refine::{refine, Refined};
+use crate::poles::refine::{refine, refined_poles, Refined};
 use crate::poles::scan::{residual_peak, Scan};
 use crate::poles::settle::settle;
 use crate::poles::significance::threshold;
@@ -77,8 +77,8 @@ impl Start {
                 let mut more = best.refined.lambda.clone();
                 more.push(pole);
                 let steps = tol::REFINE_ROUGH;
-                let more = refine(&self.sketch, &more, &POWERS, steps, tol::ROUGH_STEP)?;
-                let there = [pole, *more.lambda.last().expect("one was added")];
+                let more = refined_poles(&self.sketch, &more, &POWERS, steps, tol::ROUGH_STEP)?;
+                let there = [pole, *more.last().expect("one was added")];
                 if vague
                     && !best
                         .shares(data.values(), &there)
@@ -88,10 +88,10 @@ impl Start {
                     continue;
                 }
                 // a pass of others is dear: none for the poles that these columns are of
-                if data.values().is_none() && same(&more.lambda, &self.lambda) {
+                if data.values().is_none() && same(&more, &self.lambda) {
                     break;
                 }
-                (self.q, self.lambda) = (basis_of(data, &more)?, more.lambda);
+                (self.q, self.lambda) = (on_all_lines(data, &more)?, more);
                 let with = self.pass(data, energy)?;
                 // the same poles on columns that one more pole helped to choose: nothing is
                 // learned

@@ -20,8 +20,8 @@ pub(super) struct Merged {
     pub spread: Vec<[f64; 2]>,
 }
 
-/// Adds modes until `holds`, while one more takes more than `limit` out of the sum of
-/// squares.
+/// Adds modes to a settled state until `holds`, while one more takes more than `limit` out
+/// of the sum of squares.
 pub(super) fn grown(
     target: &Target,
     mut state: State,
@@ -29,6 +29,7 @@ pub(super) fn grown(
     settled: Enough,
     holds: &dyn Fn(&State) -> bool,
 ) -> Result<State, LinalgError> {
+    let before = state.lambda.len();
     for _ in 0..limits::GROWTH_MOST {
         if holds(&state) {
             break;
@@ -54,6 +55,9 @@ pub(super) fn grown(
             break;
         }
         state = more;
+    }
+    if state.lambda.len() == before {
+        return Ok(state);
     }
     Ok(state.refined(target, settled))
 }
