@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn bars_hold_what_nobody_told_and_what_responses_share() {
         // windows between near modes, no sure mode, lines split by a window, records that cut
-        // responses off, one denominator of all responses
+        // responses off, one denominator of all responses, a force that drops
         for (name, way, seeds) in [
             ("random flattop 31 x 0.50 b=8", MeasuredWay::Blind, 6),
             ("random kaiser:8.6 31 x 0.50 b=1", MeasuredWay::Blind, 6),
@@ -189,6 +189,7 @@ mod tests {
                 MeasuredWay::Lrm,
                 12,
             ),
+            ("random hann 46 x 0.67 b=2 drop 12 dB", MeasuredWay::Lrm, 12),
         ] {
             let rows = rows_of(name, seeds);
             let own = rows.iter().filter(|row| row.way == way);

@@ -61,20 +61,18 @@ impl Field {
 
     /// The same with the responses made ready before.
     pub(crate) fn area_from(&self, nodes: &Nodes, zones: &ZoneMap) -> Option<AreaField> {
-        let grid = AreaGrid::from_nodes(
-            nodes,
-            &self.positions_m,
-            zones.area(),
-            tolerances::AREA_STEP_M,
-        )?;
-        let velocity_m_per_s = grid.field(&self.velocity_m_per_s);
+        let places = Places::new(&self.positions_m, zones.area(), tolerances::AREA_STEP_M)?;
+        let at_responses = ArrayView1::from(&self.velocity_m_per_s);
+        let inside = nodes.field(at_responses, &places.positions_m())?;
+        let size = [places.y_m.len(), places.x_m.len()];
+        let velocity_m_per_s = laid_out(size, &places.inside, inside);
         let mut ground = Array2::from_elem(velocity_m_per_s.dim(), Ground::Ignored);
-        for &(place, point) in &grid.places {
+        for &(place, point) in &places.inside {
             ground[place] = zones.classify(point);
         }
         Some(AreaField {
-            x_m: grid.x_m,
-            y_m: grid.y_m,
+            x_m: places.x_m,
+            y_m: places.y_m,
             ground,
             velocity_m_per_s,
         })
@@ -99,22 +97,13 @@ impl AreaGrid {
     /// The grid of at most `step_m` over `area`, inside the convex hull of the responses;
     /// `None` where they carry no plane, or lie outside the area.
     pub fn new(responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
-        Self::from_nodes(&Nodes::new(responses)?, responses, area, step_m)
-    }
-
-    fn from_nodes(
-        nodes: &Nodes,
-        responses: &[Position],
-        area: Rectangle,
-        step_m: f64,
-    ) -> Option<Self> {
-        let Places { x_m, y_m, inside } = Places::new(responses, area, step_m)?;
-        let queries: Vec<Position> = inside.iter().map(|place| place.1).collect();
-        let interpolation = nodes.onto(&queries)?;
+        let nodes = Nodes::new(responses)?;
+        let places = Places::new(responses, area, step_m)?;
+        let interpolation = nodes.onto(&places.positions_m())?;
         Some(Self {
-            x_m,
-            y_m,
-            places: inside,
+            x_m: places.x_m,
+            y_m: places.y_m,
+            places: places.inside,
             interpolation,
         })
     }
@@ -127,18 +116,24 @@ impl AreaGrid {
     /// The field between the responses from its values at them; axes (row, column), NaN
     /// outside their hull.
     pub fn field(&self, at_responses: &[Complex64]) -> Array2<Complex64> {
-        let mut field = Array2::from_elem(
-            (self.y_m.len(), self.x_m.len()),
-            Complex64::new(f64::NAN, f64::NAN),
-        );
         let inside = self
             .interpolation
             .apply(ArrayView1::from(at_responses).insert_axis(Axis(1)));
-        for (&(place, _), &value) in self.places.iter().zip(&inside) {
-            field[place] = value;
-        }
-        field
+        laid_out([self.y_m.len(), self.x_m.len()], &self.places, inside)
     }
+}
+
+/// Values at places of a grid of so many rows and columns, NaN elsewhere.
+fn laid_out(
+    size: [usize; 2],
+    places: &[([usize; 2], Position)],
+    values: impl IntoIterator<Item = Complex64>,
+) -> Array2<Complex64> {
+    let mut field = Array2::from_elem(size, Complex64::new(f64::NAN, f64::NAN));
+    for (&(place, _), value) in places.iter().zip(values) {
+        field[place] = value;
+    }
+    field
 }
 
 /// The places of a grid inside the convex hull of the responses.
@@ -164,6 +159,11 @@ impl Places {
             .filter(|&(_, point)| polygon_contains(&hull, point))
             .collect();
         Some(Self { x_m, y_m, inside })
+    }
+
+    /// Positions of those inside.
+    fn positions_m(&self) -> Vec<Position> {
+        self.inside.iter().map(|place| place.1).collect()
     }
 }
 

@@ -17,7 +17,7 @@ use chladni_linalg::{
     cholesky, matmul, matmul_h, qr_thin, solve_lower, solve_lower_adjoint, solve_upper,
     RANK_TOLERANCE,
 };
-use ndarray::{concatenate, s, stack, Array1, Array2, ArrayView2, Axis};
+use ndarray::{concatenate, s, stack, Array1, Array2, ArrayView1, ArrayView2, Axis};
 use num_complex::Complex64;
 use std::sync::Arc;
 
@@ -58,15 +58,34 @@ impl Nodes {
         Some(Self { places, whole })
     }
 
+    /// One field at the queries from its `values` at the nodes: as [`Self::onto`] and
+    /// [`Interpolation::apply`], whose basis takes longer to write down than to use once.
+    /// `None` where the nodes around a query carry no plane.
+    pub(crate) fn field(
+        &self,
+        values: ArrayView1<Complex64>,
+        queries: &[Position],
+    ) -> Option<Vec<Complex64>> {
+        match self.whole_for(queries) {
+            Some(spline) => Some(spline.field(values, queries)),
+            None => {
+                let field = self.onto(queries)?.apply(values.insert_axis(Axis(1)));
+                Some(field.into_iter().collect())
+            }
+        }
+    }
+
+    /// The spline through all nodes, where it serves so many queries.
+    fn whole_for(&self, queries: &[Position]) -> Option<&Arc<Spline>> {
+        let size = self.places.len() * queries.len();
+        let whole = self.whole.as_ref();
+        whole.filter(|_| size <= tolerances::GLOBAL_BASIS)
+    }
+
     /// `None` where the nodes around a query carry no plane.
     pub(crate) fn onto(&self, queries: &[Position]) -> Option<Interpolation> {
         let nodes = &self.places;
-        let size = nodes.len() * queries.len();
-        if let Some(spline) = self
-            .whole
-            .as_ref()
-            .filter(|_| size <= tolerances::GLOBAL_BASIS)
-        {
+        if let Some(spline) = self.whole_for(queries) {
             let basis = spline.basis(queries);
             return Some(Interpolation::Whole(spline.clone(), basis));
         }
@@ -241,10 +260,7 @@ impl Spline {
             None => {
                 for (mut row, query) in basis.rows_mut().into_iter().zip(&queries) {
                     for (value, node) in row.iter_mut().zip(&self.nodes) {
-                        *value = phi(
-                            self.order,
-                            (node[0] - query[0]).powi(2) + (node[1] - query[1]).powi(2),
-                        );
+                        *value = phi(self.order, squared_distance(node, query));
                     }
                 }
             }
@@ -256,6 +272,32 @@ impl Spline {
                 .for_each(|(place, value)| *place = value);
         }
         basis
+    }
+
+    /// The spline through `values` at the queries.
+    fn field(&self, values: ArrayView1<Complex64>, queries: &[Position]) -> Vec<Complex64> {
+        let parts = stack![Axis(1), values.mapv(|v| v.re), values.mapv(|v| v.im)];
+        let solved = self.solve(parts.view());
+        let complex = |row: ArrayView1<f64>| Complex64::new(row[0], row[1]);
+        let coefficients: Vec<Complex64> = solved.rows().into_iter().map(complex).collect();
+        let (of_nodes, of_polynomial) = coefficients.split_at(self.nodes.len());
+        let queries: Vec<Position> = queries.iter().map(|&query| self.scaled(query)).collect();
+        let kernel = |squared| phi(self.order, squared);
+        let one_by_one = |query: &Position| {
+            let nodes = self.nodes.iter().zip(of_nodes);
+            nodes
+                .map(|(node, c)| c * kernel(squared_distance(node, query)))
+                .sum::<Complex64>()
+        };
+        let mut field = match Lattice::of(&queries, &self.nodes) {
+            Some(lattice) => lattice.sums(kernel, of_nodes),
+            None => queries.iter().map(one_by_one).collect(),
+        };
+        for (value, &query) in field.iter_mut().zip(&queries) {
+            let terms = monomials(self.order, query).zip(of_polynomial);
+            *value += terms.map(|(term, c)| c * term).sum::<Complex64>();
+        }
+        field
     }
 
     /// Weight of each node at one query: the transpose of [`Self::solve`] on its basis.
@@ -295,6 +337,10 @@ impl Spline {
 /// The part of `columns` that is orthogonal to the columns of `q`.
 fn past(q: &Array2<f64>, columns: ArrayView2<f64>) -> Array2<f64> {
     &columns - &matmul(q.view(), matmul_h(q.view(), columns).view())
+}
+
+fn squared_distance(a: &Position, b: &Position) -> f64 {
+    (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)
 }
 
 /// r^{2m−2}·ln r of r².
@@ -368,6 +414,30 @@ mod tests {
             .map(|row| row.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt())
             .fold(0.0, f64::max);
         assert!(largest < 1.2, "{largest}");
+    }
+
+    #[test]
+    fn a_field_by_itself_is_that_of_the_basis() {
+        let scattered: Vec<Position> = (0..40)
+            .map(|k| [(7.3 * k as f64).sin(), (3.1 * k as f64).cos()])
+            .collect();
+        let inside = grid(9, 7, 0.01);
+        for (nodes, queries) in [
+            (grid(11, 7, 0.02), grid(41, 25, 0.005)),
+            (scattered, inside.clone()),
+            (grid(40, 26, 0.005), inside),
+        ] {
+            let value = |k: usize| Complex64::new((0.3 * k as f64).sin(), (0.7 * k as f64).cos());
+            let values = Array1::from_shape_fn(nodes.len(), value);
+            let nodes = Nodes::new(&nodes).unwrap();
+            let all = values.view().insert_axis(Axis(1));
+            let expected = nodes.onto(&queries).unwrap().apply(all);
+            let found = nodes.field(values.view(), &queries).unwrap();
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((found - expected).norm() < 1e-9 * expected.norm().max(1.0));
+            }
+        }
     }
 
     #[test]

@@ -5,7 +5,9 @@
 
 use crate::plane::Position;
 use crate::tolerances;
+use crate::tolerances::LANES;
 use ndarray::Array2;
+use num_complex::Complex64;
 
 /// Places and nodes whose coordinates repeat.
 pub(crate) struct Lattice {
@@ -43,23 +45,71 @@ impl Lattice {
     /// Fills the columns of the nodes with `function` of the squared distances; axes of
     /// `matrix` (place, node and more).
     pub(crate) fn fill(&self, matrix: &mut Array2<f64>, function: impl Fn(f64) -> f64) {
-        let [x, y] = &self.axes;
-        let columns = y.squared.len();
-        let table: Vec<f64> = x
-            .squared
-            .iter()
-            .flat_map(|dx| y.squared.iter().map(move |dy| dx + dy))
-            .map(function)
-            .collect();
-        let (of_x, of_y) = (x.offsets(columns), y.offsets(1));
-        let places = x.of_place.iter().zip(&y.of_place);
-        for (mut row, (&place_x, &place_y)) in matrix.rows_mut().into_iter().zip(places) {
-            let offsets = of_x[place_x].iter().zip(&of_y[place_y]);
-            for (value, (x, y)) in row.iter_mut().zip(offsets) {
-                *value = table[x + y];
+        let table = self.table(function);
+        for (mut row, [of_x, of_y]) in matrix.rows_mut().into_iter().zip(self.places(&table)) {
+            for (value, (x, y)) in row.iter_mut().zip(of_x.iter().zip(of_y)) {
+                *value = table.values[x + y];
             }
         }
     }
+
+    /// Σ coefficient·`function` of the squared distance over the nodes, at each place.
+    pub(crate) fn sums(
+        &self,
+        function: impl Fn(f64) -> f64,
+        coefficients: &[Complex64],
+    ) -> Vec<Complex64> {
+        let table = self.table(function);
+        let at = |[of_x, of_y]: [&[usize]; 2]| {
+            // sums that do not wait for each other
+            let mut sums = [Complex64::ZERO; LANES];
+            let ((x, last_x), (y, last_y), (c, last_c)) = (
+                of_x.as_chunks::<LANES>(),
+                of_y.as_chunks::<LANES>(),
+                coefficients.as_chunks::<LANES>(),
+            );
+            for (x, (y, c)) in x.iter().zip(y.iter().zip(c)) {
+                for lane in 0..LANES {
+                    sums[lane] += c[lane] * table.values[x[lane] + y[lane]];
+                }
+            }
+            for (sum, (x, (y, c))) in sums
+                .iter_mut()
+                .zip(last_x.iter().zip(last_y.iter().zip(last_c)))
+            {
+                *sum += c * table.values[x + y];
+            }
+            sums.iter().sum()
+        };
+        self.places(&table).map(at).collect()
+    }
+
+    fn table(&self, function: impl Fn(f64) -> f64) -> Table {
+        let [x, y] = &self.axes;
+        let squares = x
+            .squared
+            .iter()
+            .flat_map(|dx| y.squared.iter().map(move |dy| dx + dy));
+        Table {
+            values: squares.map(function).collect(),
+            offsets: [x.offsets(y.squared.len()), y.offsets(1)],
+        }
+    }
+
+    /// The two offsets of each node, whose sum is its entry of the table, at each place.
+    fn places<'a>(&'a self, table: &'a Table) -> impl Iterator<Item = [&'a [usize]; 2]> {
+        let [x, y] = &self.axes;
+        let [of_x, of_y] = &table.offsets;
+        let places = x.of_place.iter().zip(&y.of_place);
+        places.map(|(&x, &y)| [of_x[x].as_slice(), of_y[y].as_slice()])
+    }
+}
+
+/// Values of a function of the distance.
+struct Table {
+    values: Vec<f64>,
+    /// For each coordinate of places, the part of each node in the index of its value.
+    offsets: [Vec<Vec<usize>>; 2],
 }
 
 impl Axis {
@@ -135,6 +185,16 @@ mod tests {
         Lattice::of(&places, &nodes)
             .expect("few distances")
             .fill(&mut matrix, |squared| squared);
+        let coefficients: Vec<Complex64> = (0..25)
+            .map(|j| Complex64::new(j as f64 - 7.0, 0.5 * j as f64))
+            .collect();
+        let sums = Lattice::of(&places, &nodes)
+            .expect("few distances")
+            .sums(|squared| squared, &coefficients);
+        for (sum, row) in sums.iter().zip(matrix.rows()) {
+            let expected: Complex64 = row.iter().zip(&coefficients).map(|(v, c)| v * c).sum();
+            assert!((sum - expected).norm() < 1e-10);
+        }
         for (k, p) in places.iter().enumerate() {
             for (j, n) in nodes.iter().enumerate() {
                 let expected = (p[0] - n[0]).powi(2) + (p[1] - n[1]).powi(2);

@@ -1,7 +1,7 @@
 //! The measured-data path as one walk: screen the record, search each section (votes of
 //! several orders, error model, local tests, twins), join what was found, grade it.
 
-use super::limits::{COLUMNS_MOST, EXPLAINS, PEAK_WIDTHS, SAME_POLE};
+use super::limits::{COLUMNS_MOST, EXPLAINS, LOUD_AT_PEAKS, PEAK_WIDTHS, PEAK_WINDOW, SAME_POLE};
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
@@ -168,8 +168,23 @@ impl Visible {
             one_reference: data.references.len() == 1,
             windowed: self.windowed,
             leaks: data.errors.as_ref().is_some_and(|errors| errors.leaks()),
+            loud_at_peaks: self.loud_at_peaks(data),
             hz: data.hz(),
         }
+    }
+
+    /// True where lines at half of the peaks or more are told to be far noisier than the
+    /// median line.
+    fn loud_at_peaks(&self, data: &DataLayout) -> bool {
+        let (reach, least) = PEAK_WINDOW;
+        let loud = |peak: &&Peak| {
+            let lines = self.work.window(peak.lambda, reach, least);
+            let count = lines.len() as f64;
+            let sum: f64 = lines.map(|k| data.variance_at(self.work.x[k])).sum();
+            sum > LOUD_AT_PEAKS * count
+        };
+        let number = self.seen.iter().filter(loud).count();
+        number > 0 && 2 * number >= self.seen.len()
     }
 }
 

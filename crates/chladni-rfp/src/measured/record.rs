@@ -23,6 +23,8 @@ pub(crate) struct Record<'a> {
     pub windowed: bool,
     /// True where errors are known to be largest beside modes.
     pub leaks: bool,
+    /// True where noise of lines is told to be largest there, as under a force that drops.
+    pub loud_at_peaks: bool,
     /// Hz per √x.
     pub hz: f64,
 }

@@ -323,7 +323,7 @@ impl<'a> Search<'a> {
             tol::FINE_STEP,
         )?;
         let mut local = vec![None; self.candidates.refined.lambda.len()];
-        if !self.record.leaks {
+        if !(self.record.leaks || self.record.loud_at_peaks) {
             (self.candidates.refined, local) = refine_resolved(
                 &self.plain,
                 &self.weighted,

@@ -20,7 +20,7 @@ pub(super) struct Merged {
     pub spread: Vec<[f64; 2]>,
 }
 
-/// Adds modes to a settled state until `holds`, while one more takes more than `limit` out
+/// Adds modes to a state that is refined already until `holds`, while one more takes more than `limit` out
 /// of the sum of squares.
 pub(super) fn grown(
     target: &Target,
