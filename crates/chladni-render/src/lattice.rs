@@ -5,7 +5,6 @@
 
 use crate::plane::Position;
 use crate::tolerances;
-use crate::tolerances::LANES;
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -61,25 +60,8 @@ impl Lattice {
     ) -> Vec<Complex64> {
         let table = self.table(function);
         let at = |[of_x, of_y]: [&[usize]; 2]| {
-            // sums that do not wait for each other
-            let mut sums = [Complex64::ZERO; LANES];
-            let ((x, last_x), (y, last_y), (c, last_c)) = (
-                of_x.as_chunks::<LANES>(),
-                of_y.as_chunks::<LANES>(),
-                coefficients.as_chunks::<LANES>(),
-            );
-            for (x, (y, c)) in x.iter().zip(y.iter().zip(c)) {
-                for lane in 0..LANES {
-                    sums[lane] += c[lane] * table.values[x[lane] + y[lane]];
-                }
-            }
-            for (sum, (x, (y, c))) in sums
-                .iter_mut()
-                .zip(last_x.iter().zip(last_y.iter().zip(last_c)))
-            {
-                *sum += c * table.values[x + y];
-            }
-            sums.iter().sum()
+            let nodes = of_x.iter().zip(of_y).zip(coefficients);
+            nodes.map(|((x, y), c)| c * table.values[x + y]).sum()
         };
         self.places(&table).map(at).collect()
     }

@@ -80,9 +80,6 @@ pub const GLOBAL_BASIS: usize = 30_000_000;
 /// square grid; fewer lose accuracy at the rim of the scan, more only time.
 pub const NEAREST_RESPONSES: usize = 49;
 
-/// Nodes that are summed side by side: with one sum each addition waits for the one before.
-pub const LANES: usize = 4;
-
 /// Coordinates nearer than this are the same, over the radius of the responses: rounding
 /// of grids. A thousand times more would still be below a micrometre.
 pub const SAME_COORDINATE: f64 = 1e-10;

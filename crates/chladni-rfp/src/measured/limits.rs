@@ -59,8 +59,8 @@ pub(super) const SURROUNDINGS: (f64, usize) = (60.0, 30);
 // path.rs
 
 /// Variance that lines at a peak are told to have, over that of the median line, from which
-/// they count as loud: that of a force 6 dB lower there. Seen: 7 and more under 12 dB, 14 and
-/// more under noise of the force.
+/// they count as loud: that of a force 6 dB lower there. Seen once, six tests each: 7 and more
+/// under 12 dB, 14 and more under noise of the force.
 pub(super) const LOUD_AT_PEAKS: f64 = 4.0;
 
 // impulse.rs
