@@ -29,7 +29,8 @@ pub(crate) struct Scales {
     pub(crate) modes: f64,
 }
 
-/// Scales that are tried, each with each.
+/// Scales that are tried, each with each, rising: each next one of the shifts is less likely
+/// by `tolerances::WIDER_SCALE`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tried {
     gains: &'static [f64],
@@ -132,28 +133,25 @@ impl Parts {
     ) -> Result<Posterior> {
         let mut best: Option<(f64, Scales, &Normal)> = None;
         for (unexplained, normal) in normals {
-            for &common in tried.common {
-                for &modes in tried.modes {
+            for (widened, &common) in tried.common.iter().enumerate() {
+                for (further, &modes) in tried.modes.iter().enumerate() {
                     let scales = Scales {
                         unexplained: *unexplained,
                         gains,
                         common,
                         modes,
                     };
-                    let evidence = self.weighed(theta, normal, &scales, odd)?.ln_evidence;
+                    let doubt = tolerances::WIDER_SCALE * (widened + further) as f64;
+                    let evidence = self.weighed(theta, normal, &scales, odd)?.ln_evidence - doubt;
                     if best.is_none_or(|(most, ..)| evidence > most) {
                         best = Some((evidence, scales, normal));
                     }
                 }
             }
         }
-        let (_, scales, normal) =
+        let (ln_evidence, scales, normal) =
             best.ok_or_else(|| Error::new(ErrorKind::Internal, "no scale of shifts"))?;
-        let Weighed {
-            matrix,
-            right,
-            ln_evidence,
-        } = self.weighed(theta, normal, &scales, odd)?;
+        let Weighed { matrix, right, .. } = self.weighed(theta, normal, &scales, odd)?;
         let covariance = chladni_linalg::inverse_hermitian(matrix.view()).map_err(unsolvable)?;
         Ok(Posterior {
             theta: covariance.dot(&right),
