@@ -75,6 +75,12 @@ impl<'a> Climb<'a> {
         if kappa < most * (1.0 - tolerances::KAPPA_GAIN) {
             return Ok(drive);
         }
+        self.take_margin(drive, asked.kappa)
+    }
+
+    /// The largest margin that little force gives, inside by `kappa` standard deviations
+    /// besides, most of it at the least peak force.
+    pub(crate) fn take_margin(&mut self, drive: Drive, kappa: f64) -> Result<Drive> {
         let given = self.problem.drive_limits.each;
         let little = if given.is_finite() {
             tolerances::LITTLE_FORCE * given
@@ -83,14 +89,9 @@ impl<'a> Climb<'a> {
         };
         self.program
             .limit_each(f64::max(little, peak(&drive)).min(given));
-        let (factor, drive) = self.widen(drive, asked.kappa)?;
-        let drive = self.lower_peak(
-            drive,
-            Asked {
-                factor: factor.powf(tolerances::KEEP),
-                ..asked
-            },
-        )?;
+        let (factor, drive) = self.widen(drive, kappa)?;
+        let factor = factor.powf(tolerances::KEEP);
+        let drive = self.lower_peak(drive, Asked { kappa, factor })?;
         self.program.limit_each(given);
         Ok(drive)
     }

@@ -9,7 +9,7 @@ use super::plan::{Judged, TouchPlan};
 use crate::climb::{peak, Climb};
 use crate::drive_program::Asked;
 use crate::effort::Effort;
-use crate::problem::{amplitude, Drive, Problem};
+use crate::problem::{amplitude, Drive, Problem, Rows};
 use crate::setup::Setup;
 use crate::tolerances;
 use chladni_frf::Result;
@@ -37,22 +37,46 @@ pub(crate) fn bear(setup: &Setup, plan: &TouchPlan, start: Drive, effort: Effort
             best_db = best_db.or(most);
             continue;
         }
-        let Some(ground) = setup.finely_between() else {
-            return Ok(Borne { drive, best_db });
-        };
-        // the ground between the responses as well, where that leaves enough
-        let whole = problem.with_between(ground, 1.0).with_between(&rows, 1.0);
-        let other = most_robust(problem, &whole, &drive, least, effort.conic_rounds)?;
-        let drive = if bears(&whole, &other, least) {
-            other
-        } else {
-            drive
+        let drive = match setup.finely_between() {
+            Some(ground) => serve_ground([problem, &on], ground, drive, least, effort)?,
+            None => drive,
         };
         return Ok(Borne { drive, best_db });
     }
     Ok(Borne {
         drive: start,
         best_db,
+    })
+}
+
+/// From a drive that bears fingers on `on` to one that serves the ground between the responses
+/// as well. Where that costs the κ at which all touched rows are sure, they keep it, and as
+/// much ground is served as that leaves.
+fn serve_ground(
+    [problem, on]: [&Problem; 2],
+    ground: &Rows,
+    drive: Drive,
+    least: f64,
+    effort: Effort,
+) -> Result<Drive> {
+    let whole = on.with_between(ground, 1.0);
+    let all = most_robust(problem, &whole, &drive, least, effort.conic_rounds)?;
+    let confident = problem.kappa_of_confidence().max(least) * tolerances::KEEP;
+    let kappa = on.score(&drive).kappa.min(confident);
+    if bears(&whole, &all, kappa) {
+        return Ok(all);
+    }
+    let asked = Asked { kappa, factor: 1.0 };
+    let mut climb = Climb::new(&whole)?
+        .rounds(effort.conic_rounds)
+        .by_need(|k| whole.is_measured(on, k));
+    let most = climb.serve_ground(drive.clone(), asked)?;
+    Ok(if bears(on, &most, kappa) {
+        most
+    } else if bears(&whole, &all, least) {
+        all
+    } else {
+        drive
     })
 }
 
@@ -89,7 +113,9 @@ fn climb<'a>(problem: &Problem, on: &'a Problem, rounds: usize) -> Result<Climb<
         .by_need(|k| on.is_measured(problem, k)))
 }
 
-/// The largest κ up to what is enough, most of it at the least peak force.
+/// The largest κ up to what is enough, most of it at the least peak force; where it is enough,
+/// the margin that little force gives, too: fingers and the mobility under them are known to a
+/// few percent, and every part of a limit that is left bears that.
 fn most_robust(
     problem: &Problem,
     on: &Problem,
@@ -112,7 +138,15 @@ fn most_robust(
     // a force that is hardly less is not worth a tenth of κ
     let is_softer = peak(&softer) < peak(&drive) * (1.0 - tolerances::COST_GAIN);
     let takes = is_softer && bears(on, &softer, asked.kappa);
-    Ok(if takes { softer } else { drive })
+    let drive = if takes { softer } else { drive };
+    if kappa < enough * (1.0 - tolerances::SAME_TOUCHED_KAPPA) {
+        return Ok(drive);
+    }
+    let wider = climb.take_margin(drive.clone(), asked.kappa)?;
+    Ok(match bears(on, &wider, asked.kappa) {
+        true => wider,
+        false => drive,
+    })
 }
 
 fn bears(on: &Problem, drive: &Drive, least: f64) -> bool {
