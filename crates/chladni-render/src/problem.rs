@@ -209,6 +209,23 @@ impl Problem {
         }
     }
 
+    /// By how much a row of this amplitude keeps its limit, m/s of the panel.
+    pub(crate) fn slack(&self, row: usize, amplitude: f64) -> f64 {
+        let limit = match row < self.rows.hot {
+            true => self.limits.hot_m_per_s,
+            false => self.limits.cold_m_per_s,
+        };
+        (amplitude - limit) * self.slack_per_speed(row)
+    }
+
+    /// The slope of that over the amplitude: the level of a hot row, −1 of a cold one.
+    pub(crate) fn slack_per_speed(&self, row: usize) -> f64 {
+        match row < self.rows.hot {
+            true => self.rows.levels[row],
+            false => -1.0,
+        }
+    }
+
     /// Scores `drive`.
     pub(crate) fn score(&self, drive: &Drive) -> Score {
         self.score_of(
@@ -223,14 +240,8 @@ impl Problem {
         let spread = self.covariance.deviation(drive).max(f64::MIN_POSITIVE);
         let mut sums = [0.0; 2];
         for (k, amplitude) in self.field(drive).map(amplitude).iter().enumerate() {
-            let (kind, slack) = match k < self.rows.hot {
-                true => (
-                    0,
-                    (amplitude - self.limits.hot_m_per_s) * self.rows.levels[k],
-                ),
-                false => (1, self.limits.cold_m_per_s - amplitude),
-            };
-            sums[kind] += chance_above(slack, spread);
+            let kind = usize::from(k >= self.rows.hot);
+            sums[kind] += chance_above(self.slack(k, *amplitude), spread);
         }
         (sums[0] / self.rows.hot as f64).min(sums[1] / self.rows.cold() as f64)
     }
@@ -251,14 +262,10 @@ impl Problem {
     /// Scores a drive whose field has these amplitudes and this standard deviation, m/s.
     pub(crate) fn score_of(&self, amplitudes: &Array1<f64>, deviation: f64) -> Score {
         let (hot, cold) = self.counts(amplitudes, 1.0);
-        let slack = |(k, &amplitude): (usize, &f64)| match k < self.rows.hot {
-            true => (amplitude - self.limits.hot_m_per_s) * self.rows.levels[k],
-            false => self.limits.cold_m_per_s - amplitude,
-        };
         let least = amplitudes
             .iter()
             .enumerate()
-            .map(slack)
+            .map(|(k, &amplitude)| self.slack(k, amplitude))
             .fold(f64::INFINITY, f64::min);
         Score {
             min_ratio: self.min_ratio(hot, cold),

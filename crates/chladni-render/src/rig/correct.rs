@@ -4,6 +4,7 @@
 use super::calibrated::{dead_of, Calibrated};
 use super::calibration::{scan_due, Calibration, ChannelGain};
 use super::correction::{Correction, TakenField};
+use super::expectation::raise_expected;
 use super::given::{best_of, measured_ratio, Count, Given};
 use super::learned::Learned;
 use super::prior::prior_drift;
@@ -12,6 +13,7 @@ use super::structured::Structured;
 use crate::methods::Method;
 use crate::options::RenderOptions;
 use crate::outcome::Outcome;
+use crate::problem::Drive;
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
@@ -86,13 +88,25 @@ pub fn calibrate(
     let corrected = barred(1.0)?;
     let solve = |setup: &Setup| Method::Robust.solve(setup, model, options.effort, None);
     let mut solution = solve(&corrected)?;
-    let expected = |drive| corrected.problem.expected_ratio(drive);
+    let expected = |drive: &Drive| corrected.problem.expected_ratio(drive);
     let surest = expected(&solution.drive);
     if surest < tolerances::DARE_BELOW {
         // the surest drive is sure of nothing: one that trusts the operator more may serve more
         let daring = solve(&barred(tolerances::DARING)?)?;
         if expected(&daring.drive) > surest {
             solution = daring;
+        }
+    }
+    if seen.len() >= tolerances::EXPECTATION_FIELDS
+        && expected(&solution.drive) < tolerances::EXPECTATION_BELOW
+    {
+        // no drive is sure of all rows: one that gives up a few
+        let measured = seen.iter().map(|seen| seen.drive.clone());
+        for start in [solution.drive.clone()].into_iter().chain(measured) {
+            let risen = raise_expected(&corrected.problem, &start)?;
+            if expected(&risen) > expected(&solution.drive) {
+                solution.drive = risen;
+            }
         }
     }
     findings.extend(solution.findings);

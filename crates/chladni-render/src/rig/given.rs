@@ -3,6 +3,7 @@
 use super::seen::Seen;
 use crate::problem::{chance_above, Drive};
 use crate::setup::Setup;
+use crate::tolerances;
 
 /// The rule by which a measured response counts as inside its limit.
 #[derive(Clone, Copy)]
@@ -49,7 +50,7 @@ pub(super) struct Given {
     pub(super) kept: bool,
 }
 
-/// The new drive, or the best measured one where no better is to be expected.
+/// The new drive, or the best measured one where that serves or no better is to be expected.
 pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen]) -> Given {
     let whole = corrected.operator.responses.len();
     let best = (0..seen.len())
@@ -57,8 +58,13 @@ pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen]) -> Given {
         .filter_map(|k| Some((measured_ratio(corrected, &seen[k], Count::Expected)?, k)))
         .max_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let expected = corrected.problem.expected_ratio(&new);
+    // what serves as measured, and by all that is known, is worth more than a promise
+    let serves = |ratio: f64, k: usize| {
+        let told = corrected.problem.expected_ratio(&seen[k].drive);
+        ratio >= tolerances::SERVES_AS_MEASURED && told >= tolerances::SERVES_AS_TOLD
+    };
     match best {
-        Some((ratio, k)) if ratio >= expected => Given {
+        Some((ratio, k)) if ratio >= expected || serves(ratio, k) => Given {
             drive: seen[k].drive.clone(),
             predicted: ratio,
             best_measured: Some(k),

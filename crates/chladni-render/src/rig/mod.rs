@@ -18,6 +18,7 @@ mod diagnosis;
 mod estimators;
 mod evaluation;
 mod evidence;
+mod expectation;
 mod field;
 mod gain_file;
 mod gain_table;
