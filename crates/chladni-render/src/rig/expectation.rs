@@ -6,7 +6,7 @@
 //!
 //! P_k = ½ erfc(−s_k/‖L·A‖), s_k the slack of row k under the drive A
 //!
-//! along its gradient, in the metric of the least squares of the rows (theory.md, eq. 60).
+//! along its gradient, in the metric of the least squares of the rows (theory.md, eq. 72).
 
 use crate::least_squares::LeastSquares;
 use crate::problem::{amplitude, chance_above, Drive, Problem};
