@@ -257,7 +257,7 @@ fn correction(told: &Correction) -> String {
     });
     let drive = match (told.kept, told.best_measured) {
         (true, Some(best)) => {
-            format!("no better drive is foretold than that of field {best}: it is given again\n")
+            format!("the drive of field {best} is given again: it serves, or no better one is foretold\n")
         }
         _ => format!("corrected by the {} estimator\n", told.estimator.name()),
     };

@@ -17,7 +17,7 @@ use num_complex::Complex64;
 pub(crate) struct Climb<'a> {
     problem: &'a Problem,
     program: DriveProgram<'a>,
-    /// Rows that take part.
+    /// Rows that take part, rising.
     active: Vec<usize>,
     /// Most programs in a row for each thing that is sought.
     rounds: usize,
@@ -248,7 +248,7 @@ impl<'a> Climb<'a> {
                 .active
                 .iter()
                 .copied()
-                .filter(|k| !sure.contains(k))
+                .filter(|k| sure.binary_search(k).is_err())
                 .collect();
             let Some(next) =
                 self.program
@@ -283,7 +283,7 @@ impl<'a> Climb<'a> {
             }
         };
         let mut missed: Vec<(f64, usize)> = (0..field.len())
-            .filter(|k| !self.active.contains(k))
+            .filter(|k| self.active.binary_search(k).is_err())
             .map(|k| (slack(k), k))
             .filter(|&(slack, _)| slack < -tolerances::JOIN_SLACK)
             .collect();

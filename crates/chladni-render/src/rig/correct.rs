@@ -4,7 +4,7 @@
 use super::calibrated::{dead_of, Calibrated};
 use super::calibration::{scan_due, Calibration, ChannelGain};
 use super::correction::{Correction, TakenField};
-use super::expectation::raise_expected;
+use super::expectation::most_expected;
 use super::given::{best_of, measured_ratio, Count, Given};
 use super::learned::Learned;
 use super::prior::prior_drift;
@@ -97,16 +97,16 @@ pub fn calibrate(
             solution = daring;
         }
     }
-    if seen.len() >= tolerances::EXPECTATION_FIELDS
-        && expected(&solution.drive) < tolerances::EXPECTATION_BELOW
-    {
+    let known = before.and_then(|known| known.at(asked.frequency_hz));
+    let fields = seen.len() + known.map_or(0, |known| known.fields);
+    let hope = expected(&solution.drive);
+    if fields >= tolerances::EXPECTATION_FIELDS && hope < tolerances::EXPECTATION_BELOW {
         // no drive is sure of all rows: one that gives up a few
-        let measured = seen.iter().map(|seen| seen.drive.clone());
-        for start in [solution.drive.clone()].into_iter().chain(measured) {
-            let risen = raise_expected(&corrected.problem, &start)?;
-            if expected(&risen) > expected(&solution.drive) {
-                solution.drive = risen;
-            }
+        let mut starts: Vec<Drive> = seen.iter().map(|seen| seen.drive.clone()).collect();
+        starts.push(solution.drive.clone());
+        let most = most_expected(&corrected.problem, &starts)?;
+        if let Some(most) = most.filter(|most| expected(most) > hope) {
+            solution.drive = most;
         }
     }
     findings.extend(solution.findings);

@@ -23,7 +23,7 @@ pub struct Correction {
     pub fields: Vec<TakenField>,
     /// The field, from 1, of the best measured drive.
     pub best_measured: Option<usize>,
-    /// True where that drive is given again, since no better one is foretold.
+    /// True where that drive is given again: it serves, or no better one is foretold.
     pub kept: bool,
     /// Gains that the fields tell, channel by channel.
     pub gains: Vec<ChannelGain>,

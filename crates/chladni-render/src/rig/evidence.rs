@@ -72,6 +72,7 @@ struct Weighed {
 
 /// A linear model of all fields around θ.
 pub(super) struct Posterior {
+    /// The odds of its scales counted.
     pub(super) ln_evidence: f64,
     pub(super) theta: Array1<f64>,
     pub(super) covariance: Array2<f64>,
@@ -80,7 +81,8 @@ pub(super) struct Posterior {
 }
 
 impl Parts {
-    /// One Gauss-Newton step at the scales and odd channels of the largest evidence.
+    /// One Gauss-Newton step at the scales and odd channels of the largest evidence, odds against
+    /// wider scales counted.
     pub(super) fn likeliest(
         &self,
         theta: &Array1<f64>,

@@ -53,8 +53,11 @@ pub(super) struct Given {
 /// The new drive, or the best measured one where that serves or no better is to be expected.
 pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen]) -> Given {
     let whole = corrected.operator.responses.len();
+    let allowed = |drive: &Drive| {
+        corrected.problem.drive_limits.allowed_gain(drive) >= 1.0 - tolerances::AT_LIMIT
+    };
     let best = (0..seen.len())
-        .filter(|&k| seen[k].rows.len() == whole)
+        .filter(|&k| seen[k].rows.len() == whole && allowed(&seen[k].drive))
         .filter_map(|k| Some((measured_ratio(corrected, &seen[k], Count::Expected)?, k)))
         .max_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let expected = corrected.problem.expected_ratio(&new);

@@ -79,7 +79,7 @@ pub const DESIGN_SHARE: f64 = 0.1;
 /// Error of each channel, rms of the complex factor, that the operator update starts from at
 /// least: loads are no fault of any channel or mode, and the narrow error of amplifiers would
 /// put theirs down to modes. 0.08 to 1 serve the same rigs within 1 %, 0.03 serves 2 % fewer
-/// and two fingers 0.95 in place of 0.998, 0.01 fewer still.
+/// and two fingers 0.95 in place of 0.998 (as it was built), 0.01 fewer still.
 pub const OPERATOR_DRIVE_ERROR: f64 = 0.15;
 
 /// Share of hot and cold responses that a corrected drive is expected to serve, below which
@@ -100,10 +100,10 @@ pub const EXPECTATION_BELOW: f64 = 0.7;
 /// a mean of 0.992.
 pub const EXPECTATION_FIELDS: usize = 2;
 
-/// Gradient steps of that search, measured once: most ends are reached before.
+/// Gradient steps of that search, a bound that was not tuned: a field takes 10 to 50 ms.
 pub const EXPECTATION_STEPS: usize = 300;
 
-/// Lengths that a step tries, and the factors from one to the next.
+/// Lengths that a step tries, and the factors from one to the next; usual values, not tuned.
 pub const EXPECTATION_TRIES: usize = 12;
 
 /// See [`EXPECTATION_TRIES`]: after a step that rose.
@@ -113,7 +113,7 @@ pub const EXPECTATION_LONGER: f64 = 1.5;
 pub const EXPECTATION_SHORTER: f64 = 0.4;
 
 /// Sharpness of the rounded corner between the shares of hot and cold rows: they are told
-/// apart by a twentieth.
+/// apart by a twentieth, less than one row of a small zone. Not tuned.
 pub const EXPECTATION_CORNER: f64 = 20.0;
 
 /// Share of hot and cold responses, noise of the field counted, from which on a drive serves as

@@ -50,8 +50,8 @@ pub(crate) fn bear(setup: &Setup, plan: &TouchPlan, start: Drive, effort: Effort
 }
 
 /// From a drive that bears fingers on `on` to one that serves the ground between the responses
-/// as well. Where that costs the κ at which all touched rows are sure, they keep it, and as
-/// much ground is served as that leaves.
+/// as well. Where that costs the κ at which responses are sure, the touched ones keep 0.9 of
+/// it, and as much ground is served as that and the force limit leave.
 fn serve_ground(
     [problem, on]: [&Problem; 2],
     ground: &Rows,
@@ -61,23 +61,33 @@ fn serve_ground(
 ) -> Result<Drive> {
     let whole = on.with_between(ground, 1.0);
     let all = most_robust(problem, &whole, &drive, least, effort.conic_rounds)?;
-    let confident = problem.kappa_of_confidence().max(least) * tolerances::KEEP;
-    let kappa = on.score(&drive).kappa.min(confident);
-    if bears(&whole, &all, kappa) {
+    let kappa = problem.kappa_of_confidence().max(least) * tolerances::KEEP;
+    let asked = match bears(on, &drive, kappa) {
+        true => kappa,
+        // no touched row is sure whatever the ground does
+        false => least,
+    };
+    if bears(&whole, &all, asked) {
         return Ok(all);
     }
-    let asked = Asked { kappa, factor: 1.0 };
+    let asked = Asked {
+        kappa: on.score(&drive).kappa.min(asked),
+        factor: 1.0,
+    };
     let mut climb = Climb::new(&whole)?
         .rounds(effort.conic_rounds)
         .by_need(|k| whole.is_measured(on, k));
     let most = climb.serve_ground(drive.clone(), asked)?;
-    Ok(if bears(on, &most, kappa) {
-        most
-    } else if bears(&whole, &all, least) {
-        all
-    } else {
-        drive
-    })
+    let served = |drive: &Drive| whole.score(drive).min_ratio;
+    Ok(
+        if bears(on, &most, asked.kappa) && served(&most) > served(&drive) {
+            most
+        } else if bears(&whole, &all, least) {
+            all
+        } else {
+            drive
+        },
+    )
 }
 
 /// κ that a drive can have under all fingers, sought for a few rounds; negative where it
@@ -126,7 +136,7 @@ fn most_robust(
     let enough = problem.kappa_of_confidence().max(least);
     let mut climb = climb(problem, on, rounds)?;
     let (_, drive) = climb.reach_kappa(start, enough / tolerances::KEEP)?;
-    let kappa = on.score(&drive).kappa;
+    let kappa = on.score(&drive).kappa.min(enough / tolerances::KEEP);
     if kappa < least {
         return Ok(drive);
     }
