@@ -53,8 +53,8 @@ pub const MODE_SCALES: [f64; 3] = [3e-4, 1e-3, 4e-3];
 /// ln of the odds against each next one of [`COMMON_SCALES`] and [`MODE_SCALES`] before any
 /// field is seen: a rig is changed at an amplifier sooner than at its modes, and a first field
 /// tells the two apart by little. Without odds 5 % and 5° of amplifiers are put down to modes
-/// in one rig of six (0.982 after one field in place of 0.999, 80 rigs); 2 for single modes serve
-/// two fingers 0.993 after two fields in place of 0.994, none 0.998.
+/// in one rig of six (0.982 after one field in place of 0.999, 80 rigs). Two fingers are served
+/// 0.994 after two fields, 0.993 with odds of 2 for single modes, 0.998 without odds.
 pub const WIDER_SCALE: f64 = 1.0;
 
 /// Scale of a common shift of which nothing is known: 1 % are some hundred kelvin.

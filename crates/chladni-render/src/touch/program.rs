@@ -64,7 +64,7 @@ fn serve_ground(
     let kappa = problem.kappa_of_confidence().max(least) * tolerances::KEEP;
     let asked = match bears(on, &drive, kappa) {
         true => kappa,
-        // no touched row is sure whatever the ground does
+        // touched rows are not sure even without the ground
         false => least,
     };
     if bears(&whole, &all, asked) {

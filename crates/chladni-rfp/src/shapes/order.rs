@@ -20,8 +20,8 @@ pub(super) struct Merged {
     pub spread: Vec<[f64; 2]>,
 }
 
-/// Adds modes to a state that is refined already until `holds`, while one more takes more than `limit` out
-/// of the sum of squares.
+/// Adds modes to a state that is refined already until `holds`, while one more takes more
+/// than `limit` out of the sum of squares.
 pub(super) fn grown(
     target: &Target,
     mut state: State,
