@@ -5,14 +5,12 @@
 //! the largest evidence (Laplace); a channel that needs more than its scale is called odd
 //! where the evidence for that is beyond doubt.
 
-use super::field::rms;
+use super::normal::Normal;
 use super::parts::Parts;
 use super::seen::Seen;
-use crate::kernel_error::unsolvable;
 use crate::tolerances;
 use chladni_frf::{Error, ErrorKind, Result};
-use ndarray::{Array1, Array2, Axis};
-use num_complex::Complex64;
+use ndarray::{Array1, Array2};
 use rayon::prelude::*;
 
 /// Prior standard deviations: unexplained part of the mobility over its rms, gains, common
@@ -55,21 +53,6 @@ impl Tried {
     };
 }
 
-/// Whitened normal equations of all fields at one θ, by the scale of the unexplained part.
-struct Normal {
-    matrix: Array2<f64>,
-    right: Array1<f64>,
-    /// −½ rᵀr − Σ ln σ, to a constant.
-    ln_likelihood: f64,
-}
-
-/// Normal equations under a prior.
-struct Weighed {
-    matrix: Array2<f64>,
-    right: Array1<f64>,
-    ln_evidence: f64,
-}
-
 /// A linear model of all fields around θ.
 pub(super) struct Posterior {
     /// The odds of its scales counted.
@@ -89,10 +72,7 @@ impl Parts {
         fields: &[Seen],
         tried: &Tried,
     ) -> Result<Posterior> {
-        let normals: Vec<(f64, Normal)> = tolerances::UNEXPLAINED_SCALES
-            .par_iter()
-            .map(|&s| (s, self.normal(theta, fields, s)))
-            .collect();
+        let normals = self.normals(theta, fields);
         let alternatives = (self.actuators() as f64).ln();
         let mut odd = Vec::new();
         loop {
@@ -100,7 +80,7 @@ impl Parts {
             let posteriors: Vec<Posterior> = tried
                 .gains
                 .par_iter()
-                .map(|&gains| self.best_of_gains(theta, &normals, (gains, tried), &odd))
+                .map(|&gains| self.best_of_gains(&normals, (gains, tried), &odd))
                 .collect::<Result<_>>()?;
             let wider = posteriors
                 .iter()
@@ -128,13 +108,14 @@ impl Parts {
     /// The posterior of the largest evidence at one scale of gains.
     fn best_of_gains(
         &self,
-        theta: &Array1<f64>,
         normals: &[(f64, Normal)],
         (gains, tried): (f64, &Tried),
         odd: &[usize],
     ) -> Result<Posterior> {
+        let gain_precision = self.gain_precision(gains, odd);
         let mut best: Option<(f64, Scales, &Normal)> = None;
         for (unexplained, normal) in normals {
+            let shifts = normal.eliminated(&gain_precision)?;
             for (widened, &common) in tried.common.iter().enumerate() {
                 for (further, &modes) in tried.modes.iter().enumerate() {
                     let scales = Scales {
@@ -144,7 +125,7 @@ impl Parts {
                         modes,
                     };
                     let doubt = tolerances::WIDER_SCALE * (widened + further) as f64;
-                    let evidence = self.weighed(theta, normal, &scales, odd)?.ln_evidence - doubt;
+                    let evidence = shifts.ln_evidence(&self.shift_precision(&scales))? - doubt;
                     if best.is_none_or(|(most, ..)| evidence > most) {
                         best = Some((evidence, scales, normal));
                     }
@@ -153,46 +134,15 @@ impl Parts {
         }
         let (ln_evidence, scales, normal) =
             best.ok_or_else(|| Error::new(ErrorKind::Internal, "no scale of shifts"))?;
-        let Weighed { matrix, right, .. } = self.weighed(theta, normal, &scales, odd)?;
-        let covariance = chladni_linalg::inverse_hermitian(matrix.view()).map_err(unsolvable)?;
+        let mut precision = gain_precision;
+        precision.extend(self.shift_precision(&scales));
+        let (theta, covariance) = normal.posterior(&precision)?;
         Ok(Posterior {
-            theta: covariance.dot(&right),
+            theta,
             ln_evidence,
             covariance,
             scales,
             odd: Vec::new(),
-        })
-    }
-
-    /// The normal equations under a prior, and the evidence for it.
-    fn weighed(
-        &self,
-        theta: &Array1<f64>,
-        normal: &Normal,
-        scales: &Scales,
-        odd: &[usize],
-    ) -> Result<Weighed> {
-        let precision = self.prior(scales, odd);
-        let mut matrix = normal.matrix.clone();
-        for (value, precision) in matrix.diag_mut().iter_mut().zip(&precision) {
-            *value += precision;
-        }
-        // around θ the data see M·θ + b
-        let shifted = normal.matrix.dot(theta);
-        let right = &normal.right + &shifted;
-        let root = chladni_linalg::cholesky(matrix.view()).map_err(unsolvable)?;
-        let column = right.view().insert_axis(Axis(1));
-        let white = chladni_linalg::solve_lower(root.view(), column).map_err(unsolvable)?;
-        let ln_det = 2.0 * root.diag().iter().map(|value| value.ln()).sum::<f64>();
-        let ln_prior = precision.iter().map(|value| value.ln()).sum::<f64>();
-        // −½ rᵀr at θ, moved to the next one
-        let quadratic = white.iter().map(|value| value * value).sum::<f64>()
-            - theta.dot(&shifted)
-            - 2.0 * normal.right.dot(theta);
-        Ok(Weighed {
-            matrix,
-            right,
-            ln_evidence: normal.ln_likelihood + 0.5 * (quadratic - ln_det + ln_prior),
         })
     }
 
@@ -222,74 +172,21 @@ impl Parts {
             .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    fn normal(&self, theta: &Array1<f64>, fields: &[Seen], unexplained: f64) -> Normal {
-        let unknowns = self.unknowns();
-        let mut normal = Normal {
-            matrix: Array2::zeros((unknowns, unknowns)),
-            right: Array1::zeros(unknowns),
-            ln_likelihood: 0.0,
+    /// Prior precision of the real and the imaginary part of each gain error.
+    fn gain_precision(&self, gains: f64, odd: &[usize]) -> Vec<f64> {
+        let std = |i: usize| match odd.contains(&(i / 2)) {
+            true => tolerances::ODD_GAIN_ERROR,
+            false => gains,
         };
-        let size = rms(&self.whole.iter().copied().collect());
-        for seen in fields {
-            let (field, slope) = self.field(theta, &seen.drive);
-            let force = seen.drive.iter().map(Complex64::norm_sqr).sum::<f64>();
-            let spread = (unexplained * size).powi(2) * force;
-            let variance = match seen.magnitudes_only {
-                true => seen.noise.powi(2) + 0.5 * spread,
-                false => 0.5 * (seen.noise.powi(2) + spread),
-            };
-            let scale = 1.0 / variance.sqrt();
-            let parts = if seen.magnitudes_only { 1 } else { 2 };
-            let mut rows = Array2::<f64>::zeros((parts * seen.rows.len(), unknowns));
-            let mut left = Array1::<f64>::zeros(rows.nrows());
-            for (k, (&row, &measured)) in seen.rows.iter().zip(&seen.velocity).enumerate() {
-                let foretold = field[row];
-                // along the foretold phase, where none was measured
-                let turn = match seen.magnitudes_only {
-                    true => foretold.conj() / foretold.norm().max(f64::MIN_POSITIVE),
-                    false => Complex64::ONE,
-                };
-                let difference = match seen.magnitudes_only {
-                    true => Complex64::from(measured.norm() - foretold.norm()),
-                    false => measured - foretold,
-                };
-                for (p, &value) in slope.row(row).iter().enumerate() {
-                    let value = value * turn * scale;
-                    rows[[parts * k, p]] = value.re;
-                    if parts == 2 {
-                        rows[[2 * k + 1, p]] = value.im;
-                    }
-                }
-                left[parts * k] = difference.re * scale;
-                if parts == 2 {
-                    left[2 * k + 1] = difference.im * scale;
-                }
-            }
-            normal.matrix += &chladni_linalg::matmul_h(rows.view(), rows.view());
-            normal.right += &rows.t().dot(&left);
-            normal.ln_likelihood -=
-                0.5 * left.dot(&left) + 0.5 * rows.nrows() as f64 * variance.ln();
-        }
-        normal
+        (0..2 * self.actuators())
+            .map(|i| 2.0 / std(i).powi(2))
+            .collect()
     }
 
-    fn prior(&self, scales: &Scales, odd: &[usize]) -> Array1<f64> {
-        let count = self.actuators();
-        let mut precision = Array1::zeros(self.unknowns());
-        for i in 0..count {
-            let std = if odd.contains(&i) {
-                tolerances::ODD_GAIN_ERROR
-            } else {
-                scales.gains
-            };
-            precision[2 * i] = 2.0 / (std * std);
-            precision[2 * i + 1] = 2.0 / (std * std);
-        }
-        let last = self.unknowns() - 1;
-        for value in precision.iter_mut().take(last).skip(2 * count) {
-            *value = 2.0 / scales.modes.powi(2);
-        }
-        precision[last] = 1.0 / scales.common.powi(2);
+    /// The same of the shift of each mode, and of the common one.
+    fn shift_precision(&self, scales: &Scales) -> Vec<f64> {
+        let mut precision = vec![2.0 / scales.modes.powi(2); 2 * self.modes.len()];
+        precision.push(1.0 / scales.common.powi(2));
         precision
     }
 }

@@ -25,6 +25,7 @@ mod gain_table;
 mod given;
 mod kalman;
 mod learned;
+mod normal;
 mod over_time;
 mod parts;
 mod poles_of_fields;

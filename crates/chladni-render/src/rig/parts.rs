@@ -83,6 +83,20 @@ impl Parts {
         mobility
     }
 
+    /// Slope of the mobility over the complex shift of each mode, gains left in; axes (mode,
+    /// response and actuator).
+    pub(super) fn shift_slopes(&self, theta: &Array1<f64>) -> Array2<Complex64> {
+        let gains: Vec<Complex64> = (0..self.actuators()).map(|i| self.gain(theta, i)).collect();
+        let mut slopes = Array2::zeros((self.modes.len(), self.whole.len()));
+        for (n, (mut row, part)) in slopes.rows_mut().into_iter().zip(&self.modes).enumerate() {
+            let (_, steep) = self.factor(n, self.shift(theta, n));
+            for (value, (path, gain)) in row.iter_mut().zip(part.iter().zip(gains.iter().cycle())) {
+                *value = path * gain * steep;
+            }
+        }
+        slopes
+    }
+
     /// Mobility of θ.
     pub(super) fn mobility(&self, theta: &Array1<f64>) -> Array2<Complex64> {
         let mut mobility = self.moved(theta);

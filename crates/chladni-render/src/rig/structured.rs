@@ -108,47 +108,38 @@ impl Parts {
         })
     }
 
-    /// mean_k Σ_pq Cov_pq D_pkᴴD_qk with the slopes D of the mobility.
+    /// mean_k Σ_pq Cov_pq D_pkᴴD_qk with the slopes D of the mobility: mean_k E_kᴴE_k, where
+    /// E = LᵀD and Cov = LLᵀ. A pair of real unknowns is a column of LᵀD with one complex
+    /// factor, and a gain moves its own channel alone.
     fn row_covariance(
         &self,
         theta: &Array1<f64>,
         covariance: &Array2<f64>,
     ) -> Result<Array2<Complex64>> {
         let (responses, count) = self.whole.dim();
-        let moved = self.moved(theta);
-        let mut slopes = Array2::<Complex64>::zeros((self.unknowns(), responses * count));
-        let mut put = |p: usize, k: usize, i: usize, value: Complex64| {
-            slopes[[p, k * count + i]] = value;
-        };
-        let last = self.unknowns() - 1;
-        for k in 0..responses {
-            for i in 0..count {
-                put(2 * i, k, i, moved[[k, i]]);
-                put(2 * i + 1, k, i, moved[[k, i]] * Complex64::I);
-                let mut sum = Complex64::ZERO;
-                for (n, part) in self.modes.iter().enumerate() {
-                    let steep = self.factor(n, self.shift(theta, n)).1;
-                    let value = part[[k, i]] * steep * self.gain(theta, i);
-                    put(2 * (count + n), k, i, value);
-                    put(2 * (count + n) + 1, k, i, value * Complex64::I);
-                    sum += value;
-                }
-                put(last, k, i, sum);
-            }
-        }
         let mut jittered = covariance.clone();
         let mean = jittered.diag().sum() / jittered.nrows() as f64;
         jittered
             .diag_mut()
             .mapv_inplace(|value| value + mean * tolerances::RIDGE);
         let root = chladni_linalg::cholesky(jittered.view()).map_err(unsolvable)?;
-        let root = root.t().mapv(Complex64::from);
-        let errors = chladni_linalg::matmul(root.view(), slopes.view());
-        let errors = Array2::from_shape_fn((self.unknowns() * responses, count), |(row, i)| {
-            errors[[row / responses, (row % responses) * count + i]]
+        let last = root.row(self.unknowns() - 1);
+        let pair = |at: usize, e: usize| Complex64::new(root[[2 * at, e]], root[[2 * at + 1, e]]);
+        let shifts = Array2::from_shape_fn((self.unknowns(), self.modes.len()), |(e, n)| {
+            pair(count + n, e) + last[e]
         });
-        Ok(chladni_linalg::matmul_h(errors.view(), errors.view())
-            .mapv(|value| value / responses as f64))
+        let slopes = self.shift_slopes(theta);
+        let shifted = chladni_linalg::matmul(shifts.view(), slopes.view());
+        let moved = self.moved(theta);
+        let mut sum = Array2::<Complex64>::zeros((count, count));
+        for (e, shifted) in shifted.rows().into_iter().enumerate() {
+            let gains: Vec<Complex64> = (0..count).map(|i| pair(i, e)).collect();
+            let errors = Array2::from_shape_fn((responses, count), |(k, i)| {
+                shifted[k * count + i] + gains[i] * moved[[k, i]]
+            });
+            sum += &chladni_linalg::matmul_h(errors.view(), errors.view());
+        }
+        Ok(sum.mapv(|value| value / responses as f64))
     }
 }
 
