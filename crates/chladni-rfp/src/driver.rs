@@ -278,7 +278,7 @@ fn fit_lean(data: &Screened, options: &FitOptions, watch: &Watch) -> Result<Moda
     watch.stage("sketch")?;
     let survey = Survey::new(data, options.seed);
     watch.stage("poles")?;
-    let mut found = lean(&survey, options)?;
+    let mut found = lean(survey, options)?;
     watch.stage("shapes")?;
     if let Some(law) = options.damping {
         found = in_law(found, law, None)?;

@@ -183,9 +183,7 @@ impl Point {
         turn: &[f64],
     ) -> Result<Self, LinalgError> {
         let n = lambda.len();
-        let (across, down) = slopes(work, lambda);
-        let columns = concatenate![Axis(1), basis(work, lambda, &[]), across, down];
-        let (_, left) = projected(common.background.view(), columns.view());
+        let (_, left) = projected(common.background.view(), columns(work, lambda).view());
         let gram = blocked_matmul_h(left.view(), left.view());
         let against = blocked_matmul_h(left.view(), common.data.view());
         let phase: Vec<Complex64> = turn
@@ -270,6 +268,12 @@ impl Point {
             .sum();
         Ok((explained - (self.energy - self.sse)).max(0.0))
     }
+}
+
+/// φ and its [`slopes`], side by side.
+fn columns(work: &Columns, lambda: &[Complex64]) -> Array2<Complex64> {
+    let (across, down) = slopes(work, lambda);
+    concatenate![Axis(1), basis(work, lambda, &[]), across, down]
 }
 
 /// −j·∂φ/∂Im λ and ∂φ/∂Re λ in the law of `work`; without the second where both are the

@@ -25,6 +25,9 @@ pub(super) const OF_DENOMINATOR: f64 = 0.4;
 pub(super) const BLOCK_FRFS: usize = 64;
 /// Least FRFs of one such sum: fewer, and adding the sums costs more than making them.
 pub(super) const GROUP_FRFS: usize = 128;
+/// Least FRFs of a sum for each column that it has: the sums of all groups together take an
+/// eighth of the data at most.
+pub(super) const GROUP_COLUMNS: usize = 8;
 
 // noise_weights.rs
 

@@ -7,7 +7,7 @@ use crate::data::given_noise::given_noise;
 use crate::data::layout::Weighting;
 use crate::data::limits;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
-use crate::data::products::{project, Projected};
+use crate::data::products::{measured_basis, project, Projected};
 use crate::data::reading::{energy, in_place, squares, visit};
 use crate::data::screening::Screened;
 use crate::data::sketch::{Mixing, Sums};
@@ -19,24 +19,25 @@ use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 impl Screened<'_> {
-    /// The FRFs in groups whose number depends on nothing but theirs, so that sums over
-    /// them have the same bits on any number of threads.
-    pub fn groups(&self) -> Vec<Range<usize>> {
-        let (total, size) = (self.pairs.len(), self.group_size());
+    /// The FRFs in groups of [`Self::group_size`].
+    pub fn groups(&self, least: usize) -> Vec<Range<usize>> {
+        let (total, size) = (self.pairs.len(), self.group_size(least));
         (0..total)
             .step_by(size)
             .map(|first| first..(first + size).min(total))
             .collect()
     }
 
-    /// FRFs of a group; the last may have fewer.
-    pub fn group_size(&self) -> usize {
-        self.pairs
-            .len()
-            .div_ceil(tol::PASS_GROUPS)
-            .max(limits::GROUP_FRFS)
+    /// FRFs of a group, at least `least` of them; the last may have fewer. Their number
+    /// depends on nothing but the set, so that sums over groups have the same bits on any
+    /// number of threads.
+    pub fn group_size(&self, least: usize) -> usize {
+        let total = self.pairs.len();
+        let groups = (total / least).clamp(1, tol::PASS_GROUPS);
+        total.div_ceil(groups)
     }
 
     /// Reads a group: `see` is given a range of FRFs and their values, (real and
@@ -131,7 +132,7 @@ impl Screened<'_> {
             );
             sums
         };
-        self.groups()
+        self.groups(limits::GROUP_FRFS)
             .into_par_iter()
             .flat_map_iter(of_group)
             .collect()
@@ -177,7 +178,7 @@ impl Source for Screened<'_> {
         q: &Array2<Complex64>,
         energy: &Array1<f64>,
     ) -> Result<Projected, FitError> {
-        Ok(project(self, q, energy)?)
+        Ok(project(self, measured_basis(self, q), energy)?)
     }
 
     fn way(&self) -> Option<&Way> {
@@ -189,7 +190,7 @@ impl Source for Screened<'_> {
         let sums = self
             .sums
             .as_ref()
-            .map(|(seed, sums)| (*seed, sums.select(&kept)));
+            .map(|(seed, sums)| (*seed, Arc::new(sums.select(&kept))));
         Self {
             head,
             sums,

@@ -149,13 +149,15 @@ pub(crate) struct Products {
     pub r0: Array2<f64>,
 }
 
-/// Runs the pass with basis `q` on all FRFs; `line_energy` comes from the first pass.
+/// Runs the pass with a [`measured_basis`] on all FRFs; `line_energy` comes from the first
+/// pass.
 pub(crate) fn project(
     data: &Screened,
-    q: &Array2<Complex64>,
+    basis: Array2<f64>,
     line_energy: &Array1<f64>,
 ) -> Result<Projected, LinalgError> {
-    let Products { t, gram, r0 } = products(data, &measured_basis(data, q));
+    let Products { t, gram, r0 } = products(data, &basis);
+    drop(basis);
     let turned = |x: &Array2<f64>| blocked_matmul_h(x.view(), r0.view());
     Projected::new(data, [&t, &gram], turned, line_energy)
 }
@@ -164,10 +166,11 @@ pub(crate) fn project(
 pub(crate) fn products(data: &Screened, basis: &Array2<f64>) -> Products {
     let (lines, total, m) = (data.lines.len(), data.pairs.len(), basis.ncols());
     let mut r0 = Array2::zeros((m, total).f());
+    let least = limits::GROUP_FRFS.max(limits::GROUP_COLUMNS * m);
     let groups: Vec<_> = data
-        .groups()
+        .groups(least)
         .into_iter()
-        .zip(r0.axis_chunks_iter_mut(Axis(1), data.group_size()))
+        .zip(r0.axis_chunks_iter_mut(Axis(1), data.group_size(least)))
         .collect();
     let sums = |(group, mut r0): (Range<usize>, ArrayViewMut2<f64>)| {
         let (mut t, mut gram) = (cleared(2 * lines, m), cleared(m, m));
@@ -204,7 +207,7 @@ pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
         });
         energy
     };
-    tree_sum(data.groups(), &sums, &|left, right| {
+    tree_sum(data.groups(limits::GROUP_FRFS), &sums, &|left, right| {
         left.iter().zip(&right).map(|(l, r)| l + r).collect()
     })
 }

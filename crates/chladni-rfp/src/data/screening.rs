@@ -15,6 +15,7 @@ use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::ops::{Deref, Range};
+use std::sync::Arc;
 
 /// The usable part of an FRF set: selected lines and pairs, unit rms, no copy of the
 /// data.
@@ -23,8 +24,9 @@ pub(crate) struct Screened<'a> {
     pub head: DataLayout,
     /// The data as they were measured; they are weighted as they are read.
     pub frf: &'a FrfSet,
-    /// The first pass with the seed that it was drawn with, where it is done already.
-    pub sums: Option<(u64, Sums)>,
+    /// The first pass with the seed that it was drawn with, where it is done already; shared
+    /// by clones.
+    pub sums: Option<(u64, Arc<Sums>)>,
 }
 
 impl Deref for Screened<'_> {
@@ -92,7 +94,7 @@ impl<'a> Screened<'a> {
         }
         let sums = sums
             .filter(|sums| sums.frf_energy.len() == head.pairs.len())
-            .map(|sums| (options.seed, sums));
+            .map(|sums| (options.seed, Arc::new(sums)));
         Ok(Self { head, frf, sums })
     }
 

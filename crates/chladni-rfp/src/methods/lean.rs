@@ -24,7 +24,7 @@ use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
-use crate::data::products::project;
+use crate::data::products::{measured_basis, project};
 use crate::methods::selection::{fewer, inside, left_by, select};
 use crate::methods::survey::Survey;
 use crate::methods::vf::{pool, signed};
@@ -41,35 +41,19 @@ use num_complex::Complex64;
 ///
 /// # Errors
 /// A decomposition that fails.
-pub(crate) fn lean(survey: &Survey, options: &FitOptions) -> Result<PoleEstimate, FitError> {
-    let sketch = &survey.sketch;
+pub(crate) fn lean(survey: Survey, options: &FitOptions) -> Result<PoleEstimate, FitError> {
     let modes = options.modes.unwrap_or(survey.peaks.len());
-    let mut start = start(survey, modes, options)?;
-    if inside(sketch, &start) < modes {
-        start = self::start(survey, modes + modes / 2, options)?;
-    }
-    let rows = survey.rows();
-    let thinned = if rows.len() < sketch.lines() {
-        Some(sketch.select(&rows))
-    } else {
-        None
-    };
-    let work = thinned.as_ref().unwrap_or(sketch);
-    narrow(work, &mut start, modes);
-    let mut rough = refined_poles(work, &start, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
-    if inside(work, &rough) > modes {
-        // what only leaned on a neighbour that stood beside its place
-        rough = select(work, &rough, modes..=usize::MAX)?.0;
-    }
-
     let data = survey.data;
+    let mut rough = of_sketch(&survey, modes, options)?;
+    // memory for the pass
+    drop(survey.sketch);
     let all = data.axis();
     rough.extend(beyond(&all, &rough));
-    let projected = project(
-        data,
-        &qr_thin(basis(&all, &rough, &POWERS).view())?.0,
-        &survey.energy,
-    )?;
+    let measured = {
+        let columns = basis(&all, &rough, &POWERS);
+        measured_basis(data, &qr_thin(columns.view())?.0)
+    };
+    let projected = project(data, measured, &survey.energy)?;
     let needed = needed(&projected.work, &rough, data.pairs.len())?;
     let refined = fine(&projected.work, &needed, options, data.pairs.len())?;
     let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();
@@ -92,6 +76,33 @@ pub(crate) fn lean(survey: &Survey, options: &FitOptions) -> Result<PoleEstimate
         warnings: fewer(options, found).into_iter().collect(),
         consistent: true,
         refined,
+    })
+}
+
+/// Poles of the sketch, `modes` of them in the band.
+fn of_sketch(
+    survey: &Survey,
+    modes: usize,
+    options: &FitOptions,
+) -> Result<Vec<Complex64>, LinalgError> {
+    let sketch = &survey.sketch;
+    let mut start = start(survey, modes, options)?;
+    if inside(sketch, &start) < modes {
+        start = self::start(survey, modes + modes / 2, options)?;
+    }
+    let rows = survey.rows();
+    let thinned = if rows.len() < sketch.lines() {
+        Some(sketch.select(&rows))
+    } else {
+        None
+    };
+    let work = thinned.as_ref().unwrap_or(sketch);
+    narrow(work, &mut start, modes);
+    let rough = refined_poles(work, &start, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+    Ok(match inside(work, &rough) > modes {
+        // what only leaned on a neighbour that stood beside its place
+        true => select(work, &rough, modes..=usize::MAX)?.0,
+        false => rough,
     })
 }
 

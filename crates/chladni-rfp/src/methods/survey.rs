@@ -12,7 +12,7 @@ use super::limits::{EXPECTED, LINES_PER_MODE, NOISE_HALF_WINDOW, SPARE_POLES};
 use crate::data::columns::{line_energy, Columns};
 use crate::data::options::FitOptions;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
-use crate::data::products::project;
+use crate::data::products::{measured_basis, project};
 use crate::data::screening::Screened;
 use crate::data::source::Source;
 use crate::poles::rank::rank_over_noise;
@@ -96,7 +96,7 @@ impl<'a> Survey<'a> {
             return Ok(whole(rank));
         }
         let q = u.slice(s![.., ..directions]).to_owned();
-        let projected = project(self.data, &q, &self.energy)?;
+        let projected = project(self.data, measured_basis(self.data, &q), &self.energy)?;
         let outside = (self.energy.sum() - projected.work.energy()).max(0.0);
         Ok(Compressed {
             work: projected.work,

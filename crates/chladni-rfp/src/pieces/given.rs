@@ -2,7 +2,7 @@
 
 use crate::damping::structural::basis;
 use crate::data::options::FitOptions;
-use crate::data::products::project;
+use crate::data::products::{measured_basis, project};
 use crate::data::screening::Screened;
 use crate::data::source::Source;
 use crate::data::window::told::told;
@@ -35,7 +35,11 @@ pub fn residues(
         // products with the structural twins of viscous poles span nearly the same
         // columns
         let q = qr_thin(basis(&data.axis(), &given.lambda(), &given.powers).view())?.0;
-        let projected = project(&data, &q, &data.sketch(options.seed).1)?;
+        let projected = project(
+            &data,
+            measured_basis(&data, &q),
+            &data.sketch(options.seed).1,
+        )?;
         given.on(projected.work, Some(projected.back))?
     };
     let shaped = Shaped::new(&data, given)?;

@@ -52,21 +52,26 @@ impl<'a> Rest<'a> {
     /// The data less the poles of `state`, a state on `whole`.
     pub fn new(whole: &Target, state: &State, powers: &'a [i32]) -> Self {
         let work = whole.work;
-        let residues = state.residues();
         let columns = basis(work, &state.lambda, &[]);
-        let gram = matmul_h(columns.view(), columns.view());
-        let energy = |residues: &Array2<Complex64>| -> f64 {
-            let along = blocked_matmul(gram.view(), residues.view());
-            let terms = along.iter().zip(residues);
-            terms.map(|(a, r)| (r.conj() * a).re).sum()
+        let (compressed, beside) = {
+            let gram = matmul_h(columns.view(), columns.view());
+            let energy = |residues: &Array2<Complex64>| -> f64 {
+                let along = blocked_matmul(gram.view(), residues.view());
+                let terms = along.iter().zip(residues);
+                terms.map(|(a, r)| (r.conj() * a).re).sum()
+            };
+            let residues = state.residues();
+            let compressed = blocked_matmul_mixed(&residues, whole.back.t());
+            let beside = energy(&residues) - energy(&compressed);
+            (compressed, beside.max(0.0))
         };
-        let compressed = blocked_matmul_mixed(&residues, whole.back.t());
-        let explained = blocked_matmul(columns.view(), compressed.view());
+        let mut left = blocked_matmul(columns.view(), compressed.view());
+        left.zip_mut_with(&work.b, |value, all| *value = all - *value);
         Self {
-            work: work.with_columns(&work.b - &explained),
+            work: work.with_columns(left),
             powers,
             modes: state.lambda.len(),
-            beside: (energy(&residues) - energy(&compressed)).max(0.0),
+            beside,
         }
     }
 
