@@ -27,6 +27,8 @@ pub enum MeasuredForce {
 pub struct MeasuredCell {
     /// Excitation.
     pub force: MeasuredForce,
+    /// Forces at once, independent of each other, the first at the first response and so on.
+    pub forces: usize,
     /// Window of the blocks.
     pub window: BlockWindow,
     /// Window of an analyser in place of it, one that `estimate` lacks: the set does not
@@ -89,6 +91,9 @@ impl MeasuredCell {
             MeasuredForce::Sines => force,
             _ => format!("{force} {} {}", self.window_name(), self.averages()),
         };
+        if self.forces > 1 {
+            name += &format!(" of {} forces", self.forces);
+        }
         if self.overlap > 0.0 {
             name += &format!(" x {:.2}", self.overlap);
         }
@@ -110,6 +115,7 @@ impl MeasuredCell {
 /// h1` does.
 const HANN: MeasuredCell = MeasuredCell {
     force: MeasuredForce::Random,
+    forces: 1,
     window: BlockWindow::Hann,
     analyser: None,
     records: 16,
@@ -179,6 +185,11 @@ const fn noisy(force_snr_db: f64, cell: MeasuredCell) -> MeasuredCell {
 /// Noise of the responses of a poor test below their mean square, dB.
 pub(super) const POOR_DB: f64 = 30.0;
 
+/// Two forces at once.
+const fn two(cell: MeasuredCell) -> MeasuredCell {
+    MeasuredCell { forces: 2, ..cell }
+}
+
 /// As loud as responses of a poor test.
 const fn loud(cell: MeasuredCell) -> MeasuredCell {
     MeasuredCell {
@@ -230,6 +241,10 @@ pub const MEASURED_CELLS: &[MeasuredCell] = &[
     dropping(30.0, at(4.0, HANN)),
     noisy(34.0, at(4.0, HANN)),
     noisy(34.0, dropping(20.0, at(4.0, HANN))),
+    two(at(2.0, HANN)),
+    two(at(4.0, HANN)),
+    two(dropping(12.0, at(4.0, HANN))),
+    two(loud(at(2.0, HANN))),
     loud(at(0.5, HANN)),
     loud(at(1.0, HANN)),
     loud(at(2.0, HANN)),

@@ -28,7 +28,7 @@ pub(super) const BAND_HZ: [f64; 2] = [20.0, 245.0];
 const MODES_HZ: [f64; 4] = [60.0, 112.0, 168.0, 221.0];
 /// ... by so much of themselves (rms).
 const MOVED: f64 = 0.01;
-/// Responses; the force acts at the first.
+/// Responses; a force acts at the first.
 const RESPONSES: usize = 3;
 /// Records before the first that counts, of a continuous force.
 const SETTLING: usize = 6;
@@ -70,21 +70,20 @@ pub(super) fn simulated(cell: &MeasuredCell, seed: u64) -> Simulated {
         };
     }
     let mut channels = responses(cell, &modes, &mut normal);
-    let velocities = &channels[1..];
-    let power = mean_square(velocities.iter().flatten());
-    let sigma = (power * 10f64.powf(-0.1 * cell.snr_db)).sqrt();
-    let force_sigma =
-        (mean_square(channels[0].iter()) * 10f64.powf(-0.1 * cell.force_snr_db)).sqrt();
-    for (n, channel) in channels.iter_mut().enumerate() {
-        let sigma = if n == 0 { force_sigma } else { sigma };
-        channel.iter_mut().for_each(|x| *x += sigma * normal());
+    let (forces, velocities) = channels.split_at_mut(cell.forces);
+    for (channels, snr_db) in [(forces, cell.force_snr_db), (velocities, cell.snr_db)] {
+        let power = mean_square(channels.iter().flatten());
+        let sigma = (power * 10f64.powf(-0.1 * snr_db)).sqrt();
+        for value in channels.iter_mut().flatten() {
+            *value += sigma * normal();
+        }
     }
     let length = match cell.force {
         MeasuredForce::Random => channels[0].len(),
         _ => RECORD,
     };
     let runs = (0..channels[0].len() / length)
-        .map(|run| as_run(&channels, run * length..(run + 1) * length))
+        .map(|run| as_run(&channels, cell.forces, run * length..(run + 1) * length))
         .collect();
     Simulated {
         runs,
@@ -147,7 +146,7 @@ fn structure(cell: &MeasuredCell, normal: &mut impl FnMut() -> f64) -> Vec<TrueM
     MODES_HZ.iter().map(mode).collect()
 }
 
-/// Force and velocities over all that is measured.
+/// Forces and velocities over all that is measured.
 fn responses(
     cell: &MeasuredCell,
     modes: &[TrueMode],
@@ -159,41 +158,54 @@ fn responses(
         .iter()
         .map(|s| s / Complex64::new(0.0, s.im))
         .collect();
-    let mut filter = Filter::new(&poles, cell.drop_db);
+    let mut filters: Vec<Filter> = (0..cell.forces)
+        .map(|_| Filter::new(&poles, cell.drop_db))
+        .collect();
     let settling = match cell.force {
         MeasuredForce::Random => SETTLING,
         _ => 0,
     };
     let mut states = vec![Complex64::default(); modes.len()];
-    let mut channels = vec![Vec::new(); RESPONSES + 1];
+    let mut channels = vec![Vec::new(); cell.forces + RESPONSES];
     for record in 0..settling + cell.records {
         if cell.force != MeasuredForce::Random {
             states.fill(Complex64::default());
-            filter.rest();
+            filters.iter_mut().for_each(Filter::rest);
         }
         for k in 0..RECORD {
-            let drive = match cell.force {
+            let drive = || match cell.force {
                 MeasuredForce::Random => normal(),
                 MeasuredForce::Burst(part) if (k as f64) < part * RECORD as f64 => normal(),
                 MeasuredForce::Hammer if k == 0 => 1.0,
                 _ => 0.0,
             };
-            let force = filter.next(drive);
-            for (state, step) in states.iter_mut().zip(&steps) {
-                *state = *state * step + force;
+            let drives: Vec<f64> = std::iter::repeat_with(drive).take(cell.forces).collect();
+            let forces: Vec<f64> = filters
+                .iter_mut()
+                .zip(drives)
+                .map(|(filter, drive)| filter.next(drive))
+                .collect();
+            let of_mode = |mode: &TrueMode| -> f64 {
+                mode.shape.iter().zip(&forces).map(|(at, f)| at * f).sum()
+            };
+            let felt: Vec<f64> = modes.iter().map(of_mode).collect();
+            for ((state, step), felt) in states.iter_mut().zip(&steps).zip(&felt) {
+                *state = *state * step + felt;
             }
             if record < settling {
                 continue;
             }
-            channels[0].push(force);
-            for (i, channel) in channels[1..].iter_mut().enumerate() {
+            for (channel, force) in channels.iter_mut().zip(&forces) {
+                channel.push(*force);
+            }
+            for (i, channel) in channels[cell.forces..].iter_mut().enumerate() {
                 // half of the force that acts now: else every FRF had a constant part, which
                 // no structure has
-                let of_mode = |((mode, state), gain): ((&TrueMode, &Complex64), &Complex64)| {
-                    let here = gain * (state - 0.5 * force);
-                    mode.shape[i] * mode.shape[0] * here.re / RATE_HZ
+                let velocity = |n: usize| {
+                    let here = gains[n] * (states[n] - 0.5 * felt[n]);
+                    modes[n].shape[i] * here.re / RATE_HZ
                 };
-                channel.push(modes.iter().zip(&states).zip(&gains).map(of_mode).sum());
+                channel.push((0..modes.len()).map(velocity).sum());
             }
         }
     }
@@ -253,16 +265,19 @@ impl Filter {
     }
 }
 
-fn as_run(channels: &[Vec<f64>], part: std::ops::Range<usize>) -> Run {
-    let channel = |(n, samples): (usize, &Vec<f64>)| Channel {
-        dof: Dof::new(n.max(1) as u64, Direction::PLUS_Z),
-        unit: if n == 0 {
-            SignalUnit::Force
-        } else {
-            SignalUnit::Velocity
-        },
-        is_reference: n == 0,
-        samples: samples[part.clone()].to_vec(),
+/// A part of the channels, of which the first are forces.
+fn as_run(channels: &[Vec<f64>], forces: usize, part: std::ops::Range<usize>) -> Run {
+    let channel = |(n, samples): (usize, &Vec<f64>)| {
+        let (at, unit) = match n.checked_sub(forces) {
+            None => (n, SignalUnit::Force),
+            Some(response) => (response, SignalUnit::Velocity),
+        };
+        Channel {
+            dof: Dof::new(1 + at as u64, Direction::PLUS_Z),
+            unit,
+            is_reference: n < forces,
+            samples: samples[part.clone()].to_vec(),
+        }
     };
     Run {
         file: "simulated".into(),

@@ -24,6 +24,15 @@ pub(super) struct Moments {
     pub pole: [f64; 2],
 }
 
+/// Variance of leakage over that in one block.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct LeakageShare {
+    pub all: f64,
+    /// The part that forces leak into FRFs of their own. What they leak into those of others
+    /// has any phase: its square has no mean.
+    pub own: f64,
+}
+
 /// Leakage of some poles into some lines.
 pub(super) struct Leaking<'a> {
     pub band: Band<'a>,
@@ -90,13 +99,13 @@ impl Influence<'_> {
         leaking.band.covariance(&[form])[[0, 0]].re
     }
 
-    /// Moments for the mode n where leakage has the variance `share` of that in one block,
-    /// and errors that FRFs share the variances `shared` on lines.
+    /// Moments for the mode n where leakage has this `share` of its variance in one block, and
+    /// errors that FRFs share the variances `shared` on lines.
     pub fn moments(
         &self,
         n: usize,
         noise: &Array2<Complex64>,
-        share: f64,
+        share: LeakageShare,
         shared: &[f64],
         drop: Option<&ForceDrop>,
     ) -> Moments {
@@ -123,7 +132,7 @@ impl Influence<'_> {
         };
         let (mut whole, mut twice) = (of_poles[[place, place]].re, Complex64::ZERO);
         let lines = self.lines_about(n, limits::LEAK_CYCLES);
-        let leaking = self.leaking(n, &near, &lines).filter(|_| share > 0.0);
+        let leaking = self.leaking(n, &near, &lines).filter(|_| share.all > 0.0);
         let of_drop = match (&leaking, drop) {
             (Some(leaking), Some(drop)) => {
                 self.moments_of_drop((n, &near), (&lines, leaking), drop)
@@ -140,9 +149,9 @@ impl Influence<'_> {
             let Some(leaking) = &leaking else { continue };
             let forms = self.forms((n, &near), &lines, leaking, products);
             let straight = leaking.band.covariance(&forms);
-            whole += share * straight[[size + place, size + place]].re;
-            twice += share * leaking.band.mean_square(&forms[size + place]);
-            leaked.scaled_add(share.into(), &straight);
+            whole += share.all * straight[[size + place, size + place]].re;
+            twice += share.own * leaking.band.mean_square(&forms[size + place]);
+            leaked.scaled_add(share.all.into(), &straight);
             if let Some((of_drop, of_pole)) = of_drop.get(force) {
                 whole += of_drop[[size + place, size + place]].re;
                 twice += of_pole;

@@ -6,7 +6,7 @@ use crate::poles::pole::Pole;
 use crate::shapes::error_bars::ShapeBars;
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::{square, Found, Influence};
-use crate::shapes::leaked::Moments;
+use crate::shapes::leaked::{LeakageShare, Moments};
 use crate::shapes::limits;
 use crate::shapes::scale::Scale;
 use chladni_linalg::LinalgError;
@@ -82,13 +82,19 @@ pub(crate) fn line_bars(
     let independent = |cycles: f64| f64::from(u8::from(cycles == 0.0)).into();
     let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
     let white = influence.noise_products(independent, &vec![mean; variances.len()]);
-    // a force that drops at resonances leaks more than one of even spectrum
+    // a force that drops at resonances leaks more than one of even spectrum, and one of
+    // several that act at once into the FRFs of the others, too
     let seen = influence.share_of_leakage();
     let told = errors.blocks().map(|blocks| 1.0 / blocks);
-    let share = told
+    let all = told
         .filter(|told| seen < limits::LEAKS_AS_TOLD * told)
         .unwrap_or(seen);
-    let drop = influence.force_drop(share);
+    let own = match influence.forces {
+        1 => all,
+        _ => told.map_or(all, |told| all.min(told)),
+    };
+    let share = LeakageShare { all, own };
+    let drop = influence.force_drop(all);
     let shares = influence.shared.by_force;
     let of_term = |term: usize| {
         let owner = found.shapes.owner[term];
@@ -101,7 +107,7 @@ pub(crate) fn line_bars(
         );
         let other = found.poles[owner].given.as_ref();
         let white = other.filter(|_| !shares).map(|_| {
-            let moments = influence.moments(owner, &white, 0.0, &[], None);
+            let moments = influence.moments(owner, &white, LeakageShare::default(), &[], None);
             let shape = influence.term(term, &moments, &white);
             (moments.pole, shape)
         });
