@@ -6,6 +6,9 @@ use chladni_rfp::{Correlation, Window};
 /// Length of a record, s: lines 0.5 Hz apart.
 pub(super) const RECORD_S: f64 = 2.0;
 
+/// Responses of most cells.
+const RESPONSES: usize = 3;
+
 /// Noise of the responses below their mean square of most cells, dB.
 pub(super) const SNR_DB: f64 = 50.0;
 
@@ -27,6 +30,8 @@ pub enum MeasuredForce {
 pub struct MeasuredCell {
     /// Excitation.
     pub force: MeasuredForce,
+    /// Responses.
+    pub responses: usize,
     /// Forces at once, independent of each other, the first at the first response and so on.
     pub forces: usize,
     /// Window of the blocks.
@@ -65,6 +70,11 @@ impl MeasuredCell {
         }
     }
 
+    /// True with one force and few responses.
+    pub fn is_simple(&self) -> bool {
+        self.forces == 1 && self.responses == RESPONSES
+    }
+
     /// Blocks that are averaged.
     pub fn averages(&self) -> usize {
         let hop = 1.0 - self.overlap;
@@ -98,6 +108,9 @@ impl MeasuredCell {
             name += &format!(" x {:.2}", self.overlap);
         }
         name += &format!(" b={}", self.lines_per_bandwidth);
+        if self.responses != RESPONSES {
+            name += &format!(" {} responses", self.responses);
+        }
         if self.drop_db > 0.0 {
             name += &format!(" drop {} dB", self.drop_db);
         }
@@ -115,6 +128,7 @@ impl MeasuredCell {
 /// h1` does.
 const HANN: MeasuredCell = MeasuredCell {
     force: MeasuredForce::Random,
+    responses: RESPONSES,
     forces: 1,
     window: BlockWindow::Hann,
     analyser: None,
@@ -190,6 +204,14 @@ const fn two(cell: MeasuredCell) -> MeasuredCell {
     MeasuredCell { forces: 2, ..cell }
 }
 
+/// More FRFs than a fit takes one by one.
+const fn many(cell: MeasuredCell) -> MeasuredCell {
+    MeasuredCell {
+        responses: 30,
+        ..cell
+    }
+}
+
 /// As loud as responses of a poor test.
 const fn loud(cell: MeasuredCell) -> MeasuredCell {
     MeasuredCell {
@@ -245,6 +267,11 @@ pub const MEASURED_CELLS: &[MeasuredCell] = &[
     two(at(4.0, HANN)),
     two(dropping(12.0, at(4.0, HANN))),
     two(loud(at(2.0, HANN))),
+    many(at(2.0, HANN)),
+    many(dropping(12.0, at(2.0, HANN))),
+    many(dropping(12.0, at(4.0, HANN))),
+    many(loud(at(4.0, HANN))),
+    many(loud(at(8.0, HANN))),
     loud(at(0.5, HANN)),
     loud(at(1.0, HANN)),
     loud(at(2.0, HANN)),

@@ -37,7 +37,7 @@ impl MeasuredWay {
 }
 
 /// A mode that was found.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundMode {
     /// Error of the natural frequency over half the true bandwidth.
     pub frequency_error: f64,
@@ -49,7 +49,7 @@ pub struct FoundMode {
     pub loss_sigmas: f64,
     /// Distances of mass-normalised shape values over their standard deviations: complex
     /// values.
-    pub shape_sigmas: [f64; 3],
+    pub shape_sigmas: Vec<f64>,
 }
 
 /// A fit held against the truth.
@@ -214,6 +214,6 @@ fn errors(mode: &Mode, own: &TrueMode) -> FoundMode {
         frequency_sigmas: off_hz / mode.frequency_std_hz,
         loss_error: off_loss / own.loss_factor,
         loss_sigmas: off_loss / mode.loss_factor_std,
-        shape_sigmas: [shape(0), shape(1), shape(2)],
+        shape_sigmas: (0..own.shape.len()).map(shape).collect(),
     }
 }

@@ -28,8 +28,6 @@ pub(super) const BAND_HZ: [f64; 2] = [20.0, 245.0];
 const MODES_HZ: [f64; 4] = [60.0, 112.0, 168.0, 221.0];
 /// ... by so much of themselves (rms).
 const MOVED: f64 = 0.01;
-/// Responses; a force acts at the first.
-const RESPONSES: usize = 3;
 /// Records before the first that counts, of a continuous force.
 const SETTLING: usize = 6;
 
@@ -39,7 +37,7 @@ pub(super) struct TrueMode {
     pub frequency_hz: f64,
     pub loss_factor: f64,
     /// At the responses.
-    pub shape: [f64; RESPONSES],
+    pub shape: Vec<f64>,
 }
 
 impl TrueMode {
@@ -96,7 +94,7 @@ pub(super) fn simulated(cell: &MeasuredCell, seed: u64) -> Simulated {
 fn sines(cell: &MeasuredCell, modes: &[TrueMode], normal: &mut impl FnMut() -> f64) -> FrfSet {
     let lines = (BAND_HZ[1] * RECORD_S) as usize;
     let frequency_hz = Array1::from_shape_fn(lines, |k| (k + 1) as f64 / RECORD_S);
-    let mut values = Array3::from_shape_fn((RESPONSES, 1, lines), |(i, _, k)| {
+    let mut values = Array3::from_shape_fn((cell.responses, 1, lines), |(i, _, k)| {
         let jw = Complex64::new(0.0, TAU * frequency_hz[k]);
         let of_mode = |mode: &TrueMode| {
             let s = mode.pole();
@@ -112,7 +110,7 @@ fn sines(cell: &MeasuredCell, modes: &[TrueMode], normal: &mut impl FnMut() -> f
     FrfSet {
         frequency_hz,
         values: FrfValues::F64(values),
-        responses: (1..=RESPONSES).map(dof).collect(),
+        responses: (1..=cell.responses).map(dof).collect(),
         references: vec![dof(1)],
         kind: Some(FrfKind::Mobility),
         reference_unit: ReferenceUnit::Newton,
@@ -133,14 +131,14 @@ fn structure(cell: &MeasuredCell, normal: &mut impl FnMut() -> f64) -> Vec<TrueM
     let bandwidth_hz = cell.lines_per_bandwidth / RECORD_S;
     let mode = |hz: &f64| {
         let frequency_hz = hz * (1.0 + MOVED * normal());
-        let mut value = || {
+        let value = || {
             let x = normal();
             x.signum() * (0.4 + x.abs())
         };
         TrueMode {
             frequency_hz,
             loss_factor: bandwidth_hz / frequency_hz,
-            shape: [value(), value(), value()],
+            shape: std::iter::repeat_with(value).take(cell.responses).collect(),
         }
     };
     MODES_HZ.iter().map(mode).collect()
@@ -166,7 +164,7 @@ fn responses(
         _ => 0,
     };
     let mut states = vec![Complex64::default(); modes.len()];
-    let mut channels = vec![Vec::new(); cell.forces + RESPONSES];
+    let mut channels = vec![Vec::new(); cell.forces + cell.responses];
     for record in 0..settling + cell.records {
         if cell.force != MeasuredForce::Random {
             states.fill(Complex64::default());

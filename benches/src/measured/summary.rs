@@ -64,7 +64,10 @@ fn summed(cell: MeasuredCell, way: MeasuredWay, outcomes: &[&MeasuredOutcome]) -
     let sigmas: [Vec<f64>; 3] = [
         modes().map(|mode| mode.frequency_sigmas.abs()).collect(),
         modes().map(|mode| mode.loss_sigmas.abs()).collect(),
-        modes().flat_map(|mode| mode.shape_sigmas).collect(),
+        modes()
+            .flat_map(|mode| &mode.shape_sigmas)
+            .copied()
+            .collect(),
     ];
     let intervals = [INTERVAL[0], INTERVAL[0], INTERVAL[1]];
     let covered = |n: usize| {

@@ -233,9 +233,10 @@ impl DataLayout {
         self.nearest(&self.line_variance.over_power, x)
     }
 
-    /// Part of the variance that FRFs share by the way they were estimated.
-    pub fn shared_part(&self) -> f64 {
-        self.line_variance.shared
+    /// Part of the variance that FRFs share by the way they were estimated, on a line where it
+    /// is this `share` of their power.
+    pub fn shared_part(&self, share: f64) -> f64 {
+        self.line_variance.shared_at(share)
     }
 
     /// The value of the line next to x; `None` without values.

@@ -12,11 +12,19 @@ pub(crate) struct LineVariance {
     pub over_median: Vec<f64>,
     /// Σ_l Var H_l/Σ_l |H_l|² of each line.
     pub over_power: Vec<f64>,
-    /// Part of the variance that FRFs share by the way they were estimated.
-    pub shared: f64,
+    /// Part of the variance that FRFs without noise share by the way they were estimated.
+    shared: f64,
 }
 
 impl LineVariance {
+    /// Part of the variance that FRFs share on a line where it is this `share` of their power.
+    pub fn shared_at(&self, share: f64) -> f64 {
+        match self.shared > 0.0 {
+            true => self.shared + limits::OF_NOISE * share / (share + limits::NOISY_SHARE),
+            false => 0.0,
+        }
+    }
+
     /// With other lines; empty ones stay so.
     pub fn map(&self, lines: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         match self.over_median.is_empty() {

@@ -99,17 +99,18 @@ impl Found<'_> {
             count => *parts.select_nth_unstable_by(count / 2, f64::total_cmp).1 / LN_2,
         };
         let by_force = seen >= limits::SHARED_PART;
-        let (part, most) = match by_force {
+        let part = |share: f64| match by_force {
             // far from modes noise of the responses hides some of it
-            true => (seen, seen.max(1.0)),
-            false => (data.shared_part(), data.shared_part()),
+            true => seen.max(1.0),
+            false => data.shared_part(share),
         };
-        if part <= 0.0 {
+        let alone = 1.0 - if by_force { seen } else { part(0.0) };
+        if alone >= 1.0 {
             return none;
         }
         Shared {
-            variances: shares.iter().map(|share| most * share).collect(),
-            alone: (1.0 - part).max(0.0),
+            variances: shares.iter().map(|share| part(*share) * share).collect(),
+            alone: alone.max(0.0),
             by_force,
         }
     }
