@@ -196,6 +196,9 @@ impl Pass {
             ..
         } = self;
         let (work, frfs) = (&projected.work, data.pairs.len());
+        if !self.refined.has_room(data.lines.len()) {
+            return None;
+        }
         let peak = self.stands_out(data);
         if peak.is_some() || work.columns() >= frfs {
             return peak.map(|peak| (peak, false));

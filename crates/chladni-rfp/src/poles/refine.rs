@@ -286,6 +286,10 @@ impl Refined {
     pub fn unknowns(&self) -> usize {
         self.lambda.len() + self.powers.len()
     }
+    /// True where another pole leaves lines to judge it by.
+    pub fn has_room(&self, lines: usize) -> bool {
+        self.unknowns() + 1 < lines
+    }
     /// Residual variance per line and column, from all degrees of freedom.
     pub fn variance(&self, work: &Columns) -> f64 {
         let dof = ((work.lines() - self.unknowns().min(work.lines())) * work.columns()) as f64

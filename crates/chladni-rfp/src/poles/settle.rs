@@ -37,6 +37,9 @@ pub(crate) fn settle(
             continue;
         }
         let scanned = scan(work, refined);
+        if !refined.has_room(work.lines()) {
+            return Ok(scanned);
+        }
         let shown = scanned.beyond(limit * *variance, &tried).first().copied();
         let Some(pole) = shown.or_else(|| beyond_the_band(work, &tried)) else {
             return Ok(scanned);
@@ -188,5 +191,36 @@ pub(crate) fn keep_strongest(
             tol::REFINE_FINE,
             tol::FINE_STEP,
         )?;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damping::structural::POWERS;
+    use chladni_frf::Damping;
+    use ndarray::Array2;
+
+    /// Ten lines of values that no few poles explain, each far beyond the noise that is said.
+    #[test]
+    fn poles_are_added_while_there_are_lines_to_judge_them_by() {
+        let lines = 10;
+        let x: Vec<f64> = (1..=lines).map(|k| (0.1 * k as f64).powi(2)).collect();
+        let work = Columns {
+            g: vec![1.0; lines],
+            b: Array2::from_shape_fn((lines, 40), |(k, c)| {
+                Complex64::from_polar(1.0, (1.7 * k as f64 + 2.3 * c as f64).sin() * 9.0)
+            }),
+            x,
+            law: Damping::Structural,
+            leakage: None,
+        };
+        let start: Vec<Complex64> = [0.1, 0.3, 0.5, 0.7]
+            .map(|x| Complex64::new(x, 0.02))
+            .to_vec();
+        let mut refined = refine(&work, &start, &POWERS, 0, tol::FINE_STEP).unwrap();
+        let (mut variance, mut history) = (1e-9, Vec::new());
+        settle(&work, &mut refined, &mut variance, 40, &mut history).unwrap();
+        assert!(!history.is_empty() && refined.unknowns() < lines);
     }
 }
