@@ -17,7 +17,7 @@ use num_complex::Complex64;
 pub(super) struct Normal {
     matrix: Array2<f64>,
     right: Array1<f64>,
-    /// ln of the likelihood of θ = 0, to a constant.
+    /// ln of the likelihood that the linear model has at θ = 0, to a constant.
     ln_likelihood: f64,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct Normal {
 pub(super) struct Eliminated {
     matrix: Array2<f64>,
     right: Array1<f64>,
-    /// The evidence but for the shifts.
+    /// ln of the evidence without what the shifts add.
     ln_evidence: f64,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Eliminated {
 struct Share {
     matrix: Array2<f64>,
     right: Array1<f64>,
-    /// Σ of the squares of what is not foretold at θ = 0.
+    /// Σ of the squares of what the linear model leaves at θ = 0.
     square: f64,
     /// Real numbers that were measured.
     values: usize,

@@ -109,8 +109,8 @@ impl Parts {
     }
 
     /// mean_k Σ_pq Cov_pq D_pkᴴD_qk with the slopes D of the mobility: mean_k E_kᴴE_k, where
-    /// E = LᵀD and Cov = LLᵀ. A pair of real unknowns is a column of LᵀD with one complex
-    /// factor, and a gain moves its own channel alone.
+    /// E = LᵀD and Cov = LLᵀ. The real and the imaginary part of an unknown have the slopes D
+    /// and jD: they add (L_re + j·L_im)·D to E. A gain moves its own channel alone.
     fn row_covariance(
         &self,
         theta: &Array1<f64>,

@@ -31,9 +31,12 @@ pub(super) const NOISY_SHARE: f64 = 2e-6;
 pub(super) const BLOCK_FRFS: usize = 64;
 /// Least FRFs of one such sum: fewer, and adding the sums costs more than making them.
 pub(super) const GROUP_FRFS: usize = 128;
-/// Least FRFs of a sum for each column that it has: the sums of all groups together take an
-/// eighth of the data at most.
+/// FRFs of a sum for each of its columns: the sums of several groups take an eighth of the
+/// data at most.
 pub(super) const GROUP_COLUMNS: usize = 8;
+/// Groups of a set that has FRFs for them, whatever memory their sums take: work for as many
+/// threads.
+pub(super) const GROUPS_LEAST: usize = 2;
 
 // noise_weights.rs
 

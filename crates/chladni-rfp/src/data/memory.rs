@@ -31,13 +31,13 @@ impl Screened<'_> {
             .collect()
     }
 
-    /// FRFs of a group, at least `least` of them; the last may have fewer. Their number
-    /// depends on nothing but the set, so that sums over groups have the same bits on any
-    /// number of threads.
+    /// FRFs of a group, `least` of them where that leaves [`limits::GROUPS_LEAST`] groups; the
+    /// last may have fewer. Their number depends on nothing but the set, so that sums over
+    /// groups have the same bits on any number of threads.
     pub fn group_size(&self, least: usize) -> usize {
         let total = self.pairs.len();
-        let groups = (total / least).clamp(1, tol::PASS_GROUPS);
-        total.div_ceil(groups)
+        let fewest = (total / limits::GROUP_FRFS).clamp(1, limits::GROUPS_LEAST);
+        total.div_ceil((total / least).clamp(fewest, tol::PASS_GROUPS))
     }
 
     /// Reads a group: `see` is given a range of FRFs and their values, (real and

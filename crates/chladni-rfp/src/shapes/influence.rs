@@ -104,6 +104,7 @@ impl Found<'_> {
             true => seen.max(1.0),
             false => data.shared_part(share),
         };
+        // what noise makes them share comes on top
         let alone = 1.0 - if by_force { seen } else { part(0.0) };
         if alone >= 1.0 {
             return none;

@@ -89,7 +89,7 @@ pub(crate) fn line_bars(
     let all = told
         .filter(|told| seen < limits::LEAKS_AS_TOLD * told)
         .unwrap_or(seen);
-    let own = match influence.forces {
+    let own = match found.data.references.len() {
         1 => all,
         _ => told.map_or(all, |told| all.min(told)),
     };
