@@ -98,10 +98,12 @@ fn summed(cell: MeasuredCell, way: MeasuredWay, outcomes: &[&MeasuredOutcome]) -
 
 /// The table as a file.
 pub fn measured_csv(summaries: &[MeasuredSummary]) -> String {
-    const HEADER: [&str; 25] = [
+    const HEADER: [&str; 27] = [
         "case",
         "way",
         "tests",
+        "responses",
+        "forces",
         "window",
         "averages",
         "overlap",
@@ -131,6 +133,8 @@ pub fn measured_csv(summaries: &[MeasuredSummary]) -> String {
             cell.name(),
             row.way.name().to_owned(),
             row.tests.to_string(),
+            cell.responses.to_string(),
+            cell.forces.to_string(),
             cell.window_name(),
             cell.averages().to_string(),
         ];

@@ -21,7 +21,7 @@ pub(super) struct Normal {
     ln_likelihood: f64,
 }
 
-/// What the fields say of the shifts, whatever the gains.
+/// The equations of the shifts alone, gains eliminated under a prior of theirs.
 pub(super) struct Eliminated {
     matrix: Array2<f64>,
     right: Array1<f64>,
@@ -29,7 +29,7 @@ pub(super) struct Eliminated {
     ln_evidence: f64,
 }
 
-/// What one field adds to the normal equations, but for its noise.
+/// The part of one field in the normal equations, before its noise weighs it.
 struct Share {
     matrix: Array2<f64>,
     right: Array1<f64>,
