@@ -58,6 +58,7 @@ mod selection;
 mod shape_set;
 mod shared_errors;
 mod source;
+mod synthesis;
 mod time_record;
 
 pub use dof::{Direction, Dof};

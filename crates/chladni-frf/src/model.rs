@@ -1,4 +1,4 @@
-//! The modal model: what a fit saves, and its synthesis.
+//! The modal model: what a fit saves.
 //!
 //! The fields are those of the model file (`docs/formats.md`); the file alone reproduces
 //! the fit.
@@ -6,10 +6,9 @@
 use crate::finding::{numbered, warnings};
 use crate::limits::ROUNDING;
 use crate::{Dof, Finding, FrfKind, Geometry, Node, Reasons, ReferenceUnit, Source};
-use ndarray::{Array1, Array2, Array3, Axis};
+use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
 
 /// Value of `format` in a model file.
 pub const MODEL_FORMAT: &str = "chladni.model";
@@ -182,10 +181,14 @@ impl Mode {
     /// `shape_std` of a response without the error of the scale: what is left of it in
     /// FRFs, where the participation has the scale's inverse.
     pub fn shape_std_at_known_scale(&self, response: usize) -> f64 {
-        let of_scale = self.scale_std.unwrap_or(0.0) * self.shape.0[response].norm();
-        (self.shape_std[response].powi(2) - of_scale.powi(2))
-            .max(0.0)
-            .sqrt()
+        self.shape_variance_at_known_scale(response).sqrt()
+    }
+
+    /// Its square.
+    #[inline]
+    pub fn shape_variance_at_known_scale(&self, response: usize) -> f64 {
+        let of_scale = self.scale_std.unwrap_or(0.0).powi(2) * self.shape.0[response].norm_sqr();
+        (self.shape_std[response].powi(2) - of_scale).max(0.0)
     }
 
     /// `shape_std` without what only scales the whole shape: what is left of it in the
@@ -344,27 +347,6 @@ pub struct ModalModel {
     pub quality: Quality,
 }
 
-impl Mode {
-    /// The factor of shape·participation in the receptance at `omega` rad/s, for a
-    /// structural mode (theory.md, eq. 3): 1/(ω_n²(1+jη_n) − ω²).
-    pub fn structural_factor(&self, omega: f64) -> Complex64 {
-        let omega_n = TAU * self.frequency_hz;
-        Complex64::new(1.0, 0.0)
-            / Complex64::new(
-                omega_n * omega_n - omega * omega,
-                omega_n * omega_n * self.loss_factor,
-            )
-    }
-    /// The pole s_n = −ζ_nω_n + jω_n√(1−ζ_n²), rad/s, of the viscous law (ζ_n = η_n/2).
-    pub fn viscous_pole(&self) -> Complex64 {
-        let (omega_n, zeta) = (TAU * self.frequency_hz, self.loss_factor / 2.0);
-        Complex64::new(
-            -zeta * omega_n,
-            omega_n * (1.0 - zeta * zeta).max(0.0).sqrt(),
-        )
-    }
-}
-
 impl ModalModel {
     /// Nodes with the lines and faces that join them.
     pub fn geometry(&self) -> Geometry {
@@ -373,60 +355,6 @@ impl ModalModel {
             lines: self.lines.clone(),
             faces: self.faces.clone(),
         }
-    }
-
-    /// Receptance of every pair at `frequency_hz`, m per unit of the reference; axes
-    /// (response, reference).
-    pub fn receptance(&self, frequency_hz: f64) -> Array2<Complex64> {
-        let omega = TAU * frequency_hz;
-        let mut alpha = Array2::zeros((self.responses.len(), self.references.len()));
-        for mode in self
-            .modes
-            .iter()
-            .filter(|mode| mode.trust != Trust::Rejected)
-        {
-            self.add_mode(mode, omega, &mut alpha);
-        }
-        for term in &self.residual_terms.terms {
-            let scale = (omega / self.residual_terms.omega_scale_rad_per_s).powi(term.power);
-            alpha.scaled_add(Complex64::new(scale, 0.0), &term.matrix.0);
-        }
-        alpha
-    }
-
-    fn add_mode(&self, mode: &Mode, omega: f64, alpha: &mut Array2<Complex64>) {
-        match self.damping {
-            Damping::Structural => {
-                let factor = mode.structural_factor(omega);
-                add_rows(
-                    alpha,
-                    mode,
-                    |shape| factor * shape,
-                    |row, participation| row * participation,
-                );
-            }
-            Damping::Viscous => {
-                let pole = mode.viscous_pole();
-                let (j_omega, scale) = (
-                    Complex64::new(0.0, omega),
-                    Complex64::new(0.0, 2.0 * pole.im).inv(),
-                );
-                let (near, far) = (
-                    scale * (j_omega - pole).inv(),
-                    scale.conj() * (j_omega - pole.conj()).inv(),
-                );
-                let row = |shape: Complex64| (near * shape, far * shape.conj());
-                add_rows(alpha, mode, row, |(near, far), participation| {
-                    near * participation + far * participation.conj()
-                });
-            }
-        }
-    }
-
-    /// The matrix of `kind` at one frequency: [`Self::receptance`] times 1, jω or −ω².
-    pub fn frf_matrix(&self, kind: FrfKind, frequency_hz: f64) -> Array2<Complex64> {
-        let factor = kind.from_receptance(TAU * frequency_hz);
-        self.receptance(frequency_hz).mapv(|alpha| factor * alpha)
     }
 
     /// The model at some of its DOFs alone, by their places: what few FRFs need costs as
@@ -455,20 +383,6 @@ impl ModalModel {
         part
     }
 
-    /// FRFs in the measured kind on a frequency axis; axes (response, reference, line).
-    pub fn synthesise(&self, frequency_hz: &Array1<f64>) -> Array3<Complex64> {
-        let mut frf = Array3::zeros((
-            self.responses.len(),
-            self.references.len(),
-            frequency_hz.len(),
-        ));
-        for (k, &f) in frequency_hz.iter().enumerate() {
-            frf.slice_mut(ndarray::s![.., .., k])
-                .assign(&self.frf_matrix(self.frf_kind, f));
-        }
-        frf
-    }
-
     /// Modes inside the band (`sure` and `weak`); the others are residual terms.
     pub fn in_band_modes(&self) -> impl Iterator<Item = &Mode> {
         self.modes
@@ -480,21 +394,5 @@ impl ModalModel {
     pub fn number_findings(&mut self) {
         let frequencies: Vec<f64> = self.in_band_modes().map(|mode| mode.frequency_hz).collect();
         numbered(&mut self.quality.findings, &frequencies);
-    }
-}
-
-/// Adds a mode to the matrix: `of_row` is what all entries of a response share, so that
-/// an entry costs a product or two.
-fn add_rows<R: Copy>(
-    alpha: &mut Array2<Complex64>,
-    mode: &Mode,
-    of_row: impl Fn(Complex64) -> R,
-    entry: impl Fn(R, Complex64) -> Complex64,
-) {
-    for (mut row, &shape) in alpha.rows_mut().into_iter().zip(&mode.shape.0) {
-        let shared = of_row(shape);
-        row.iter_mut()
-            .zip(&mode.participation.0)
-            .for_each(|(alpha, &participation)| *alpha += entry(shared, participation));
     }
 }

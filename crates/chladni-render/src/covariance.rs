@@ -25,7 +25,7 @@ use crate::kernel_error::unsolvable;
 use crate::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Mode, Result, Trust};
-use ndarray::{concatenate, Array1, Array2, Axis};
+use ndarray::{concatenate, Array1, Array2, ArrayView1, ArrayView2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -110,18 +110,25 @@ impl Covariance {
     /// ‖L·A‖: one standard deviation of the velocity at a response under the drive A,
     /// m/s.
     pub fn deviation(&self, drive: &Array1<Complex64>) -> f64 {
-        let of_model = self
-            .rows
-            .dot(drive)
-            .iter()
-            .map(Complex64::norm_sqr)
-            .sum::<f64>();
+        self.deviation_of(self.rows.dot(drive).view(), drive.view())
+    }
+
+    /// The same of many drives; axes (reference, drive).
+    pub(crate) fn deviations(&self, drives: ArrayView2<Complex64>) -> Vec<f64> {
+        let of_model = chladni_linalg::matmul(self.rows.view(), drives);
+        let each = of_model.columns().into_iter().zip(drives.columns());
+        each.map(|(of_model, drive)| self.deviation_of(of_model, drive))
+            .collect()
+    }
+
+    /// ‖L·A‖ of what the rows of the model make of A.
+    fn deviation_of(&self, of_model: ArrayView1<Complex64>, drive: ArrayView1<Complex64>) -> f64 {
         let own = drive
             .iter()
             .zip(&self.own)
             .map(|(weight, own)| weight.norm_sqr() * own * own)
             .sum::<f64>();
-        (of_model + own).sqrt()
+        (of_model.iter().map(Complex64::norm_sqr).sum::<f64>() + own).sqrt()
     }
 
     /// A square L with the same LᴴL, upper triangular; no row where there is no error at
@@ -189,15 +196,14 @@ impl RowDeviation {
         let sigma_gamma = gamma / denominator
             * (2.0 * omega_n.powi(2) * frequency_relative)
                 .hypot(omega_n.powi(2) * mode.loss_factor * loss_relative);
-        let (mut of_pole, mut of_shape) = (0.0, 0.0);
+        let (mut energy, mut of_bars) = (0.0, 0.0);
         for &k in judged {
             let row = operator.response_rows[k];
-            let energy = mode.shape.0[row].norm_sqr();
-            of_pole += energy * sigma_gamma.powi(2);
-            of_shape += gamma.powi(2)
-                * ((own * mode.shape_std_at_known_scale(row)).powi(2)
-                    + drift.shape_relative.powi(2) * energy);
+            energy += mode.shape.0[row].norm_sqr();
+            of_bars += mode.shape_variance_at_known_scale(row);
         }
+        let of_pole = energy * sigma_gamma.powi(2);
+        let of_shape = gamma.powi(2) * (own * of_bars + drift.shape_relative.powi(2) * energy);
         let count = judged.len() as f64;
         Self {
             common: ((of_pole + of_shape) / count).sqrt(),

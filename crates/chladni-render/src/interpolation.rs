@@ -295,7 +295,7 @@ impl Spline {
         };
         for (value, &query) in field.iter_mut().zip(&queries) {
             let terms = monomials(self.order, query).zip(of_polynomial);
-            *value += terms.map(|(term, c)| c * term).sum::<Complex64>();
+            terms.for_each(|(term, c)| *value += c * term);
         }
         field
     }
@@ -353,10 +353,10 @@ fn phi(order: usize, squared: f64) -> f64 {
 }
 
 /// All monomials of degree below `order`, which is at most 4.
-fn monomials(order: usize, place: Position) -> impl Iterator<Item = f64> {
-    let [of_x, of_y] = place.map(|v| [1.0, v, v * v, v * v * v]);
-    (0..order)
-        .flat_map(move |degree| (0..=degree).map(move |power| of_x[degree - power] * of_y[power]))
+fn monomials(order: usize, [x, y]: Position) -> impl Iterator<Item = f64> {
+    let (xx, xy, yy) = (x * x, x * y, y * y);
+    let all = [1.0, x, y, xx, xy, yy, x * xx, xx * y, x * yy, y * yy];
+    all.into_iter().take(order * (order + 1) / 2)
 }
 
 #[cfg(test)]

@@ -44,54 +44,58 @@ impl Lattice {
     /// Fills the columns of the nodes with `function` of the squared distances; axes of
     /// `matrix` (place, node and more).
     pub(crate) fn fill(&self, matrix: &mut Array2<f64>, function: impl Fn(f64) -> f64) {
+        let [x, y] = &self.axes;
         let table = self.table(function);
-        for (mut row, [of_x, of_y]) in matrix.rows_mut().into_iter().zip(self.places(&table)) {
-            for (value, (x, y)) in row.iter_mut().zip(of_x.iter().zip(of_y)) {
-                *value = table.values[x + y];
+        let (of_x, of_y) = (x.offsets(1), y.offsets(x.squared.len()));
+        let places = x.of_place.iter().zip(&y.of_place);
+        for (mut row, (&x, &y)) in matrix.rows_mut().into_iter().zip(places) {
+            for (value, (x, y)) in row.iter_mut().zip(of_x[x].iter().zip(&of_y[y])) {
+                *value = table[x + y];
             }
         }
     }
 
-    /// Σ coefficient·`function` of the squared distance over the nodes, at each place.
+    /// Σ coefficient·`function` of the squared distance over the nodes, at each place. Nodes
+    /// of one x and places of one y share the sum over the nodes' y, for every distance in
+    /// x at once.
     pub(crate) fn sums(
         &self,
         function: impl Fn(f64) -> f64,
         coefficients: &[Complex64],
     ) -> Vec<Complex64> {
+        let [x, y] = &self.axes;
         let table = self.table(function);
-        let at = |[of_x, of_y]: [&[usize]; 2]| {
-            let nodes = of_x.iter().zip(of_y).zip(coefficients);
-            nodes.map(|((x, y), c)| c * table.values[x + y]).sum()
+        let kinds = x.squared.len();
+        let shared = |part: fn(&Complex64) -> f64| {
+            let mut shared = Array2::zeros((y.kind.nrows() * x.kind.ncols(), kinds));
+            for ((&column, &node), c) in x.of_node.iter().zip(&y.of_node).zip(coefficients) {
+                let c = part(c);
+                for (of_y, nodes) in y.kind.rows().into_iter().enumerate() {
+                    let mut sums = shared.row_mut(of_y * x.kind.ncols() + column);
+                    let values = &table[nodes[node] * kinds..][..kinds];
+                    let sums = sums.as_slice_mut().expect("a row of a new array");
+                    let pairs = sums.iter_mut().zip(values);
+                    pairs.for_each(|(sum, value): (&mut f64, _)| *sum += c * value);
+                }
+            }
+            shared
         };
-        self.places(&table).map(at).collect()
+        let (re, im) = (shared(|c| c.re), shared(|c| c.im));
+        let at = |(&of_x, &of_y): (&usize, &usize)| {
+            let rows = (of_y * x.kind.ncols()..).zip(x.kind.row(of_x));
+            rows.map(|(row, &kind)| Complex64::new(re[[row, kind]], im[[row, kind]]))
+                .sum()
+        };
+        x.of_place.iter().zip(&y.of_place).map(at).collect()
     }
 
-    fn table(&self, function: impl Fn(f64) -> f64) -> Table {
+    /// `function` of the distinct squared distances, those in x one after another.
+    fn table(&self, function: impl Fn(f64) -> f64) -> Vec<f64> {
         let [x, y] = &self.axes;
-        let squares = x
-            .squared
-            .iter()
-            .flat_map(|dx| y.squared.iter().map(move |dy| dx + dy));
-        Table {
-            values: squares.map(function).collect(),
-            offsets: [x.offsets(y.squared.len()), y.offsets(1)],
-        }
+        let dy = y.squared.iter();
+        let squares = dy.flat_map(|dy| x.squared.iter().map(move |dx| dx + dy));
+        squares.map(function).collect()
     }
-
-    /// The two offsets of each node, whose sum is its entry of the table, at each place.
-    fn places<'a>(&'a self, table: &'a Table) -> impl Iterator<Item = [&'a [usize]; 2]> {
-        let [x, y] = &self.axes;
-        let [of_x, of_y] = &table.offsets;
-        let places = x.of_place.iter().zip(&y.of_place);
-        places.map(|(&x, &y)| [of_x[x].as_slice(), of_y[y].as_slice()])
-    }
-}
-
-/// Values of a function of the distance.
-struct Table {
-    values: Vec<f64>,
-    /// For each coordinate of places, the part of each node in the index of its value.
-    offsets: [Vec<Vec<usize>>; 2],
 }
 
 impl Axis {

@@ -57,20 +57,8 @@ pub(crate) fn answer(law: Damping, mode: &Mode, frequency_hz: f64, factor: f64) 
         omega / factor,
         FrfKind::Mobility.from_receptance(omega) / factor.powi(2),
     );
-    match law {
-        Damping::Structural => [mobility * mode.structural_factor(at), Complex64::ZERO],
-        Damping::Viscous => {
-            let pole = mode.viscous_pole();
-            let (j_omega, scale) = (
-                Complex64::new(0.0, at),
-                Complex64::new(0.0, 2.0 * pole.im).inv(),
-            );
-            [
-                mobility * scale / (j_omega - pole),
-                mobility * scale.conj() / (j_omega - pole.conj()),
-            ]
-        }
-    }
+    mode.receptance_factors(law, at)
+        .map(|factor| mobility * factor)
 }
 
 /// A model under a drive, taken apart.

@@ -14,6 +14,7 @@ use chladni_frf::{
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 
 /// Mobility at one frequency, with the DOFs and positions that its rows and columns
 /// belong to.
@@ -57,8 +58,9 @@ impl Operator {
             model.reference_unit,
         )?;
         operator.frequency_hz = frequency_hz;
-        let mobility = model.frf_matrix(FrfKind::Mobility, frequency_hz);
-        operator.fill(|row, column| mobility[[row, column]]);
+        let receptance = model.receptance_by(chladni_linalg::matmul, frequency_hz);
+        let factor = FrfKind::Mobility.from_receptance(TAU * frequency_hz);
+        operator.fill(|row, column| factor * receptance[[row, column]]);
         if operator.mobility.iter().any(|value| !value.is_finite()) {
             return Err(
                 Error::bad_data("the model has no finite mobility at the drive frequency")
@@ -112,7 +114,7 @@ impl Operator {
             only,
             frf.reference_unit,
         )?;
-        let omega = std::f64::consts::TAU * frf.frequency_hz[line];
+        let omega = TAU * frf.frequency_hz[line];
         let factor = FrfKind::Mobility.from_receptance(omega) / kind.from_receptance(omega);
         operator.frequency_hz = frf.frequency_hz[line];
         operator.fill(|row, column| factor * frf.values.get(row, column, line));

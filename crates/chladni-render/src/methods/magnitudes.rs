@@ -11,7 +11,7 @@ use crate::problem::{amplitude, Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{matmul, matmul_h};
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use std::cmp::Ordering;
 
@@ -129,24 +129,16 @@ impl<'a> Race<'a> {
     fn take_best_gains(&mut self) -> Vec<[f64; 3]> {
         let problem = self.steps.problem;
         let amplitudes = matmul(problem.rows.mobility.view(), self.drives.view()).map(amplitude);
-        let of_column = |(mut column, amplitudes): (
-            ndarray::ArrayViewMut1<Complex64>,
-            ndarray::ArrayView1<f64>,
-        )| {
-            let drive: Array1<Complex64> = column.to_owned();
-            let gain = problem.best_gain(&amplitudes.to_owned(), &drive);
-            column.mapv_inplace(|weight| weight * gain);
-            let score = problem.score_of(
-                &(&amplitudes * gain),
-                problem.covariance.deviation(&drive) * gain,
-            );
-            [score.min_ratio, score.success_ratio, score.kappa]
-        };
-        self.drives
-            .columns_mut()
-            .into_iter()
-            .zip(amplitudes.columns())
-            .map(of_column)
+        let deviations = problem.covariance.deviations(self.drives.view());
+        let columns = self.drives.columns_mut().into_iter();
+        let columns = columns.zip(amplitudes.columns()).zip(deviations);
+        columns
+            .map(|((mut column, amplitudes), deviation)| {
+                let gain = problem.best_gain(&amplitudes.to_owned(), &column.to_owned());
+                column.mapv_inplace(|weight| weight * gain);
+                let score = problem.score_of(&(&amplitudes * gain), deviation * gain);
+                [score.min_ratio, score.success_ratio, score.kappa]
+            })
             .collect()
     }
 }
