@@ -1,6 +1,7 @@
 //! `chladni estimate`: FRFs and coherence from time records.
 
 use crate::extent::Extent;
+use crate::limits;
 use chladni_console::input::{expand, warn_of_files};
 use chladni_console::output::{Output, FRF};
 use chladni_console::table::counted;
@@ -154,7 +155,10 @@ impl Args {
                     Finding::caution("damaged-left-out", format!("left out: {error}"))
                 })),
             }
-            records.runs.extend(runs_of(&document, &said)?);
+            let runs = runs_of(&document, &said)?;
+            self.check_rate(&runs)
+                .map_err(|error| error.file(&document.file))?;
+            records.runs.extend(runs);
             let of_file = document.warnings.iter();
             warnings.extend(of_file.map(|warning| warning.about(document.file.display())));
             records.sources.extend(document.source());
@@ -164,6 +168,24 @@ impl Args {
         }
         warn_of_files(files, warnings, console);
         Ok(records)
+    }
+}
+
+impl Args {
+    /// Refuses `--sample-rate` where the file has another one.
+    fn check_rate(&self, runs: &[Run]) -> Result<()> {
+        let Some(said) = self.sample_rate else {
+            return Ok(());
+        };
+        let differs = |hz: &f64| (hz / said - 1.0).abs() > limits::SAME_RATE;
+        let rates = runs.iter().map(|run| run.sample_rate_hz);
+        rates.into_iter().find(differs).map_or(Ok(()), |hz| {
+            Err(Error::bad_data("the file has a sampling rate of its own")
+                .field("--sample-rate")
+                .found(format!("{said} Hz"))
+                .expected(format!("{hz} Hz, as the file says"))
+                .help("leave --sample-rate out: it is for tables without a time column"))
+        })
     }
 }
 

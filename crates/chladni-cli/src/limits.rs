@@ -26,6 +26,12 @@ pub(crate) const SCENES: usize = 4;
 /// Least share of hot ground that is felt, and of cold ground that is quiet.
 pub(crate) const LEAST_RATIO: f64 = 0.95;
 
+// estimate.rs
+
+/// Relative difference of two sampling rates up to which they are one: that of times printed
+/// with five digits.
+pub(crate) const SAME_RATE: f64 = 1e-4;
+
 // evaluate/field.rs
 
 /// Causes that the text lists.

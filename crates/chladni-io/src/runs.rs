@@ -21,26 +21,41 @@ pub struct ChannelOverride {
 }
 
 impl ChannelOverride {
-    /// Refuses lists that do not fit so many time records.
-    fn check_lengths(&self, records: usize) -> Result<()> {
-        for (name, count) in [
+    /// The lists that are given, with their lengths.
+    fn lists(&self) -> impl Iterator<Item = (&'static str, usize)> {
+        let lists = [
             ("dofs", self.dofs.len()),
             ("units", self.units.len()),
             ("scales", self.scales.len()),
-        ] {
-            if count > 0 && !records.is_multiple_of(count) {
-                let error = Error::new(
-                    chladni_frf::ErrorKind::Usage,
-                    "the list does not fit the channels of the file",
-                );
-                return Err(error
-                    .field(name)
-                    .found(format!("{count} entries for {records} time records"))
-                    .expected("one entry per channel"));
-            }
-        }
-        Ok(())
+        ];
+        lists.into_iter().filter(|(_, count)| *count > 0)
     }
+
+    /// Refuses lists that do not fit so many time records.
+    fn check_lengths(&self, records: usize) -> Result<()> {
+        let misfit = self.lists().find(|(_, n)| !records.is_multiple_of(*n));
+        misfit.map_or(Ok(()), |list| Err(no_fit(list, records)))
+    }
+
+    /// Refuses lists that are neither of all time records nor of the channels of each run.
+    fn check_runs(&self, records: usize, runs: &[Run]) -> Result<()> {
+        let fits =
+            |count: usize| count == records || runs.iter().all(|run| run.channels.len() == count);
+        let misfit = self.lists().find(|(_, count)| !fits(*count));
+        misfit.map_or(Ok(()), |list| Err(no_fit(list, records)))
+    }
+}
+
+fn no_fit((name, count): (&'static str, usize), records: usize) -> Error {
+    let error = Error::new(
+        chladni_frf::ErrorKind::Usage,
+        "the list does not fit the channels of the file",
+    );
+    error
+        .field(name)
+        .found(format!("{count} entries for {records} time records"))
+        .expected("one entry per channel")
+        .help("list the channels of one run in the order of the file; `chladni info` shows them")
 }
 
 /// Runs of a file: its time records in their order. A DOF that comes again begins the
@@ -64,7 +79,8 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
         .iter()
         .filter(|function| function.function_type == TIME)
         .collect();
-    said.check_lengths(records.len())
+    let count = records.len();
+    said.check_lengths(count)
         .map_err(|error| error.file(&document.file))?;
     let mut runs: Vec<Run> = Vec::new();
     for (k, function) in records.into_iter().enumerate() {
@@ -90,6 +106,8 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
             }
         }
     }
+    said.check_runs(count, &runs)
+        .map_err(|error| error.file(&document.file))?;
     runs.iter_mut()
         .for_each(|run| mark_references(run, &said.references));
     Ok(runs)

@@ -53,7 +53,7 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
                 table.set([row, column, k], value, coherence);
             }
             if line.frf.iter().any(|value| value.re.is_nan()) {
-                table.mask();
+                table.mask(k);
             }
         }
         if too_few {

@@ -129,7 +129,7 @@ fn store(
     for (index, &(row, share)) in rows.iter().enumerate() {
         let of = line.as_ref().map(|line| &line.responses[index]);
         if of.is_none() {
-            table.mask();
+            table.mask(k);
         }
         let coherence = of.map_or(f64::NAN, |of| of.coherence);
         for (j, &column) in columns.iter().enumerate() {

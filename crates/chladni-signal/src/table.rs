@@ -3,9 +3,12 @@
 use super::force_noise::Correction;
 use super::setting::Setting;
 use super::{units, Estimate, Group};
-use chladni_frf::{Dof, Estimation, Finding, FrfSet, FrfValues, Geometry, Result, Run};
-use ndarray::{s, Array3};
+use chladni_frf::{
+    Channel, Dof, Error, Estimation, Finding, FrfSet, FrfValues, Geometry, Result, Run,
+};
+use ndarray::{s, Array3, Axis};
 use num_complex::Complex64;
+use std::collections::BTreeSet;
 
 /// Axes (response, reference, line); NaN where nothing was measured.
 pub(super) struct Table {
@@ -16,8 +19,8 @@ pub(super) struct Table {
     references: Vec<Dof>,
     averages: [usize; 2],
     warnings: Vec<Finding>,
-    /// Lines that got no value.
-    masked: usize,
+    /// Lines on which a response got no value.
+    masked: BTreeSet<usize>,
 }
 
 impl Table {
@@ -34,7 +37,7 @@ impl Table {
             references,
             averages: [usize::MAX, 0],
             warnings: setting.warnings().to_vec(),
-            masked: 0,
+            masked: BTreeSet::new(),
         }
     }
 
@@ -96,15 +99,50 @@ impl Table {
         self.averages = [least.min(averages), most.max(averages)];
     }
 
-    /// Counts a line of one response that got no value.
-    pub(super) fn mask(&mut self) {
-        self.masked += 1;
+    /// Notes a line on which a response got no value.
+    pub(super) fn mask(&mut self, line: usize) {
+        self.masked.insert(line);
     }
 
     pub(super) fn warn_once(&mut self, warning: Finding) {
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
+    }
+
+    /// What is to be said of lines without values.
+    ///
+    /// # Errors
+    /// No line has any.
+    fn masked_lines(&self, runs: &[Run]) -> Result<Option<Finding>> {
+        if self.masked.is_empty() {
+            return Ok(None);
+        }
+        let still = |channel: &&Channel| {
+            let first = channel.samples.first();
+            channel.samples.iter().all(|sample| Some(sample) == first)
+        };
+        let dead: Vec<Dof> = runs
+            .iter()
+            .flat_map(|run| run.references().filter(still))
+            .map(|channel| channel.dof)
+            .collect();
+        let why = match dead.first() {
+            Some(dof) => format!("the reference {dof} is constant"),
+            None => "references without power, or that act as one".into(),
+        };
+        let help = "leave that channel out, or drive the references independently of each other";
+        if self.values.iter().all(|value| value.is_nan()) {
+            return Err(Error::bad_data("the references tell no FRF")
+                .field("references")
+                .found(why)
+                .expected("references with a signal of their own")
+                .help(help));
+        }
+        let (masked, all) = (self.masked.len(), self.values.len_of(Axis(2)));
+        let words = format!("{masked} of {all} lines are masked: {why}");
+        let finding = Finding::caution("lines-without-power", words);
+        Ok(Some(finding.dofs(dead).help(help)))
     }
 
     /// The FRFs, and how they were made.
@@ -114,14 +152,7 @@ impl Table {
         setting: &Setting,
         rate_hz: f64,
     ) -> Result<Estimate> {
-        if self.masked > 0 {
-            let words = format!(
-                "{} lines have no power at a reference, or references that act as one: masked",
-                self.masked
-            );
-            self.warnings
-                .push(Finding::caution("lines-without-power", words));
-        }
+        self.warnings.extend(self.masked_lines(runs)?);
         let (kind, reference_unit) = units::kind_of(runs)?;
         let estimation = Estimation {
             averages: self.averages,

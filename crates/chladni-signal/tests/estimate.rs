@@ -305,15 +305,10 @@ fn what_does_not_fit_together_is_refused() {
     let other = channel("2:+Z", SignalUnit::Acceleration, x.clone());
     assert!(message(&[run(vec![force(), velocity(), other])], &h1).contains("different quantities"));
     let second = channel("102:+Z", SignalUnit::Force, x.clone());
-    let same_twice = estimate(&[run(vec![force(), second, velocity()])], &h1).unwrap();
-    assert!(
-        same_twice
-            .findings
-            .iter()
-            .any(|warning| warning.contains("act as one")),
-        "{:?}",
-        same_twice.findings
-    );
+    let same_twice = message(&[run(vec![force(), second, velocity()])], &h1);
+    assert!(same_twice.contains("tell no FRF"), "{same_twice}");
+    let dead = channel("101:+Z", SignalUnit::Force, vec![0.5; x.len()]);
+    assert!(message(&[run(vec![dead, velocity()])], &h1).contains("101:+Z is constant"));
     let slower = Run {
         sample_rate_hz: 500.0,
         ..run(vec![force(), velocity()])

@@ -14,7 +14,9 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// Keep the shapes of this model and move its poles to the FRFs, of which six are
     /// enough: temperature, another day
-    #[arg(long, value_name = "MODEL", conflicts_with_all = ["band", "scene", "method", "resume", "panel"])]
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["band", "scene", "method", "resume", "panel",
+        "window", "seed", "rfp_weight", "rfp_bands", "rfp_local", "modes", "damping", "shapes",
+        "exponential_window"])]
     poles_of: Option<PathBuf>,
     /// Weights that played while the input was measured: it is a field then, no FRFs. One
     /// for each input, all of one frequency

@@ -1,6 +1,7 @@
 //! Errors that stop an identification before it starts, with the numbers and the next
 //! step.
 
+use crate::data::limits;
 use crate::data::options::{FitOptions, Method};
 use chladni_frf::{Error as FileError, ErrorKind};
 use chladni_linalg::LinalgError;
@@ -45,6 +46,20 @@ pub enum FitError {
         modes: usize,
         /// Lines needed.
         needed: usize,
+    },
+    /// Residual terms in powers of ω are one over so narrow a band.
+    #[error("the band from {low_hz} to {high_hz} Hz is too narrow beside its frequency")]
+    NarrowBand {
+        /// Band, Hz.
+        low_hz: f64,
+        /// Band, Hz.
+        high_hz: f64,
+    },
+    /// Numbers that no panel has.
+    #[error("the FRFs have a root mean square of {rms:e}")]
+    Scale {
+        /// In the measured kind, SI units.
+        rms: f64,
     },
     /// The length of the records follows from the distance of lines.
     #[error(
@@ -137,6 +152,29 @@ impl FitError {
                 .found(format!("{lines} lines between {low_hz} and {high_hz} Hz"))
                 .expected(format!("at least {needed} lines for {asked} modes"))
                 .help(format!("widen {band}, or ask for fewer {modes}")),
+            Self::NarrowBand { low_hz, high_hz } => {
+                FileError::bad_data("the band is too narrow beside its frequency")
+                    .field(if options.band_hz.is_some() {
+                        &band
+                    } else {
+                        "frequency axis"
+                    })
+                    .found(format!("{low_hz} to {high_hz} Hz"))
+                    .expected(format!(
+                        "a width of {:.3} Hz or more: residual terms in powers of the frequency \
+                         are one below it",
+                        limits::NARROWEST_BAND * high_hz
+                    ))
+                    .help(format!("measure or choose a wider {band}"))
+            }
+            Self::Scale { rms } => {
+                let [least, most] = limits::SENSIBLE_RMS;
+                FileError::bad_data("numbers that no panel can have")
+                    .field("FRF values")
+                    .found(format!("a root mean square of {rms:.1e}"))
+                    .expected(format!("{least:e} to {most:e} in SI units"))
+                    .help("look at the unit of the file, or scale its numbers")
+            }
             Self::WindowAxis { found } => FileError::bad_data(
                 "the bias of a window is undone in the time domain, which \
                                      needs whole records",

@@ -146,6 +146,13 @@ pub(super) const READING_LANES: usize = 4;
 /// Lines needed beyond the number of modes.
 pub(super) const LINES_TO_SPARE: usize = 8;
 
+/// Least width of a band over its upper end: on 41 lines fits held from 1e-4 on, and the
+/// powers of ω were one column less by their rank at 6e-5.
+pub(super) const NARROWEST_BAND: f64 = 8e-5;
+/// Root mean square of FRFs that a model file can hold, in the measured kind: its numbers
+/// end at 1e100, a participation has ω² more than its FRF, and squares must stay above zero.
+pub(super) const SENSIBLE_RMS: [f64; 2] = [1e-153, 1e90];
+
 // sketch.rs
 
 /// Sums that need not wait for each other.

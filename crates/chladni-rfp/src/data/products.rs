@@ -166,6 +166,11 @@ pub(crate) fn project(
 pub(crate) fn products(data: &Screened, basis: &Array2<f64>) -> Products {
     let (lines, total, m) = (data.lines.len(), data.pairs.len(), basis.ncols());
     let mut r0 = Array2::zeros((m, total).f());
+    if total == 0 {
+        // a part of a set may hold no FRF
+        let (t, gram) = (Array2::zeros((2 * lines, m)), Array2::zeros((m, m)));
+        return Products { t, gram, r0 };
+    }
     let least = limits::GROUP_FRFS.max(limits::GROUP_COLUMNS * m);
     let groups: Vec<_> = data
         .groups(least)

@@ -89,9 +89,7 @@ impl<'a> Screened<'a> {
         };
         head.energy = energies(frf, &head, bad.contains(&true), &sum_of_pair).into();
         head.rms = head.mean_square().sqrt();
-        if head.rms == 0.0 || !head.rms.is_finite() {
-            return Err(FitError::NoData);
-        }
+        sensible(head.rms)?;
         let sums = sums
             .filter(|sums| sums.frf_energy.len() == head.pairs.len())
             .map(|sums| (options.seed, Arc::new(sums)));
@@ -219,10 +217,11 @@ pub(crate) fn lines_left_out(dropped: usize) -> Finding {
     .value("lines_left_out", dropped as f64)
 }
 
-/// Checks that so many lines can bear the modes asked for, one where none are.
+/// Checks that so many lines can bear the modes asked for, one where none are, and that
+/// powers of ω differ over the band.
 ///
 /// # Errors
-/// [`FitError::TooFewLines`].
+/// [`FitError::TooFewLines`], [`FitError::NarrowBand`].
 pub(crate) fn enough(
     lines: usize,
     [low_hz, high_hz]: [f64; 2],
@@ -230,15 +229,29 @@ pub(crate) fn enough(
 ) -> Result<(), FitError> {
     let modes = modes.unwrap_or(1);
     let needed = modes.saturating_add(limits::LINES_TO_SPARE);
-    match lines < needed {
-        true => Err(FitError::TooFewLines {
+    match high_hz - low_hz < limits::NARROWEST_BAND * high_hz {
+        _ if lines < needed => Err(FitError::TooFewLines {
             lines,
             low_hz,
             high_hz,
             modes,
             needed,
         }),
+        true => Err(FitError::NarrowBand { low_hz, high_hz }),
         false => Ok(()),
+    }
+}
+
+/// Checks the root mean square of the FRFs.
+///
+/// # Errors
+/// [`FitError::NoData`], [`FitError::Scale`].
+pub(crate) fn sensible(rms: f64) -> Result<(), FitError> {
+    let [least, most] = limits::SENSIBLE_RMS;
+    match rms {
+        _ if rms == 0.0 || rms.is_nan() => Err(FitError::NoData),
+        _ if (least..=most).contains(&rms) => Ok(()),
+        _ => Err(FitError::Scale { rms }),
     }
 }
 

@@ -117,9 +117,15 @@ impl Circle {
     }
 }
 
-/// Cholesky factor with the least ridge that makes the matrix positive definite.
-fn factored(mut matrix: Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
-    let scale = matrix.diag().iter().fold(0.0_f64, |most, v| most.max(v.re));
+/// Largest value on the diagonal.
+fn largest(matrix: &Array2<Complex64>) -> f64 {
+    matrix.diag().iter().fold(0.0_f64, |most, v| most.max(v.re))
+}
+
+/// Cholesky factor with the least ridge that makes the matrix positive definite; `whole`: its
+/// [`largest`] before anything was taken off, whose rounding is left where all was.
+fn factored(mut matrix: Array2<Complex64>, whole: f64) -> Result<Array2<Complex64>, LinalgError> {
+    let scale = largest(&matrix).max(f64::EPSILON.sqrt() * whole);
     let mut ridge = RIDGE * scale;
     loop {
         matrix.diag_mut().mapv_inplace(|v| v + ridge);
@@ -161,7 +167,8 @@ impl MatrixFraction {
         let fft = fft::inverse(circle.points);
         let ones = circle.transform((0..lines).map(|_| Complex64::new(1.0, 0.0)), &*fft);
         let basis = Array2::from_shape_fn((order + 1, order + 1), |(p, q)| ones[circle.lag(p, q)]);
-        let l = factored(basis)?;
+        let whole = largest(&basis);
+        let l = factored(basis, whole)?;
 
         let mut m = Array2::zeros((size, size).f());
         for (i, j) in (0..r).flat_map(|i| (0..r).map(move |j| (i, j))) {
@@ -175,6 +182,7 @@ impl MatrixFraction {
                 m[[p * r + i, q * r + j]] = t[circle.lag(p, q)];
             }
         }
+        let whole = largest(&m);
         for first in (0..outputs).step_by(OUTPUTS_TOGETHER) {
             let parts: Vec<Array2<Complex64>> = (first..(first + OUTPUTS_TOGETHER).min(outputs))
                 .into_par_iter()
@@ -193,7 +201,7 @@ impl MatrixFraction {
                 .collect::<Result<_, _>>()?;
             parts.iter().for_each(|part| m -= part);
         }
-        let factor = factored(m.slice(s![r.., r..]).to_owned())?;
+        let factor = factored(m.slice(s![r.., r..]).to_owned(), whole)?;
         let halfway = solve_lower(factor.view(), m.slice(s![r.., ..r]).mapv(|v| -v).view())?;
         Ok(Self {
             circle,

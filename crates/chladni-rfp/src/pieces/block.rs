@@ -229,9 +229,6 @@ fn first_pass(
     let energy = (!sums.flawed).then(|| std::mem::take(&mut sums.frf_energy));
     if energy.is_none() {
         pairs = Usable::new(frf, lines).pairs;
-        if pairs.is_empty() {
-            return Err(FitError::NoData.into());
-        }
         (sums, mixing) = run(&pairs);
     }
     let bad: Vec<bool> = sums
@@ -272,7 +269,7 @@ fn noise_told(
 ) -> Result<Option<(Giver, Vec<f64>)>, FitError> {
     let sound = lines.iter().zip(bad).filter(|(_, bad)| !**bad);
     let sound: Vec<usize> = sound.map(|(line, _)| *line).collect();
-    if sound.is_empty() {
+    if sound.is_empty() || pairs.is_empty() {
         return Ok(None);
     }
     let head = DataLayout {

@@ -8,7 +8,7 @@ use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::products::Projected;
-use crate::data::screening::{enough, lines_left_out, Screened};
+use crate::data::screening::{enough, lines_left_out, sensible, Screened};
 use crate::data::source::{Source, Way};
 use crate::pieces::error::PieceError;
 use crate::pieces::limits;
@@ -158,6 +158,7 @@ impl<'a> Merged<'a> {
         }
         let energy: Array1<f64> = kept.iter().map(|&k| line_energy[k]).collect();
         head.rms = (energy.sum() / (kept.len() * head.pairs.len()) as f64).sqrt();
+        sensible(head.rms)?;
         let factor = head.factor();
         let filled: Vec<usize> = (0..counts.len()).filter(|&c| counts[c] > 0).collect();
         let sums = columns.array();

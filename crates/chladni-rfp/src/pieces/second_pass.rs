@@ -1,6 +1,5 @@
 //! The second pass over a block: its products with the basis of the poles.
 
-use crate::data::error::FitError;
 use crate::data::layout::{DataLayout, Weighting};
 use crate::data::options::FitOptions;
 use crate::data::products::{measured_basis, products};
@@ -105,9 +104,6 @@ pub(crate) fn second_pass(
     }
     // FRFs of zeros add nothing to the products; the first pass has left them out
     let used: Vec<usize> = (0..pairs.len()).filter(|&l| energy[l] > 0.0).collect();
-    if used.is_empty() {
-        return Err(FitError::NoData.into());
-    }
     if used.len() < pairs.len() {
         pairs = used.iter().map(|&l| pairs[l]).collect();
         energy = used.iter().map(|&l| energy[l]).collect();

@@ -219,12 +219,16 @@ impl ShapeErrors {
         let normal = self.lines.regular(normal, |n| along[[n, n]].re);
         let unit = Array2::eye(normal.nrows());
         let across = gram(&self.shape, &responses);
+        let gram_inverse = match references.is_empty() {
+            true => Array2::zeros(normal.raw_dim()),
+            false => answer(normal.view(), unit.view())?,
+        };
         Ok(Group {
             responses,
             kept,
             along,
             across,
-            gram_inverse: answer(normal.view(), unit.view())?,
+            gram_inverse,
         })
     }
 
@@ -463,6 +467,9 @@ impl ShapeErrors {
         let scale_variance = (scale_noise + of_unknowns).max(0.0);
         let beyond_first_order = scale.second_order(scale_variance) * scale_variance;
         let of_response = |i: usize| {
+            if !self.groups[group_of[i]].kept.contains(&true) {
+                return f64::INFINITY;
+            }
             let part = |row: usize| x[[modes.get(row).copied().unwrap_or(n), i]];
             let spread = &spreads[group_of[i]];
             let through: f64 = spread

@@ -24,6 +24,40 @@ fn scale_does_not_matter() {
         spoil(&mut set.frf, |_, _, _, v| v * factor);
         clean(&set.truth, &fitted(&set.frf), &format!("scale {factor:e}"));
     }
+    for factor in [1e-158, 1e150] {
+        let mut set = easy(40.0, 1).build().unwrap();
+        spoil(&mut set.frf, |_, _, _, v| v * factor);
+        let error = fit(&set.frf, &FitOptions::default()).unwrap_err();
+        assert!(
+            matches!(error, FitError::Scale { .. }),
+            "{factor:e}: {error}"
+        );
+    }
+}
+
+#[test]
+fn a_band_of_a_few_millihertz_is_refused() {
+    let mut set = easy(40.0, 1).build().unwrap();
+    set.frf.frequency_hz.mapv_inplace(|hz| 1000.0 + 1e-5 * hz);
+    let error = fit(&set.frf, &FitOptions::default()).unwrap_err();
+    assert!(matches!(error, FitError::NarrowBand { .. }), "{error}");
+}
+
+/// A response that no FRF tells may be anything; the others are as they are.
+#[test]
+fn a_response_that_was_never_measured_has_the_widest_bar() {
+    let mut set = easy(40.0, 1).build().unwrap();
+    spoil(&mut set.frf, |i, _, _, v| match i {
+        3 => Complex64::new(f64::NAN, f64::NAN),
+        _ => v,
+    });
+    let model = fitted(&set.frf);
+    clean(&set.truth, &model, "a response without FRF");
+    for mode in model.in_band_modes() {
+        let largest = mode.shape.0.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        assert_eq!(mode.shape_std[3], largest);
+        assert!(mode.shape_std[4] < 0.1 * largest);
+    }
 }
 
 #[test]

@@ -122,6 +122,25 @@ fn missing_lines_and_frfs_are_left_out_as_in_memory() {
     );
 }
 
+/// Scattered light spoils a whole corner of a scan: its block adds nothing.
+#[test]
+fn a_block_without_a_value_is_left_out_as_in_memory() {
+    let set = set();
+    let first = blocks(&set.frf, 5)[0].1.responses.len();
+    let FrfValues::F64(mut values) = set.frf.values.clone() else {
+        panic!("double precision")
+    };
+    for nothing in [Complex64::new(f64::NAN, f64::NAN), Complex64::default()] {
+        values.slice_mut(s![..first, .., ..]).fill(nothing);
+        let frf = FrfSet {
+            values: FrfValues::F64(values.clone()),
+            ..set.frf.clone()
+        };
+        let memory = fitted(&frf, &FitOptions::default());
+        assert!(difference(&in_pieces(&blocks(&frf, 5)).0, &memory) < 1e-6);
+    }
+}
+
 #[test]
 fn outlier_lines_gain_noise_and_the_wrong_time_sign_take_their_paths() {
     let mut spoilt = set();
