@@ -62,6 +62,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
+    refuse_fields_given_twice(&args.field)?;
     refuse_known_fields(&args.field, &scene)?;
     let mut played = Vec::new();
     for (weights, field) in args.weights.iter().zip(&args.field) {
@@ -141,7 +142,7 @@ fn with_file(
         let elsewhere = pair.1.frequency_hz != scene.frequency_hz && scene.other_tones.is_empty();
         return match error.field.as_deref() {
             Some("weights" | "weights.frequency_hz") => error.file(weights),
-            Some("weights_sha256" | "response") => error.file(field),
+            Some("weights_sha256" | "response" | "unit") => error.file(field),
             Some("frequency_hz") if elsewhere => error.file(field),
             _ => error,
         };
@@ -202,6 +203,24 @@ fn written(args: &Args, path: &Path, weights: &Weights) -> Value {
         "warnings": weights.findings.warnings(),
         "findings": weights.findings.0,
     })
+}
+
+/// One field in two pairs would count twice.
+fn refuse_fields_given_twice(fields: &[PathBuf]) -> Result<()> {
+    let mut known: Vec<Source> = Vec::with_capacity(fields.len());
+    for file in fields {
+        let own = source(file)?;
+        if let Some(first) = known.iter().find(|one| one.checksum == own.checksum) {
+            return Err(Error::bad_data("one field is given twice")
+                .file(file)
+                .field("--field")
+                .found(format!("the content of {}", first.file))
+                .expected("another measurement for each --weights")
+                .help("leave the pair out, or name the field that these weights made"));
+        }
+        known.push(own);
+    }
+    Ok(())
 }
 
 /// Fields that the calibration of the scene holds already would count twice.

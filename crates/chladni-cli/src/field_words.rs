@@ -20,7 +20,9 @@ pub fn sentence(judged: &FieldEvaluation) -> String {
         true => "misses",
         false => "keeps",
     };
+    let level_is_off = judged.findings.iter().any(|f| f.code == "field-level-off");
     let cause = match judged.agreement.hypotheses.first() {
+        _ if level_is_off => " Its level is far off: look at its unit.".into(),
         Some(likeliest) if !is_explained(judged) => {
             format!(" Likeliest cause: {}.", cause(likeliest))
         }

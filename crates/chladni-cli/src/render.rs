@@ -1,5 +1,6 @@
 //! `chladni render`: weights that move a panel here and keep it quiet there.
 
+mod drive;
 mod text;
 
 use crate::limits::SWEEP_HZ;
@@ -13,10 +14,11 @@ use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
 use chladni_io::{is_same_place, read_model, write_atomically};
 use chladni_render::{
-    play, render_with_others, signal_csv, stress, sweep, Count, FrequencySweep, MethodChoice,
-    PlayOptions, RenderOptions, Rendering, Scene, SignalOptions, StressOptions, Weights,
+    render_with_others, stress, sweep, Count, FrequencySweep, Method, MethodChoice, RenderOptions,
+    Rendering, Scene, StressOptions, Weights,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use drive::Drive;
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
 
@@ -114,6 +116,20 @@ struct Given {
 }
 
 impl Args {
+    /// Options that do not go together.
+    fn check(&self) -> Result<()> {
+        if self.cut.is_none() || self.method == MethodChoice::Only(Method::Modal) {
+            return Ok(());
+        }
+        Err(
+            Error::new(ErrorKind::Usage, "only method modal has a cut-off")
+                .field("--cut")
+                .found("another method")
+                .expected("--method modal")
+                .help("leave --cut out, or add --method modal"),
+        )
+    }
+
     fn read(&self, console: &Console) -> Result<Given> {
         let model = read_model(&self.model)?;
         let scene = Scene::read(&self.scene)?;
@@ -167,10 +183,21 @@ impl Args {
             Some(Frequency::Auto) => self
                 .better_frequency(model, scene, options, console)
                 .map(Some),
-            Some(Frequency::Hertz(hz)) => {
+            Some(Frequency::Hertz(hz)) if scene.other_tones.is_empty() => {
                 scene.frequency_hz = hz;
                 Ok(None)
             }
+            Some(Frequency::Hertz(_)) => Err(of_scene(
+                Error::new(
+                    ErrorKind::Usage,
+                    "one frequency cannot replace several tones",
+                )
+                .field("--frequency")
+                .found(format!("{} tones in the scene", scene.tones().len()))
+                .expected("a scene of one frequency")
+                .help("leave --frequency out, or give a scene with one of the tones"),
+                scene,
+            )),
             None => Ok(None),
         }
     }
@@ -239,6 +266,7 @@ fn parse_share(text: &str) -> std::result::Result<f64, String> {
 /// cannot be met is a result.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = [args.model.clone(), args.scene.clone()];
+    args.check()?;
     let output = Output::asked(args.output.as_deref(), WEIGHTS, &inputs, console)?;
     let signals = args.signals(&inputs, console)?;
     console.stage("reading");
@@ -279,12 +307,16 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         trials.on(tone, &model, &scene, &options, console)?;
     }
     console.find_all(weights.findings.iter());
+    let drive = match &signals {
+        Some(files) => Some((files, Drive::of(files, &model, &scene, &weights)?)),
+        None => None,
+    };
     if let Some(output) = &output {
         console.stage("writing");
         write_weights(output, &weights)?;
     }
-    if let Some(files) = &signals {
-        write_signals(files, &model, &scene, &weights)?;
+    if let Some((files, drive)) = drive {
+        drive.write(files)?;
     }
     let doubt = (!weights.feasible).then(|| "the scene is not met: see above".to_owned());
     let text = text::text(&weights, &rendered, console.verbose);
@@ -398,24 +430,6 @@ impl Trials {
         }
         Ok(())
     }
-}
-
-/// Writes drive signals: a table of amplitudes and phases, or what `play` makes of them.
-fn write_signals(
-    files: &SignalFiles,
-    model: &ModalModel,
-    scene: &Scene,
-    weights: &Weights,
-) -> Result<()> {
-    if files.is("csv") {
-        return files.write_text(&signal_csv(weights));
-    }
-    let played = play(model, scene, Some(weights), &PlayOptions::default())
-        .map_err(|error| of_scene(error, scene))?;
-    let options = SignalOptions::default();
-    let mut signal = played.signal(&options, &scene.name())?;
-    signal.sidecar.source = weights.source.clone();
-    files.write(&signal, options.format)
 }
 
 /// Writes a weights file.

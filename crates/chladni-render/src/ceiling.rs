@@ -55,7 +55,8 @@ impl Ceiling {
         else {
             return Ok(None);
         };
-        let db = |squared: f64| 10.0 * squared.log10();
+        // a file holds no infinity: nothing and everything have the least and the largest number
+        let db = |squared: f64| 10.0 * squared.clamp(f64::MIN_POSITIVE, f64::MAX).log10();
         let asked_db = 2.0 * db(problem.limits.hot_m_per_s / problem.limits.cold_m_per_s);
         let mut climb = Climb::new(problem)?;
         let mut reached = 0.0;

@@ -7,7 +7,7 @@
 use crate::finger::{finger_rows, Finger};
 use crate::methods::{Decision, MethodChoice};
 use crate::modal_field::ModalField;
-use crate::operator::mode_on;
+use crate::operator::{is_in_band, mode_on};
 use crate::options::RenderOptions;
 use crate::problem::Drive;
 use crate::rig::Calibrated;
@@ -48,8 +48,8 @@ pub struct SweptFrequency {
 pub struct FrequencySweep {
     /// Rising.
     pub frequencies: Vec<SweptFrequency>,
-    /// The best of them: most responses served, touched ones first; among equals the
-    /// largest κ. `None` where no response is served anywhere.
+    /// The best of them in the fitted band: most responses served, touched ones first; among
+    /// equals the largest κ. `None` where no response is served anywhere in the band.
     pub suggested_hz: Option<f64>,
 }
 
@@ -92,13 +92,13 @@ pub fn sweep(
         .map(|frequency_hz| at(model, scene, options, frequency_hz))
         .collect::<Result<Vec<_>>>()?;
     Ok(FrequencySweep {
-        suggested_hz: suggested_hz(&frequencies),
+        suggested_hz: suggested_hz(model, &frequencies),
         frequencies,
     })
 }
 
 /// The best of some frequencies: see [`FrequencySweep::suggested_hz`].
-fn suggested_hz(frequencies: &[SweptFrequency]) -> Option<f64> {
+fn suggested_hz(model: &ModalModel, frequencies: &[SweptFrequency]) -> Option<f64> {
     let key = |f: &SweptFrequency| {
         if let Some(kappa) = f.touched_kappa {
             return [kappa, f.success_ratio, f.kappa.unwrap_or(f64::INFINITY)];
@@ -116,6 +116,7 @@ fn suggested_hz(frequencies: &[SweptFrequency]) -> Option<f64> {
     };
     let best = frequencies
         .iter()
+        .filter(|f| is_in_band(model, f.frequency_hz))
         .fold(None, |best: Option<&SweptFrequency>, f| match best {
             Some(best) if !better(best, f) => Some(best),
             _ => Some(f),
@@ -193,6 +194,7 @@ pub(crate) fn bearing_frequency(
     let Some(touch) = &scene.touch else {
         return Ok(None);
     };
+    let touch = touch.softest_first(scene.frequency_hz);
     for softest in (1..=touch.impedances.len()).rev() {
         let name = &touch.impedances[softest - 1].name;
         if Some(name.as_str()) == firmest {
@@ -233,10 +235,9 @@ fn still_frequencies(
             frequency_hz,
             ..scene.clone()
         };
-        let inside = model.band_hz[0] <= frequency_hz && frequency_hz <= model.band_hz[1];
         let calibration = scene.actuators.calibration.as_deref();
         let covered = calibration.is_none_or(|known| known.covers(frequency_hz));
-        if !inside || !covered || there.limits().is_err() {
+        if !is_in_band(model, frequency_hz) || !covered || there.limits().is_err() {
             continue;
         }
         let setup = Setup::new(model, &there, &options.drift)?;

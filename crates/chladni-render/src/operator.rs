@@ -95,6 +95,7 @@ impl Operator {
                 .help("fit the band around the drive frequency"),
             );
         }
+        operator.findings.extend(outside_band(model, frequency_hz));
         Ok(operator)
     }
 
@@ -346,6 +347,33 @@ fn nearest_line(frf: &FrfSet, frequency_hz: f64) -> Result<usize> {
         )));
     }
     Ok(nearest)
+}
+
+/// True where the fitted band holds `frequency_hz`; also where the model states none.
+pub(crate) fn is_in_band(model: &ModalModel, frequency_hz: f64) -> bool {
+    let [low, high] = model.band_hz;
+    let slack_hz = tolerances::SAME_FREQUENCY * frequency_hz;
+    let is_stated = low < high;
+    !is_stated || (low - slack_hz..=high + slack_hz).contains(&frequency_hz)
+}
+
+/// The finding of a drive where nothing was fitted; that of a model without modes in its band
+/// says more.
+pub(crate) fn outside_band(model: &ModalModel, frequency_hz: f64) -> Option<Finding> {
+    if is_in_band(model, frequency_hz) || model.in_band_modes().next().is_none() {
+        return None;
+    }
+    let [low, high] = model.band_hz;
+    let words = format!(
+        "the drive frequency of {frequency_hz} Hz lies outside the fitted band of {low} to {high} \
+         Hz: the model says nothing reliable there"
+    );
+    let finding = Finding::caution("drive-outside-band", words)
+        .value("frequency_hz", frequency_hz)
+        .value("band_low_hz", low)
+        .value("band_high_hz", high)
+        .help("take a drive frequency inside the band, or fit the model around this one");
+    Some(finding)
 }
 
 /// Sizes that agree and finite numbers: a hand-made model may have neither.

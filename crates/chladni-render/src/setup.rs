@@ -326,19 +326,26 @@ fn largest_weight(scene: &Scene, unit: ReferenceUnit) -> Result<(f64, Option<Fin
         .found("max_current_a or max_apparent_power_va")
         .expected("max_force_n")
         .help("measure FRFs per volt, or give the force that the current makes")),
+        ReferenceUnit::Newton if actuators.max_voltage_v.is_some() => Err(Error::bad_data(
+            "a voltage limit cannot be kept: the references of the model are newtons",
+        )
+        .field("actuators.max_voltage_v")
+        .found(actuators.max_voltage_v.unwrap_or_default())
+        .expected("actuators.max_force_n")
+        .help("measure FRFs per volt, or give the limit in newtons peak")),
         ReferenceUnit::Newton => Ok((actuators.max_force_n.unwrap_or(DEFAULT_MAX_FORCE_N), None)),
         ReferenceUnit::Volt => match (actuators.max_voltage_v, electrical, actuators.max_force_n) {
-            (Some(limit), electrical, _) => {
-                Ok((electrical.unwrap_or(f64::INFINITY).min(limit), None))
-            }
-            (None, Some(limit), _) => Ok((limit, None)),
-            (None, None, Some(limit)) => Err(Error::bad_data(
+            (_, _, Some(limit)) => Err(Error::bad_data(
                 "a force limit cannot be kept: the references of the model are volts",
             )
             .field("actuators.max_force_n")
             .found(limit)
             .expected("actuators.max_voltage_v")
-            .help("give the limit in volts peak, or leave both out")),
+            .help("give the limit in volts peak alone, or leave both out")),
+            (Some(limit), electrical, None) => {
+                Ok((electrical.unwrap_or(f64::INFINITY).min(limit), None))
+            }
+            (None, Some(limit), None) => Ok((limit, None)),
             (None, None, None) => Ok((
                 f64::INFINITY,
                 Some(

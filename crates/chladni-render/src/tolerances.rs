@@ -380,6 +380,10 @@ pub const TOUCH_STEP_M: f64 = 0.010;
 /// Most of these places; beyond, they lie farther apart.
 pub const MOST_TOUCH_PLACES: usize = 150;
 
+/// Most places of the grid that these are taken from: 10 m² at [`TOUCH_STEP_M`], some
+/// milliseconds.
+pub const MOST_TOUCH_GRID: f64 = 1e5;
+
 /// Touched rows that join a conic program at once: they are alike from place to place, so
 /// that a few of the worst speak for most.
 pub const TOUCH_ROWS_JOINING: usize = 60;

@@ -49,7 +49,12 @@ fn a_warmer_panel_is_followed_by_a_few_frfs_and_said_in_kelvin() {
     folder.run("fit later.h5 --poles-of scene.toml").exits(65);
     folder.run("fit later.h5 --poles-of none.json").exits(66);
     // what a known model says already
-    for asked in ["--band 30:300", "--exponential-window 2", "--modes 3", "--damping viscous"] {
+    for asked in [
+        "--band 30:300",
+        "--exponential-window 2",
+        "--modes 3",
+        "--damping viscous",
+    ] {
         folder
             .run(&format!("fit later.h5 --poles-of model.json {asked}"))
             .exits(2);

@@ -171,6 +171,16 @@ fn bad_fields_are_refused_by_name() {
         }
         assert!(!folder.names().contains(&"no.json".to_owned()));
     }
+    folder.write("copy.csv", good.clone());
+    for again in ["field.csv", "copy.csv"] {
+        let run = folder
+            .run(&format!(
+                "correct model.json scene.toml --weights w0.json --field field.csv --weights w0.json \
+                 --field {again} -o no.json"
+            ))
+            .exits(65);
+        assert!(run.stderr.contains("given twice"), "{}", run.stderr);
+    }
     let run = folder
         .run("correct model.json scene.toml --weights w0.json w0.json --field field.csv")
         .exits(2);
@@ -333,6 +343,7 @@ fn of_several_fields_the_bad_one_is_named() {
     let sha256 = format!("# weights_sha256 = {}\n{good}", "ab".repeat(32));
     folder.write("foreign.csv", sha256);
     folder.write("words.csv", good.replace("\n1:+Z,", "\n1:+Z,x"));
+    folder.write("again.csv", format!("# measured again\n{good}"));
     folder.write(
         "scene-2.toml",
         folder.text("scene.toml").replace("330.0", "331.0"),
@@ -351,7 +362,7 @@ fn of_several_fields_the_bad_one_is_named() {
         ("w0.json", "stranger.csv", "stranger.csv"),
         ("w0.json", "foreign.csv", "foreign.csv"),
         ("w0.json", "words.csv", "words.csv"),
-        ("w-2.json", "field.csv", "w-2.json"),
+        ("w-2.json", "again.csv", "w-2.json"),
     ] {
         let error = folder.run(&line(weights, field)).exits(65).json();
         assert_eq!(error["error"]["file"], named, "{error}");

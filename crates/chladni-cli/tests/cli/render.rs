@@ -313,3 +313,35 @@ fn fingers_are_borne_and_a_better_frequency_is_one_flag() {
         assert!(run.stderr.contains(words), "{}", run.stderr);
     }
 }
+
+#[test]
+fn one_frequency_does_not_replace_several_tones() {
+    let folder = prepared();
+    let chord = scene(330, 1, "").replace("= 330", "= [330.0, 335.0]");
+    folder.write("chord.toml", chord);
+    let run = folder
+        .run("render model.json chord.toml --frequency 335 -o w.json")
+        .exits(2);
+    assert!(run.stderr.contains("several tones"), "{}", run.stderr);
+}
+
+#[test]
+fn a_cut_off_is_of_method_modal_alone() {
+    let folder = prepared();
+    let run = folder
+        .run("render model.json corner.toml --cut 0.1")
+        .exits(2);
+    assert!(run.stderr.contains("--method modal"), "{}", run.stderr);
+}
+
+#[test]
+fn weights_are_not_written_where_their_signal_cannot_be_made() {
+    let folder = prepared();
+    let path = "[time]\n[[time.move]]\npath_m = [[0.07, 0.08], [9.0, 0.08]]\n\
+                speed_m_per_s = 0.1\nhot_radius_m = 0.025\nquiet_from_m = 0.06\n";
+    folder.write("away.toml", scene(330, 1, path));
+    folder
+        .run("render model.json away.toml --method mls -o w.json --wav d.wav")
+        .exits(65);
+    assert!(!folder.names().contains(&"w.json".to_owned()));
+}

@@ -3,7 +3,9 @@
 use super::diagnosis::{diagnose, Hypothesis};
 use super::field::{LaidField, Prediction};
 use crate::operator::Operator;
-use chladni_frf::{Dof, ModalModel, Result};
+use crate::tolerances;
+use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
+use ndarray::Array1;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -50,14 +52,7 @@ pub(crate) fn agreement(
 ) -> Result<Agreement> {
     let predicted = &prediction.velocity;
     let measured = field.phased(predicted);
-    let inner: Complex64 = predicted
-        .iter()
-        .zip(&measured)
-        .map(|(a, b)| a.conj() * b)
-        .sum();
-    let square =
-        |values: &ndarray::Array1<Complex64>| values.iter().map(Complex64::norm_sqr).sum::<f64>();
-    let [own, other] = [square(predicted), square(&measured)];
+    let likeness = Likeness::of(predicted, &measured);
     let nis = (0..measured.len())
         .map(|k| {
             let bar = prediction.deviation.powi(2) + field.std[k].powi(2);
@@ -77,13 +72,85 @@ pub(crate) fn agreement(
             }
         })
         .collect();
-    let quotient = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
     Ok(Agreement {
         nis,
-        coefficient: quotient(inner.norm_sqr(), own * other),
-        level_db: 10.0 * quotient(other, own).max(f64::MIN_POSITIVE).log10(),
-        phase_deg: (!field.magnitudes_only).then(|| inner.arg().to_degrees()),
+        coefficient: likeness.coefficient,
+        level_db: likeness.level_db,
+        phase_deg: (!field.magnitudes_only).then_some(likeness.phase_deg),
         points,
         hypotheses: diagnose(model, operator, field, prediction)?,
     })
 }
+
+/// Form and level of a measured field against its prediction.
+pub(crate) struct Likeness {
+    /// See [`Agreement::coefficient`].
+    pub(crate) coefficient: f64,
+    /// See [`Agreement::level_db`].
+    pub(crate) level_db: f64,
+    phase_deg: f64,
+}
+
+impl Likeness {
+    /// Of the measured values against the predicted ones, response by response.
+    pub(crate) fn of(predicted: &Array1<Complex64>, measured: &Array1<Complex64>) -> Self {
+        let pairs = predicted.iter().zip(measured);
+        let inner: Complex64 = pairs.map(|(a, b)| a.conj() * b).sum();
+        let square = |values: &Array1<Complex64>| values.iter().map(Complex64::norm_sqr).sum();
+        let [own, other]: [f64; 2] = [square(predicted), square(measured)];
+        let quotient = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
+        Self {
+            coefficient: quotient(inner.norm_sqr(), own * other),
+            level_db: 10.0 * quotient(other, own).max(f64::MIN_POSITIVE).log10(),
+            phase_deg: inner.arg().to_degrees(),
+        }
+    }
+
+    /// True where the form is right and the level off by more than `most_db`: a wrong unit
+    /// rather than a fault.
+    fn is_level_off(&self, most_db: f64) -> bool {
+        self.coefficient >= tolerances::SAME_FORM && self.level_db.abs() > most_db
+    }
+
+    /// The level and the coefficient in words.
+    fn in_words(&self) -> String {
+        format!(
+            "{:+.1} dB against the prediction, at an agreement of {:.3} in form",
+            self.level_db, self.coefficient
+        )
+    }
+
+    /// The finding of a field that has the right form at a wrong level.
+    pub(crate) fn finding(&self) -> Option<Finding> {
+        self.is_level_off(tolerances::LEVEL_OFF_DB).then(|| {
+            let words = format!("the field lies at {}", self.in_words());
+            Finding::caution("field-level-off", words)
+                .value("level_db", self.level_db)
+                .value("coefficient", self.coefficient)
+                .help(LEVEL_HELP)
+        })
+    }
+
+    /// Refuses such a field, from which a correction would learn large gains.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`].
+    pub(crate) fn check(&self) -> Result<()> {
+        if !self.is_level_off(tolerances::LEVEL_REFUSED_DB) {
+            return Ok(());
+        }
+        Err(
+            Error::bad_data("the level of the field is not that of its drive")
+                .field("unit")
+                .found(self.in_words())
+                .expected(format!(
+                    "a level within {} dB of the prediction",
+                    tolerances::LEVEL_REFUSED_DB
+                ))
+                .help(LEVEL_HELP),
+        )
+    }
+}
+
+const LEVEL_HELP: &str = "check the unit of the field (m/s, mm/s, um/s; peak) and the gain of the \
+                          amplifiers; a gain that is meant belongs in the calibration";

@@ -1,7 +1,7 @@
 //! A measured field judged: its indices, its agreement with the prediction, what may be
 //! the cause of the difference.
 
-use super::agreement::{agreement, Agreement};
+use super::agreement::{agreement, Agreement, Likeness};
 use super::calibrated::Calibrated;
 use super::field::{noise_assumed, LaidField, Prediction};
 use super::prior::{design, prior_drift};
@@ -76,9 +76,10 @@ pub fn evaluate_field(
         mobility,
         drive: drive.clone(),
     };
+    let phased = laid_field.phased(&prediction.velocity);
     let predicted = part(&Field::new(&operator, &zones, &drive), &laid_field.rows);
     let measured = Field {
-        velocity_m_per_s: laid_field.phased(&prediction.velocity).to_vec(),
+        velocity_m_per_s: phased.to_vec(),
         ..predicted.clone()
     };
     let points = PointIndices::of_field(&measured, &zones, &limits, &drive, operator.unit)?;
@@ -88,6 +89,8 @@ pub fn evaluate_field(
     if laid_field.noise_assumed {
         findings.push(noise_assumed());
     }
+    let level_off = Likeness::of(&prediction.velocity, &phased).finding();
+    findings.splice(0..0, level_off);
     let agreement = agreement(model, &operator, &laid_field, &prediction)?;
     // between few responses nothing is interpolated
     let area = (laid_field.rows.len() == operator.responses.len())

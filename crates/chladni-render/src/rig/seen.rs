@@ -1,5 +1,6 @@
 //! Measured fields as updates of the operator take them.
 
+use super::agreement::Likeness;
 use super::field::{noise_assumed, LaidField};
 use crate::evaluate::{laid, Laid, On};
 use crate::problem::Drive;
@@ -97,7 +98,17 @@ pub(super) fn see(
             })?;
             whole[place] = weight;
         }
+        if whole.iter().all(|weight| weight.norm() == 0.0) {
+            return Err(Error::bad_data("a field without a drive tells nothing")
+                .field("weights")
+                .found("weights of zero")
+                .expected("weights that drive at least one sound actuator")
+                .help("give weights that `chladni render` made"));
+        }
         let field = LaidField::new(field, &setup.operator, sha256.as_deref())?;
+        let mobility = setup.operator.mobility.select(Axis(0), &field.rows);
+        let predicted = mobility.dot(&whole);
+        Likeness::of(&predicted, &field.phased(&predicted)).check()?;
         assumed |= field.noise_assumed;
         all.push(Seen::of(field, whole));
     }

@@ -79,15 +79,24 @@ pub(crate) fn solve(
         for _ in 0..tolerances::PROGRAM_STEPS {
             let way = memory.descent(&gradient);
             let along = field(&way);
+            let begins = inner(&gradient, &way);
+            // at the bottom, to the last digit: numbers below the normal ones tell no way
+            if !(begins < 0.0 && begins.is_normal()) {
+                break;
+            }
             let share = goal.share(&Line {
                 from: [&moved, &control],
                 along: [&along, &way],
-                begins: inner(&gradient, &way),
+                begins,
             });
-            moved.scaled_add(share.into(), &along);
             let step = way * Complex64::from(share);
-            control += &step;
-            let next = slope(&moved, &control);
+            let ahead = &control + &step;
+            let moved_ahead = &moved + &(along * Complex64::from(share));
+            let next = slope(&moved_ahead, &ahead);
+            if !inner(&next, &next).is_finite() {
+                break;
+            }
+            (control, moved) = (ahead, moved_ahead);
             memory.learn(step, &next - &gradient);
             gradient = next;
         }
@@ -167,9 +176,6 @@ impl Goal {
 
     /// The part of the way to where the sum hardly falls any more, by secants.
     fn share(&self, line: &Line) -> f64 {
-        if line.begins >= 0.0 {
-            return 0.0;
-        }
         let flat = tolerances::PROGRAM_FLAT * -line.begins;
         let at = |share: f64| [share, self.slope(line, share)];
         let secant =
@@ -188,7 +194,12 @@ impl Goal {
                 break;
             }
             let edge = 0.05 * (to[0] - from[0]);
-            let found = at(secant(from, to).clamp(from[0] + edge, to[0] - edge));
+            let ahead = secant(from, to);
+            let ahead = match ahead.is_finite() {
+                true => ahead.clamp(from[0] + edge, to[0] - edge),
+                false => 0.5 * (from[0] + to[0]),
+            };
+            let found = at(ahead);
             if found[1] < -flat {
                 from = found;
             } else {
@@ -256,7 +267,10 @@ struct Memory(VecDeque<(Array2<Complex64>, Array2<Complex64>, f64)>);
 impl Memory {
     fn learn(&mut self, step: Array2<Complex64>, change: Array2<Complex64>) {
         let curvature = inner(&step, &change);
-        if curvature <= 0.0 {
+        // a quotient by a number below the normal ones need not be finite
+        let is_told =
+            curvature > 0.0 && curvature.is_normal() && inner(&change, &change).is_normal();
+        if !is_told {
             return;
         }
         if self.0.len() == tolerances::PROGRAM_MEMORY {
@@ -291,4 +305,37 @@ fn inner(a: &Array2<Complex64>, b: &Array2<Complex64>) -> f64 {
         .zip(b)
         .map(|(a, b)| a.re * b.re + a.im * b.im)
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn single(value: f64) -> Array2<Complex64> {
+        Array2::from_elem((1, 1), value.into())
+    }
+
+    #[test]
+    fn a_step_of_subnormal_curvature_is_not_remembered() {
+        let mut memory = Memory::default();
+        memory.learn(single(1e-10), single(1e-312));
+        let way = memory.descent(&single(1.0));
+        assert!(way[[0, 0]].is_finite(), "{way}");
+    }
+
+    #[test]
+    fn a_way_that_overflows_is_halved_and_not_followed() {
+        let none = single(f64::INFINITY).mapv(|value| value.re);
+        let goal = Goal {
+            most: Array2::from_elem((1, 1), 1.0),
+            least: Array2::zeros((1, 1)),
+            limit: none,
+        };
+        let share = goal.share(&Line {
+            from: [&single(2.0), &single(0.0)],
+            along: [&single(-1e200), &single(0.0)],
+            begins: -1e200,
+        });
+        assert!(share.is_finite() && share > 0.0, "{share}");
+    }
 }

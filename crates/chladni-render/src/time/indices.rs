@@ -97,7 +97,8 @@ impl TimeIndices {
         let lengths = self.events.iter().map(|event| event.end_s - event.start_s);
         let drive_s = lengths.fold(0.0, f64::max);
         let quiet = match peak.quiet_s.map(|quiet_s| 1e3 * (quiet_s - drive_s)) {
-            Some(late_ms) if late_ms <= 0.0 => {
+            Some(late_ms) if late_ms.round() == 0.0 => "quiet as the drive ends".into(),
+            Some(late_ms) if late_ms < 0.0 => {
                 format!("quiet {:.0} ms before the drive ends", -late_ms)
             }
             Some(late_ms) => format!("quiet {late_ms:.0} ms after the drive ends"),
@@ -171,12 +172,17 @@ fn cold_instants(peak: &TimeMeasure, measure: Measure) -> Option<Finding> {
 
 fn hot_not_held(peak: &TimeMeasure, level: Level) -> Option<Finding> {
     (peak.hot_held_ratio < 1.0 && level == Level::Steady).then(|| {
-        let under = -peak.worst_hot_db.unwrap_or(f64::NEG_INFINITY);
-        let words =
-            format!("hot ground is not held: at some instant it is {under:.1} dB below its limit");
-        Finding::caution("time-hot-not-held", words)
-            .value("worst_hot_db", -under)
-            .help("take longer ramps, or a steady drive with more margin")
+        let worst = match peak.worst_hot_db {
+            Some(level) => format!("it is {:.1} dB below its limit", -level),
+            None => "it does not move".into(),
+        };
+        let words = format!("hot ground is not held: at some instant {worst}");
+        let mut finding = Finding::caution("time-hot-not-held", words)
+            .help("take longer ramps, or a steady drive with more margin");
+        if let Some(level) = peak.worst_hot_db {
+            finding = finding.value("worst_hot_db", level);
+        }
+        finding
     })
 }
 
@@ -192,4 +198,53 @@ fn burst_short(summed: &TimeMeasure, table: &TimeTable) -> Option<Finding> {
             .value("worst_hot_db", level)
             .help("level = \"compensated\" makes up for it")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn still() -> TimeMeasure {
+        TimeMeasure {
+            worst_cold_db: None,
+            worst_cold_s: None,
+            over_s: 0.0,
+            ever_over_ratio: 0.0,
+            worst_hot_db: None,
+            hot_held_ratio: 0.0,
+            hot_reached_s: None,
+            quiet_s: Some(0.1 - 1e-5),
+            contrast_db: None,
+        }
+    }
+
+    #[test]
+    fn hot_ground_that_never_moves_has_no_level() {
+        let finding = hot_not_held(&still(), Level::Steady).unwrap();
+        assert!(finding.text.ends_with("it does not move"), "{finding:?}");
+        assert!(finding.values.is_empty(), "{finding:?}");
+    }
+
+    #[test]
+    fn ground_that_is_quiet_as_the_drive_ends_is_not_early_by_minus_nothing() {
+        let event = TimeEvent {
+            event: "burst".into(),
+            start_s: 0.0,
+            end_s: 0.1,
+            ramp_s: 0.015,
+            gain: 1.0,
+        };
+        let indices = TimeIndices {
+            summed: still(),
+            peak: still(),
+            rms: still(),
+            area: None,
+            ramp_s: 0.015,
+            peak_drive: 0.0,
+            steady_drive: 0.0,
+            events: vec![event],
+        };
+        let words = indices.sentence();
+        assert!(words.ends_with("quiet as the drive ends"), "{words}");
+    }
 }

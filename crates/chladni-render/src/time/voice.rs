@@ -3,7 +3,7 @@
 
 use crate::evaluate::drive_on;
 use crate::methods::robust;
-use crate::operator::Operator;
+use crate::operator::{outside_band, Operator};
 use crate::options::RenderOptions;
 use crate::problem::{Drive, DriveLimits};
 use crate::render::render;
@@ -53,7 +53,9 @@ impl Voice {
         given: Option<&Weights>,
         options: &RenderOptions,
     ) -> Result<Self> {
-        let mut findings = Vec::new();
+        let mut findings: Vec<Finding> = outside_band(model, scene.frequency_hz)
+            .into_iter()
+            .collect();
         let model = &*at_tone(model, scene)?;
         let scene = &Scene {
             tone_gains: None,

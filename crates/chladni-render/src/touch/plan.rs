@@ -74,6 +74,7 @@ impl TouchPlan {
         let to_all = ModalField::new(model, operator, &still).between_responses();
         let from_places = onto.apply(to_all.view());
         let under = onto.apply(from_places.t());
+        let touch = touch.softest_first(operator.frequency_hz);
         let impedances = touch.impedances.iter();
         Some(Self {
             is_known: model.scaling == Scaling::UnitModalMass,
@@ -84,8 +85,8 @@ impl TouchPlan {
                 .iter()
                 .map(|&place| zones.classify(place))
                 .collect(),
-            cases: cases(touch, places_m.len()),
-            touch: touch.clone(),
+            cases: cases(&touch, places_m.len()),
+            touch,
             places_m,
             onto,
             from_places,
@@ -215,7 +216,9 @@ fn places(touch: &Touch, zones: &ZoneMap, around: Rectangle, between: bool) -> V
     if let TouchPlaces::Points(points) = &touch.places {
         return points.clone();
     }
-    let mut step_m = tolerances::TOUCH_STEP_M;
+    let area_m2 = (around.x_max - around.x_min) * (around.y_max - around.y_min);
+    let coarse_m = (area_m2 / tolerances::MOST_TOUCH_GRID).sqrt();
+    let mut step_m = tolerances::TOUCH_STEP_M.max(coarse_m);
     loop {
         let offset = if between { 0.5 * step_m } else { 0.0 };
         let axis = |low: f64, high: f64| {

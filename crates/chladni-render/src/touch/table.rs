@@ -15,7 +15,7 @@ pub struct Touch {
     pub places: TouchPlaces,
     /// The criterion that must hold while they touch.
     pub criterion: TouchCriterion,
-    /// Fingertips, the softest first.
+    /// Fingertips, in the order of the scene.
     pub impedances: Vec<Touching>,
     /// κ that the drive must keep under all fingers.
     pub kappa_least: f64,
@@ -48,7 +48,7 @@ pub enum TouchCriterion {
 /// A fingertip that may touch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Touching {
-    /// `light`, `mid`, `firm`, or its damping in words.
+    /// `light`, `mid`, `firm`, or the numbers that the scene gives.
     pub name: String,
     /// Its damper, mass and spring.
     pub finger: Finger,
@@ -157,16 +157,35 @@ fn read_impedances(value: &Value, keys: Keys) -> Result<Vec<Touching>> {
         if finger == Finger::of_mass(0.0) {
             return Err(entry.error("a fingertip that is nothing", IMPEDANCES));
         }
-        let name = format!("c = {}", finger.damping_n_s_per_m);
+        let given = ["c", "m", "k"].into_iter().zip([
+            finger.damping_n_s_per_m,
+            finger.mass_kg,
+            finger.stiffness_n_per_m,
+        ]);
+        let given = given.filter(|(key, _)| table.get(key).is_some());
+        let parts: Vec<String> = given
+            .map(|(key, value)| format!("{key} = {value}"))
+            .collect();
+        let name = parts.join(", ");
         Ok(Touching { name, finger })
     };
-    let mut all = value.list()?.iter().map(read).collect::<Result<Vec<_>>>()?;
+    let all = value.list()?.iter().map(read).collect::<Result<Vec<_>>>()?;
     if all.is_empty() {
         return Err(value.error("no fingertip", IMPEDANCES));
     }
-    let firmness = |touching: &Touching| touching.finger.damping_n_s_per_m;
-    all.sort_by(|a, b| firmness(a).total_cmp(&firmness(b)));
     Ok(all)
+}
+
+impl Touch {
+    /// The same with its fingertips by their impedance at `frequency_hz`, the softest first.
+    pub(crate) fn softest_first(&self, frequency_hz: f64) -> Self {
+        let mut touch = self.clone();
+        let firmness = |touching: &Touching| touching.finger.impedance(frequency_hz).norm();
+        touch
+            .impedances
+            .sort_by(|a, b| firmness(a).total_cmp(&firmness(b)));
+        touch
+    }
 }
 
 impl Touching {

@@ -4,8 +4,8 @@ use crate::common::rig::{magnitudes, Rig};
 use crate::common::{cell_scene, truth};
 use chladni_frf::{Direction, Dof};
 use chladni_render::{
-    evaluate_field, render, FieldEvaluation, Finger, Hypothesis, Place, RenderOptions, Scene,
-    Weights,
+    correct, evaluate_field, render, FieldEvaluation, Finger, Hypothesis, Place, RenderOptions,
+    Scene, Weights,
 };
 
 /// Trials of each cause.
@@ -201,4 +201,37 @@ fn rows_in_any_order_and_sense_are_the_same_field_and_strangers_are_refused_by_n
     other.weights_sha256 = Some("00".repeat(32));
     let error = evaluate_field(&weights, &corner(), truth(), &other, Some(&"11".repeat(32)));
     assert!(error.unwrap_err().to_string().contains("other weights"));
+}
+
+#[test]
+fn a_field_in_the_wrong_unit_is_said_first_and_teaches_nothing() {
+    let (weights, scene) = (drive(), corner());
+    let mut rig = Rig::new(300.0, 5).scattered(0.02, 2.0);
+    let right = rig.measured(&weights, 0.01, &all());
+    for factor in [1e3, 1e-3] {
+        let mut field = right.clone();
+        for point in &mut field.points {
+            point.velocity_m_per_s *= factor;
+            point.std_m_per_s = point.std_m_per_s.map(|std| factor * std);
+        }
+        for field in [field.clone(), magnitudes(field)] {
+            let judged = evaluate_field(&weights, &scene, truth(), &field, None).unwrap();
+            assert_eq!(judged.findings[0].code, "field-level-off");
+            let played = [(weights.clone(), field, None)];
+            let error = correct(truth(), &scene, &played, &RenderOptions::default()).unwrap_err();
+            assert_eq!(error.field.as_deref(), Some("unit"), "{error}");
+        }
+    }
+    let mut still = weights.clone();
+    for weight in &mut still.weights {
+        (weight.re, weight.im, weight.amplitude) = (0.0, 0.0, 0.0);
+    }
+    let played = [(still, right.clone(), None)];
+    let error = correct(truth(), &scene, &played, &RenderOptions::default()).unwrap_err();
+    assert_eq!(error.found.as_deref(), Some("weights of zero"), "{error}");
+    let judged = evaluate_field(&weights, &scene, truth(), &right, None).unwrap();
+    assert!(judged
+        .findings
+        .iter()
+        .all(|one| one.code != "field-level-off"));
 }

@@ -4,8 +4,8 @@ use crate::common::{cell_scene, truth};
 use chladni_frf::{ErrorKind, FieldPoint, MeasuredField, ModalModel, Scaling};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{
-    calibrate, evaluate, finger_places, render, stress, sweep, Drift, Finger, Ground, Method, On,
-    RenderOptions, Scene, StressOptions, StressRow, Weights,
+    calibrate, evaluate, finger_places, play, render, stress, sweep, Drift, Finger, Ground, Method,
+    On, PlayOptions, RenderOptions, Scene, StressOptions, StressRow, Weights,
 };
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -411,4 +411,28 @@ fn a_calibrated_rig_errs_by_what_its_calibration_left() {
         calibrated.gain_error < 0.9 * plain.gain_error,
         "{calibrated:?}"
     );
+}
+
+#[test]
+fn a_drive_outside_the_fitted_band_is_said_and_never_suggested() {
+    let mut model = simulation().truth.clone();
+    model.band_hz[1] = 315.0;
+    let said = |model: &ModalModel, hz: f64| {
+        let rendering = render(model, &corner(hz), &RenderOptions::default()).unwrap();
+        let findings = rendering.weights.findings;
+        let found = findings.iter().find(|one| one.code == "drive-outside-band");
+        found.map(|one| one.text.clone())
+    };
+    let text = said(&model, 330.0).expect("a finding");
+    assert!(text.contains("330 Hz") && text.contains("315 Hz"), "{text}");
+    assert_eq!(said(&model, 315.0), None);
+    let played = play(&model, &corner(330.0), None, &PlayOptions::default()).unwrap();
+    let told = played.findings.iter();
+    assert!(told.filter(|one| one.code == "drive-outside-band").count() == 1);
+    let options = RenderOptions::default();
+    let found = sweep(&model, &corner(300.0), &options, [310.0, 340.0]).unwrap();
+    assert!(found.suggested_hz.unwrap() <= 315.0, "{found:?}");
+    assert_eq!(found.frequencies.len(), 16);
+    model.band_hz = [0.0, 0.0];
+    assert_eq!(said(&model, 330.0), None);
 }

@@ -145,8 +145,8 @@ fn the_table_is_read_and_checked() {
     assert_eq!(touch.places, TouchPlaces::Points(vec![[0.05, 0.04]]));
     assert_eq!(
         (
-            touch.impedances[0].name.as_str(),
-            touch.impedances[1].finger
+            touch.impedances[1].name.as_str(),
+            touch.impedances[0].finger
         ),
         ("c = 1", Finger::FIRM)
     );
@@ -167,4 +167,36 @@ fn the_table_is_read_and_checked() {
         let error = read(rest).unwrap_err().to_string();
         assert!(error.contains(words), "{rest}: {error}");
     }
+}
+
+#[test]
+fn fingertips_have_all_their_numbers_as_name_and_the_softest_is_the_one_that_gives_way() {
+    let told = |impedance: &str| {
+        let touch = format!("[touch]\nimpedance = {impedance}\n");
+        let weights = rendered(&corner(330.0, &touch));
+        let is_said = weights.findings.iter().any(|f| f.code == "touch-not-borne");
+        (weights.touch.unwrap().firmest, is_said)
+    };
+    for list in [
+        "[{c = 0.05, m = 1e-6}, {c = 0.05, m = 1.0}]",
+        "[{c = 0.05, m = 1.0}, {c = 0.05, m = 1e-6}]",
+    ] {
+        let (firmest, is_said) = told(list);
+        assert_eq!(firmest.as_deref(), Some("c = 0.05, m = 0.000001"));
+        assert!(is_said, "{list}");
+    }
+    let (firmest, is_said) = told("[\"light\", {m = 1.0}]");
+    assert!(firmest.as_deref() == Some("light") && is_said);
+}
+
+#[test]
+fn a_panel_in_millimetres_read_as_metres_is_touched_at_as_many_places() {
+    let mut model = truth().clone();
+    for node in &mut model.nodes {
+        node.xyz_m = node.xyz_m.map(|metres| 1e3 * metres);
+    }
+    let text = "frequency_hz = 330.0\n[zones]\ngrid = [2, 2]\nhot = [1]\n[touch]\n";
+    let weights = render(&model, &scene(text), &RenderOptions::default()).unwrap();
+    let places = weights.weights.touch.unwrap().places;
+    assert!((20..=150).contains(&places), "{places}");
 }

@@ -6,7 +6,7 @@
 //! (`measured/impulse.rs`), missing values (`data/screening.rs`).
 
 use crate::checks::case::{Case, Checked};
-use crate::checks::{delay, hidden, kind, moving, reciprocal, split, window_bias};
+use crate::checks::{delay, hidden, kind, moving, noise, reciprocal, split, window_bias};
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
@@ -14,8 +14,10 @@ use chladni_frf::{ModalModel, Severity, Trust};
 use rayon::prelude::*;
 
 /// Every check that runs after a fit.
-const CHECKS: [fn(&Case) -> Option<Checked>; 9] = [
+const CHECKS: [fn(&Case) -> Option<Checked>; 11] = [
     kind::wrong_kind,
+    noise::few_lines,
+    noise::noise_alone,
     moving::moving_poles,
     split::split_modes,
     hidden::single_frf,

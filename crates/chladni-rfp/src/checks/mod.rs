@@ -11,6 +11,7 @@ pub(crate) mod kind;
 mod limits;
 pub(crate) mod line_shape;
 pub(crate) mod moving;
+pub(crate) mod noise;
 pub(crate) mod reciprocal;
 pub(crate) mod split;
 pub(crate) mod window_bias;

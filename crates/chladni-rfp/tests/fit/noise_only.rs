@@ -5,6 +5,8 @@ use chladni_plate::{add_noise_of_variance, Synthetic};
 use chladni_rfp::{fit, FitOptions};
 use ndarray::{Array1, Array3};
 use num_complex::Complex64;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 /// White circular noise, shaped by `shape` along each FRF.
 fn noise(
@@ -13,17 +15,27 @@ fn noise(
     seed: u64,
     shape: impl Fn(&Array1<Complex64>) -> Array1<Complex64>,
 ) -> FrfSet {
+    noise_of([responses, 1], lines, seed, shape)
+}
+
+/// The same of so many responses and references.
+fn noise_of(
+    [responses, references]: [usize; 2],
+    lines: usize,
+    seed: u64,
+    shape: impl Fn(&Array1<Complex64>) -> Array1<Complex64>,
+) -> FrfSet {
     let frequency_hz: Array1<f64> = (0..lines).map(|k| 10.0 + 0.5 * k as f64).collect();
     let mut frf = Synthetic {
         responses,
-        references: 1,
+        references,
         frequency_hz,
         ..Synthetic::default()
     }
     .build()
     .unwrap()
     .frf;
-    let mut values = Array3::zeros((responses, 1, lines));
+    let mut values = Array3::zeros((responses, references, lines));
     add_noise_of_variance(&mut values, 1.0, seed);
     for mut row in values.rows_mut() {
         let shaped = shape(&row.to_owned());
@@ -130,4 +142,34 @@ fn the_fast_chain_is_left_for_white_noise_in_at_most_one_case_of_a_hundred() {
         })
         .count();
     assert!(left <= 4, "{left} of 100");
+}
+
+/// Noise that is strong in some FRFs and faint in others: what stands out of its mean is one
+/// of the strong ones.
+#[test]
+fn noise_of_unequal_frfs_is_not_trusted() {
+    for flat in [0.0, 1.0] {
+        for seed in 0..40 {
+            let mut level = ChaCha8Rng::seed_from_u64(seed);
+            let mut frf = noise_of([12, 2], 100, seed, |row| row + flat);
+            let FrfValues::F64(values) = &mut frf.values else {
+                panic!("double precision")
+            };
+            for mut row in values.rows_mut() {
+                let factor: f64 = (0..6).map(|_| level.random_range(-1.0..1.0)).sum();
+                row.mapv_inplace(|value| value * factor);
+            }
+            let quality = fit(&frf, &FitOptions::default()).unwrap().model.quality;
+            assert!(!quality.trusted, "flat {flat}, seed {seed}: {quality:?}");
+        }
+    }
+}
+
+#[test]
+fn ten_lines_of_noise_are_not_trusted() {
+    for seed in 0..150 {
+        let frf = noise(1, 10, seed, |row| row.clone());
+        let quality = fit(&frf, &FitOptions::default()).unwrap().model.quality;
+        assert!(!quality.trusted, "seed {seed}: {quality:?}");
+    }
 }

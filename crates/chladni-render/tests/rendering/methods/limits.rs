@@ -150,3 +150,39 @@ fn current_and_apparent_power_limit_the_voltage_of_coils_and_piezos() {
     let both = text("max_current_a = 1\nresistance_ohm = 8\ncapacitance_f = 1e-7");
     assert!(both.contains("coil or a piezo"), "{both}");
 }
+
+#[test]
+fn a_limit_in_the_other_unit_is_refused_also_beside_the_right_one() {
+    let mut volts = truth().clone();
+    volts.reference_unit = chladni_frf::ReferenceUnit::Volt;
+    for (model, actuators, field) in [
+        (truth(), "max_voltage_v = 1.0", "max_voltage_v"),
+        (
+            truth(),
+            "max_force_n = 0.1\nmax_voltage_v = 1.0",
+            "max_voltage_v",
+        ),
+        (
+            &volts,
+            "max_force_n = 0.1\nmax_voltage_v = 1.0",
+            "max_force_n",
+        ),
+    ] {
+        let scene = cell_scene([2, 2], 1, &format!("[actuators]\n{actuators}\n"));
+        let error = render(model, &scene, &options(Method::Mls)).unwrap_err();
+        let named = error.field.as_deref().unwrap_or_default();
+        assert!(named.ends_with(field), "{actuators}: {error}");
+    }
+}
+
+#[test]
+fn the_ceiling_of_a_hopeless_scene_can_be_written_and_read() {
+    let rest = "[actuators]\nmax_force_n = 1e-30\n[threshold]\nlimen_db = 100.0\n";
+    let scene = cell_scene([2, 2], 1, rest);
+    let weights = rendered(truth(), &scene, Method::Robust).weights;
+    let ceiling = weights.ceiling.unwrap();
+    let numbers = [ceiling.possible_db, ceiling.reached_db];
+    assert!(numbers.iter().all(|db| db.is_finite()), "{ceiling:?}");
+    let text = weights.to_json().unwrap();
+    chladni_render::Weights::parse(&text).unwrap();
+}
