@@ -165,14 +165,14 @@ impl LocalSetting {
             .map(|run| wanted_lines(run.references().count()))
             .max()
             .unwrap_or(0);
-        if samples < 2 * wanted || options.block.is_some_and(|block| block < 4) {
+        if let Some(block) = options.block.filter(|block| *block < 4) {
+            return Err(no_block(block, samples));
+        }
+        if samples < 2 * wanted {
             return Err(Error::bad_data("no record for local fits")
                 .field("samples")
-                .found(format!(
-                    "{samples} samples in the shortest record, `block` {}",
-                    options.block.map_or("not given".into(), |b| b.to_string())
-                ))
-                .expected(format!("at least {} samples, a `block` of 4", 2 * wanted))
+                .found(format!("{samples} samples in the shortest record"))
+                .expected(format!("at least {} samples", 2 * wanted))
                 .help("measure a longer record, or take `estimator h1`"));
         }
         let grid = match options.block {
@@ -246,13 +246,7 @@ impl BlockSetting {
             );
         }
         if block < 4 || block > shortest {
-            return Err(Error::bad_data("no possible block")
-                .field("block")
-                .found(format!("{block} samples"))
-                .expected(format!(
-                    "4 to {shortest}, the samples of the shortest record"
-                ))
-                .help("choose a shorter block"));
+            return Err(no_block(block, shortest));
         }
         if let BlockWindow::Exponential { rate_per_s } = window {
             warnings.push(adds_damping(rate_per_s));
@@ -264,6 +258,22 @@ impl BlockSetting {
             overlap,
             warnings,
         })
+    }
+}
+
+fn no_block(block: usize, shortest: usize) -> Error {
+    let error = Error::bad_data("no possible block").field("block");
+    match shortest < 4 {
+        true => error
+            .found(format!("{shortest} samples in the shortest record"))
+            .expected("records of 4 samples or more")
+            .help("measure a longer record"),
+        false => error
+            .found(format!("{block} samples"))
+            .expected(format!(
+                "4 to {shortest}, the samples of the shortest record"
+            ))
+            .help("choose a block within that"),
     }
 }
 

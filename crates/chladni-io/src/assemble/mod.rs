@@ -180,7 +180,7 @@ fn known_kind(
 ) -> Option<FrfKind> {
     if let (Some(said), Some(told)) = (said, told) {
         if said != told {
-            warnings.push(Finding::note(
+            warnings.push(Finding::caution(
                 "option-overrules-file",
                 format!("{file} says {said}, you say {told}: taken as {told}"),
             ));

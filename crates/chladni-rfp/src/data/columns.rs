@@ -10,6 +10,7 @@ use crate::data::window::leakage::Leakage;
 use chladni_frf::Damping;
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Weighted columns on the selected lines.
@@ -63,12 +64,7 @@ impl Columns {
     }
     /// Lines first..last around x that lie within `half_widths` half-bandwidths of the
     /// pole, at least `least` on both sides.
-    pub fn window(
-        &self,
-        lambda: Complex64,
-        half_widths: f64,
-        least: usize,
-    ) -> std::ops::Range<usize> {
+    pub fn window(&self, lambda: Complex64, half_widths: f64, least: usize) -> Range<usize> {
         let reach = half_widths * lambda.im.abs();
         let centre = self.x.partition_point(|v| *v < lambda.re);
         let low = self
@@ -103,6 +99,16 @@ impl Columns {
     /// The same lines without data.
     pub fn axis(&self) -> Self {
         self.with_columns(Array2::zeros((self.lines(), 0)))
+    }
+    /// Some of these lines without data.
+    pub fn axis_on(&self, rows: Range<usize>) -> Self {
+        Self {
+            x: self.x[rows.clone()].to_vec(),
+            g: self.g[rows.clone()].to_vec(),
+            b: Array2::zeros((rows.len(), 0)),
+            law: self.law,
+            leakage: self.leakage.clone(),
+        }
     }
     /// Only the given lines.
     pub fn select(&self, lines: &[usize]) -> Self {

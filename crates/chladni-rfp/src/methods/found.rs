@@ -5,6 +5,7 @@ use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::equation_error::Root;
 use crate::methods::survey::{Compressed, Survey};
+use crate::poles::estimate::fewer_modes;
 use chladni_frf::{Damping, Finding};
 use num_complex::Complex64;
 
@@ -68,18 +69,6 @@ impl ClassicPoles {
         self.deviation = modes.iter().map(|root| root.deviation).collect();
         self
     }
-}
-
-/// The finding where a method finds fewer modes than were asked for; `why` begins with a
-/// colon, or is empty.
-pub(crate) fn fewer_modes(asked: usize, found: usize, why: &str) -> Finding {
-    Finding::caution(
-        "fewer-modes",
-        format!("{asked} modes asked for, {found} found{why}"),
-    )
-    .value("modes_asked", asked as f64)
-    .value("modes_found", found as f64)
-    .help("ask for fewer modes, or fit a wider band")
 }
 
 /// A method: poles from the two passes over the data.

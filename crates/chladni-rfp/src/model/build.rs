@@ -14,6 +14,7 @@ use crate::model::modes::{
     few_modes, modes, rejected_mode, scale_unknown, scales, turned, unscaled, widen_scale,
 };
 use crate::model::residual_energy::{above_rounding, by_sums, Laid};
+use crate::poles::estimate::fewer_modes;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
 use crate::shapes::influence::Found;
@@ -151,6 +152,14 @@ impl Shaped {
         let mut findings = data.warnings.clone();
         findings.append(&mut self.identified.warnings);
         findings.extend(self.findings(data, &modes));
+        if !findings.iter().any(|finding| finding.code == "fewer-modes") {
+            let found = modes
+                .iter()
+                .filter(|m| m.in_band && m.trust != Trust::Rejected);
+            let found = found.count();
+            let asked = options.modes.filter(|asked| found < *asked);
+            findings.extend(asked.map(|asked| fewer_modes(asked, found, "")));
+        }
         let sure = modes.iter().any(|m| m.in_band && m.trust == Trust::Sure);
         let mut model = ModalModel {
             format: MODEL_FORMAT.into(),

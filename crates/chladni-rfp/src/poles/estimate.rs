@@ -107,6 +107,18 @@ pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> O
     })
 }
 
+/// The finding where a fit finds fewer modes than were asked for; `why` begins with a
+/// colon, or is empty.
+pub(crate) fn fewer_modes(asked: usize, found: usize, why: &str) -> Finding {
+    Finding::caution(
+        "fewer-modes",
+        format!("{asked} modes asked for, {found} found{why}"),
+    )
+    .value("modes_asked", asked as f64)
+    .value("modes_found", found as f64)
+    .help("ask for fewer modes, or fit a wider band")
+}
+
 /// Sure where the pole is known to a fraction of its half-bandwidth.
 pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade {
     let deviation = (variance[0] + variance[1]).max(0.0).sqrt();

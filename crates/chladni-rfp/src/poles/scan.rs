@@ -57,11 +57,16 @@ pub(crate) struct Scan(Vec<(f64, Complex64)>);
 pub(crate) fn scan(work: &Columns, refined: &Refined) -> Scan {
     let grid = resonance_grid(work, &refined.lambda);
     let gains = |chunk: &[Complex64]| -> Vec<(f64, Complex64)> {
-        let columns = basis(work, chunk, &[]);
+        // a resonance is cut off where it is small, and is nothing beyond
+        let [first, last] =
+            [chunk[0], chunk[chunk.len() - 1]].map(|pole| work.window(pole, limits::SCAN_REACH, 1));
+        let rows = first.start..last.end;
+        let columns = basis(&work.axis_on(rows.clone()), chunk, &[]);
         // the residual has no part inside the model: only the norm of what is outside it
         // is needed
-        let inside = matmul_h(refined.projection.q.view(), columns.view());
-        let matched = matmul_h(columns.view(), refined.projection.residual.view());
+        let rows = s![rows, ..];
+        let inside = matmul_h(refined.projection.q.slice(rows.clone()), columns.view());
+        let matched = matmul_h(columns.view(), refined.projection.residual.slice(rows));
         let gain = |(i, &pole): (usize, &Complex64)| {
             let squares = |of: ArrayView1<Complex64>| of.iter().map(|v| v.norm_sqr()).sum::<f64>();
             let whole = squares(columns.column(i));
