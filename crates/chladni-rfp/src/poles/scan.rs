@@ -65,7 +65,7 @@ pub(crate) fn scan(work: &Columns, refined: &Refined) -> Scan {
         // the residual has no part inside the model: only the norm of what is outside it
         // is needed
         let rows = s![rows, ..];
-        let inside = matmul_h(refined.projection.q.slice(rows.clone()), columns.view());
+        let inside = matmul_h(refined.projection.q.slice(rows), columns.view());
         let matched = matmul_h(columns.view(), refined.projection.residual.slice(rows));
         let gain = |(i, &pole): (usize, &Complex64)| {
             let squares = |of: ArrayView1<Complex64>| of.iter().map(|v| v.norm_sqr()).sum::<f64>();
