@@ -142,7 +142,7 @@ pub fn sweep_table(sweep: &FrequencySweep, all: bool) -> String {
     };
     let suggestion = match sweep.suggested_hz {
         Some(hz) => format!("suggested: {} Hz\n", significant(hz, 6)),
-        None => "no frequency serves any response\n".into(),
+        None => "no frequency in the fitted band serves any response\n".into(),
     };
     format!(
         "\n{}{more}{suggestion}",

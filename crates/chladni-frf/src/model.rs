@@ -184,7 +184,7 @@ impl Mode {
         self.shape_variance_at_known_scale(response).sqrt()
     }
 
-    /// Its square.
+    /// The square of [`Self::shape_std_at_known_scale`].
     #[inline]
     pub fn shape_variance_at_known_scale(&self, response: usize) -> f64 {
         let of_scale = self.scale_std.unwrap_or(0.0).powi(2) * self.shape.0[response].norm_sqr();

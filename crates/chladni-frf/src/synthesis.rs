@@ -51,7 +51,7 @@ impl ModalModel {
         self.receptance_by(|a, b| a.dot(&b), frequency_hz)
     }
 
-    /// The same by a faster `product` of matrices.
+    /// As [`Self::receptance`], with a `product` of matrices that the caller has.
     pub fn receptance_by(
         &self,
         product: impl FnOnce(ArrayView2<Complex64>, ArrayView2<Complex64>) -> Array2<Complex64>,

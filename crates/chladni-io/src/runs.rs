@@ -39,9 +39,12 @@ impl ChannelOverride {
 
     /// Refuses lists that are neither of all time records nor of the channels of each run.
     fn check_runs(&self, records: usize, runs: &[Run]) -> Result<()> {
-        let fits =
-            |count: usize| count == records || runs.iter().all(|run| run.channels.len() == count);
-        let misfit = self.lists().find(|(_, count)| !fits(*count));
+        let fits = |&(name, count): &(&str, usize)| {
+            // one factor may be that of all channels
+            let of_all = count == records || (count, name) == (1, "scales");
+            of_all || runs.iter().all(|run| run.channels.len() == count)
+        };
+        let misfit = self.lists().find(|list| !fits(list));
         misfit.map_or(Ok(()), |list| Err(no_fit(list, records)))
     }
 }
@@ -55,7 +58,7 @@ fn no_fit((name, count): (&'static str, usize), records: usize) -> Error {
         .field(name)
         .found(format!("{count} entries for {records} time records"))
         .expected("one entry per channel")
-        .help("list the channels of one run in the order of the file; `chladni info` shows them")
+        .help("list the channels of one run in the order of the file")
 }
 
 /// Runs of a file: its time records in their order. A DOF that comes again begins the
@@ -258,5 +261,37 @@ fn sample_rate(function: &Function) -> Result<f64> {
             .field("time step")
             .found(step)
             .expected("a time step above 0 s")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_is_of_all_records_or_of_the_channels_of_each_run() {
+        let channel = |node: u64| Channel {
+            dof: Dof::new(node, chladni_frf::Direction::PLUS_Z),
+            unit: SignalUnit::Velocity,
+            is_reference: false,
+            samples: Vec::new(),
+        };
+        let run = |channels: usize| Run {
+            file: "take.csv".into(),
+            line: 0,
+            sample_rate_hz: 1000.0,
+            channels: (1..=channels as u64).map(channel).collect(),
+        };
+        let taken = |scales: usize, units: usize, runs: &[Run]| {
+            let said = ChannelOverride {
+                scales: vec![1.0; scales],
+                units: vec!["m/s".into(); units],
+                ..ChannelOverride::default()
+            };
+            said.check_runs(4, runs).is_ok()
+        };
+        let (one, two) = ([run(4)], [run(2), run(2)]);
+        assert!(taken(4, 4, &one) && taken(2, 2, &two) && taken(1, 0, &one));
+        assert!(!taken(2, 0, &one) && !taken(0, 2, &one) && !taken(0, 1, &one));
     }
 }

@@ -4,7 +4,7 @@
 //! differ: a function of the distance is then a table.
 
 use crate::plane::Position;
-use crate::tolerances;
+use crate::tolerances::{self, SHARED_MOST};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -66,6 +66,14 @@ impl Lattice {
         let [x, y] = &self.axes;
         let table = self.table(function);
         let kinds = x.squared.len();
+        if y.kind.nrows() * kinds > SHARED_MOST * x.of_place.len() {
+            let (of_x, of_y) = (x.offsets(1), y.offsets(kinds));
+            let at = |(&x, &y): (&usize, &usize)| {
+                let nodes = of_x[x].iter().zip(&of_y[y]).zip(coefficients);
+                nodes.map(|((x, y), c)| c * table[x + y]).sum()
+            };
+            return x.of_place.iter().zip(&y.of_place).map(at).collect();
+        }
         let shared = |part: fn(&Complex64) -> f64| {
             let mut shared = Array2::zeros((y.kind.nrows() * x.kind.ncols(), kinds));
             for ((&column, &node), c) in x.of_node.iter().zip(&y.of_node).zip(coefficients) {
@@ -186,6 +194,23 @@ mod tests {
                 let expected = (p[0] - n[0]).powi(2) + (p[1] - n[1]).powi(2);
                 assert!((matrix[[k, j]] - expected).abs() < 1e-12);
             }
+        }
+        // few places on many lines: each sum by itself
+        let sparse: Vec<Position> = (0..100)
+            .map(|k| [(k % 40) as f64, (7 * k % 40) as f64])
+            .collect();
+        let all: Vec<Position> = (0..144)
+            .map(|k| [(k % 12) as f64, (k / 12) as f64])
+            .collect();
+        let ones = vec![Complex64::new(1.0, -2.0); 144];
+        let sums = Lattice::of(&sparse, &all)
+            .expect("few distances")
+            .sums(|squared| squared, &ones);
+        for (p, sum) in sparse.iter().zip(sums) {
+            let squares = all
+                .iter()
+                .map(|n| (p[0] - n[0]).powi(2) + (p[1] - n[1]).powi(2));
+            assert!((sum - squares.sum::<f64>() * ones[0]).norm() < 1e-6);
         }
         let scattered: Vec<Position> = (0..81)
             .map(|k| [(7.3 * k as f64).sin(), (3.1 * k as f64).cos()])

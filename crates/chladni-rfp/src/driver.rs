@@ -233,7 +233,8 @@ fn not_checked() -> Finding {
     Finding::note(
         "not-checked",
         "fitted in pieces: whether poles move between FRFs or split into several, a reference is \
-         not reciprocal, or a window broadens the lines was not looked at",
+         not reciprocal, a window broadens the lines, or noise of unequal FRFs shows modes was \
+         not looked at",
     )
     .help("fit some blocks by themselves to see")
 }

@@ -122,7 +122,7 @@ impl Table {
             let first = channel.samples.first();
             channel.samples.iter().all(|sample| Some(sample) == first)
         };
-        let dead: Vec<Dof> = runs
+        let dead: BTreeSet<Dof> = runs
             .iter()
             .flat_map(|run| run.references().filter(still))
             .map(|channel| channel.dof)
@@ -140,7 +140,7 @@ impl Table {
                 .help(help));
         }
         let (masked, all) = (self.masked.len(), self.values.len_of(Axis(2)));
-        let words = format!("{masked} of {all} lines are masked: {why}");
+        let words = format!("{masked} of {all} lines lack values of some responses: {why}");
         let finding = Finding::caution("lines-without-power", words);
         Ok(Some(finding.dofs(dead).help(help)))
     }

@@ -34,7 +34,7 @@ impl Drive {
         Ok(Self::Samples(Box::new(signal)))
     }
 
-    /// Writes them.
+    /// Writes the signals to the files asked for.
     ///
     /// # Errors
     /// Those of writing.

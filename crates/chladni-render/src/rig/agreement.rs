@@ -52,7 +52,7 @@ pub(crate) fn agreement(
 ) -> Result<Agreement> {
     let predicted = &prediction.velocity;
     let measured = field.phased(predicted);
-    let likeness = Likeness::of(predicted, &measured);
+    let likeness = Likeness::of(predicted, field);
     let nis = (0..measured.len())
         .map(|k| {
             let bar = prediction.deviation.powi(2) + field.std[k].powi(2);
@@ -89,11 +89,14 @@ pub(crate) struct Likeness {
     /// See [`Agreement::level_db`].
     pub(crate) level_db: f64,
     phase_deg: f64,
+    responses: usize,
+    magnitudes_only: bool,
 }
 
 impl Likeness {
-    /// Of the measured values against the predicted ones, response by response.
-    pub(crate) fn of(predicted: &Array1<Complex64>, measured: &Array1<Complex64>) -> Self {
+    /// Of a measured field against what is predicted at its responses.
+    pub(crate) fn of(predicted: &Array1<Complex64>, field: &LaidField) -> Self {
+        let measured = &field.phased(predicted);
         let pairs = predicted.iter().zip(measured);
         let inner: Complex64 = pairs.map(|(a, b)| a.conj() * b).sum();
         let square = |values: &Array1<Complex64>| values.iter().map(Complex64::norm_sqr).sum();
@@ -103,13 +106,23 @@ impl Likeness {
             coefficient: quotient(inner.norm_sqr(), own * other),
             level_db: 10.0 * quotient(other, own).max(f64::MIN_POSITIVE).log10(),
             phase_deg: inner.arg().to_degrees(),
+            responses: predicted.len(),
+            magnitudes_only: field.magnitudes_only,
         }
     }
 
     /// True where the form is right and the level off by more than `most_db`: a wrong unit
     /// rather than a fault.
     fn is_level_off(&self, most_db: f64) -> bool {
-        self.coefficient >= tolerances::SAME_FORM && self.level_db.abs() > most_db
+        let [of_values, of_magnitudes] = tolerances::SAME_FORM;
+        let same_form = if self.magnitudes_only {
+            of_magnitudes
+        } else {
+            of_values
+        };
+        self.responses >= tolerances::LEVEL_RESPONSES
+            && self.coefficient >= same_form
+            && self.level_db.abs() > most_db
     }
 
     /// The level and the coefficient in words.

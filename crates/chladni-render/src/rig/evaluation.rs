@@ -89,7 +89,7 @@ pub fn evaluate_field(
     if laid_field.noise_assumed {
         findings.push(noise_assumed());
     }
-    let level_off = Likeness::of(&prediction.velocity, &phased).finding();
+    let level_off = Likeness::of(&prediction.velocity, &laid_field).finding();
     findings.splice(0..0, level_off);
     let agreement = agreement(model, &operator, &laid_field, &prediction)?;
     // between few responses nothing is interpolated

@@ -103,12 +103,12 @@ pub(super) fn see(
                 .field("weights")
                 .found("weights of zero")
                 .expected("weights that drive at least one sound actuator")
-                .help("give weights that `chladni render` made"));
+                .help("give the weights that were played"));
         }
         let field = LaidField::new(field, &setup.operator, sha256.as_deref())?;
         let mobility = setup.operator.mobility.select(Axis(0), &field.rows);
         let predicted = mobility.dot(&whole);
-        Likeness::of(&predicted, &field.phased(&predicted)).check()?;
+        Likeness::of(&predicted, &field).check()?;
         assumed |= field.noise_assumed;
         all.push(Seen::of(field, whole));
     }

@@ -5,9 +5,13 @@
 /// fault of the rig.
 pub const ISOTROPIC_FIELD_ERROR: f64 = 2e-3;
 
-/// Agreement of a field with its prediction from which on both have one form. Gains that
-/// scatter by 2 % leave 0.83 of the study's corner at 300 Hz.
-pub const SAME_FORM: f64 = 0.5;
+/// Agreement of a field with its prediction from which on both have one form; of magnitudes,
+/// which agree to 0.62 where they have nothing to do with each other. Gains that scatter by 2 %
+/// leave 0.83 of the study's corner at 300 Hz.
+pub const SAME_FORM: [f64; 2] = [0.5, 0.9];
+
+/// Fewest responses that tell a form: 12 values of chance agree to 0.5 in 0.05 % of cases.
+pub const LEVEL_RESPONSES: usize = 12;
 
 /// Level of such a field against its prediction, dB, beyond which unit or amplifiers are the
 /// likeliest cause: ten times; mm/s for m/s are 60 dB.

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 /// Every check that runs after a fit.
 const CHECKS: [fn(&Case) -> Option<Checked>; 11] = [
     kind::wrong_kind,
-    noise::few_lines,
+    noise::few_values,
     noise::noise_alone,
     moving::moving_poles,
     split::split_modes,
