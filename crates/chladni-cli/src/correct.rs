@@ -62,8 +62,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
-    refuse_fields_given_twice(&args.field)?;
-    refuse_known_fields(&args.field, &scene)?;
+    refuse_fields_counted_twice(&args.field, &scene)?;
     let mut played = Vec::new();
     for (weights, field) in args.weights.iter().zip(&args.field) {
         played.push((
@@ -205,12 +204,16 @@ fn written(args: &Args, path: &Path, weights: &Weights) -> Value {
     })
 }
 
-/// One field in two pairs would count twice.
-fn refuse_fields_given_twice(fields: &[PathBuf]) -> Result<()> {
-    let mut known: Vec<Source> = Vec::with_capacity(fields.len());
+/// A field in two pairs would count twice, and so would one that the calibration of the scene
+/// holds already.
+fn refuse_fields_counted_twice(fields: &[PathBuf], scene: &Scene) -> Result<()> {
+    let calibration = scene.actuators.calibration.as_deref();
+    let calibrated = calibration.map_or(&[][..], |known| &known.source);
+    let mut given: Vec<Source> = Vec::with_capacity(fields.len());
     for file in fields {
         let own = source(file)?;
-        if let Some(first) = known.iter().find(|one| one.checksum == own.checksum) {
+        let same = |known: &&Source| known.checksum == own.checksum;
+        if let Some(first) = given.iter().find(same) {
             return Err(Error::bad_data("one field is given twice")
                 .file(file)
                 .field("--field")
@@ -218,23 +221,7 @@ fn refuse_fields_given_twice(fields: &[PathBuf]) -> Result<()> {
                 .expected("another measurement for each --weights")
                 .help("leave the pair out, or name the field that these weights made"));
         }
-        known.push(own);
-    }
-    Ok(())
-}
-
-/// Fields that the calibration of the scene holds already would count twice.
-fn refuse_known_fields(fields: &[PathBuf], scene: &Scene) -> Result<()> {
-    let Some(calibration) = &scene.actuators.calibration else {
-        return Ok(());
-    };
-    for file in fields {
-        let Source { checksum, .. } = source(file)?;
-        if calibration
-            .source
-            .iter()
-            .any(|known| known.checksum == checksum)
-        {
+        if calibrated.iter().any(|known| same(&known)) {
             return Err(
                 Error::bad_data("the calibration of the scene holds this field already")
                     .file(file)
@@ -244,6 +231,7 @@ fn refuse_known_fields(fields: &[PathBuf], scene: &Scene) -> Result<()> {
                     .help("leave the field out, or take the calibration out of the scene"),
             );
         }
+        given.push(own);
     }
     Ok(())
 }

@@ -169,17 +169,15 @@ impl Args {
         warn_of_files(files, warnings, console);
         Ok(records)
     }
-}
 
-impl Args {
     /// Refuses `--sample-rate` where the file has another one.
     fn check_rate(&self, runs: &[Run]) -> Result<()> {
         let Some(said) = self.sample_rate else {
             return Ok(());
         };
         let differs = |hz: &f64| (hz / said - 1.0).abs() > limits::SAME_RATE;
-        let rates = runs.iter().map(|run| run.sample_rate_hz);
-        rates.into_iter().find(differs).map_or(Ok(()), |hz| {
+        let mut rates = runs.iter().map(|run| run.sample_rate_hz);
+        rates.find(differs).map_or(Ok(()), |hz| {
             Err(Error::bad_data("the file has a sampling rate of its own")
                 .field("--sample-rate")
                 .found(format!("{said} Hz"))

@@ -110,7 +110,7 @@ impl Table {
         }
     }
 
-    /// What is to be said of lines without values.
+    /// The finding on lines without values.
     ///
     /// # Errors
     /// No line has any.

@@ -49,10 +49,10 @@ pub(crate) fn agreement(
     operator: &Operator,
     field: &LaidField,
     prediction: &Prediction,
+    likeness: &Likeness,
 ) -> Result<Agreement> {
     let predicted = &prediction.velocity;
     let measured = field.phased(predicted);
-    let likeness = Likeness::of(predicted, field);
     let nis = (0..measured.len())
         .map(|k| {
             let bar = prediction.deviation.powi(2) + field.std[k].powi(2);

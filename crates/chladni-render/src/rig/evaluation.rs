@@ -89,9 +89,9 @@ pub fn evaluate_field(
     if laid_field.noise_assumed {
         findings.push(noise_assumed());
     }
-    let level_off = Likeness::of(&prediction.velocity, &laid_field).finding();
-    findings.splice(0..0, level_off);
-    let agreement = agreement(model, &operator, &laid_field, &prediction)?;
+    let likeness = Likeness::of(&prediction.velocity, &laid_field);
+    findings.splice(0..0, likeness.finding());
+    let agreement = agreement(model, &operator, &laid_field, &prediction, &likeness)?;
     // between few responses nothing is interpolated
     let area = (laid_field.rows.len() == operator.responses.len())
         .then(|| measured.area(&zones))

@@ -229,17 +229,19 @@ pub(crate) fn enough(
 ) -> Result<(), FitError> {
     let modes = modes.unwrap_or(1);
     let needed = modes.saturating_add(limits::LINES_TO_SPARE);
-    match high_hz - low_hz < limits::NARROWEST_BAND * high_hz {
-        _ if lines < needed => Err(FitError::TooFewLines {
+    if lines < needed {
+        return Err(FitError::TooFewLines {
             lines,
             low_hz,
             high_hz,
             modes,
             needed,
-        }),
-        true => Err(FitError::NarrowBand { low_hz, high_hz }),
-        false => Ok(()),
+        });
     }
+    if high_hz - low_hz < limits::NARROWEST_BAND * high_hz {
+        return Err(FitError::NarrowBand { low_hz, high_hz });
+    }
+    Ok(())
 }
 
 /// Checks the root mean square of the FRFs.
@@ -248,10 +250,12 @@ pub(crate) fn enough(
 /// [`FitError::NoData`], [`FitError::Scale`].
 pub(crate) fn sensible(rms: f64) -> Result<(), FitError> {
     let [least, most] = limits::SENSIBLE_RMS;
-    match rms {
-        _ if rms == 0.0 || rms.is_nan() => Err(FitError::NoData),
-        _ if (least..=most).contains(&rms) => Ok(()),
-        _ => Err(FitError::Scale { rms }),
+    if rms == 0.0 || rms.is_nan() {
+        return Err(FitError::NoData);
+    }
+    match (least..=most).contains(&rms) {
+        true => Ok(()),
+        false => Err(FitError::Scale { rms }),
     }
 }
 

@@ -124,7 +124,8 @@ pub(super) const NARROWEST: f64 = 0.01;
 /// Places per block of products.
 pub(super) const BLOCK: usize = 64;
 /// Half-bandwidths on both sides of a place beyond which its resonance is not looked at: a
-/// thousandth of its energy lies there. On 16383 lines a scan takes a twentieth of the time.
+/// thousandth of its energy lies there. A fit of four FRFs of noise on 16383 lines took 7.5 s of
+/// processor time with it and 26.5 s without.
 pub(super) const SCAN_REACH: f64 = 600.0;
 /// Loss factor where no pole of the band tells the usual one.
 pub(super) const UNKNOWN_LOSS: f64 = 0.01;
