@@ -71,21 +71,35 @@ impl Covariance {
                 *square += participation.norm_sqr() * deviation.each.powi(2);
             }
         }
-        if drift.drive_relative > 0.0 {
-            for (square, column) in squares.iter_mut().zip(operator.mobility.columns()) {
-                let path =
-                    judged.iter().map(|&k| column[k].norm_sqr()).sum::<f64>() / judged.len() as f64;
-                *square += drift.drive_relative.powi(2) * path;
-            }
-        }
         let mut gram = chladni_linalg::matmul_h(rows.view(), rows.view());
         gram.diag_mut()
             .zip_mut_with(&squares, |value, &square| *value += square);
-        Self {
+        let of_model = Self {
             rows,
             own: squares.mapv(f64::sqrt),
             gram,
+        };
+        of_model.with_drive_error(drift.drive_error(), operator, judged)
+    }
+
+    /// The same with an error of each actuator's force for its weight on top, relative.
+    pub(crate) fn with_drive_error(
+        mut self,
+        relative: f64,
+        operator: &Operator,
+        judged: &[usize],
+    ) -> Self {
+        if relative > 0.0 {
+            let own = self.own.iter_mut().zip(self.gram.diag_mut());
+            for ((own, value), column) in own.zip(operator.mobility.columns()) {
+                let path =
+                    judged.iter().map(|&k| column[k].norm_sqr()).sum::<f64>() / judged.len() as f64;
+                let square = relative.powi(2) * path;
+                *own = (*own * *own + square).sqrt();
+                *value += square;
+            }
         }
+        self
     }
 
     /// From LᴴL itself.

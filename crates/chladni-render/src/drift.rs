@@ -17,17 +17,24 @@ pub struct Drift {
     /// Of each entry of the mobility matrix, independent of all others, relative to the
     /// rms of the matrix.
     pub isotropic_relative: f64,
-    /// Of each actuator's force for its weight: gains and phases of amplifiers and coils.
-    pub drive_relative: f64,
+    /// Of each actuator's force for its weight: gains and phases of amplifiers and coils;
+    /// `None`: none, but that method `robust` bears what costs no ground
+    /// (`tolerances::BORNE_DRIVE_ERRORS`).
+    pub drive_relative: Option<f64>,
 }
 
 impl Drift {
     /// The same with at least this error of each actuator's force.
     pub(crate) fn with_drive_error(self, least: f64) -> Self {
         Self {
-            drive_relative: self.drive_relative.max(least),
+            drive_relative: Some(self.drive_error().max(least)),
             ..self
         }
+    }
+
+    /// Error of each actuator's force; 0 where none is named.
+    pub(crate) fn drive_error(&self) -> f64 {
+        self.drive_relative.unwrap_or(0.0)
     }
 
     /// The keys of `[drift]` in a scene, and the values here.
@@ -37,7 +44,7 @@ impl Drift {
             ("loss_factor_relative", self.loss_factor_relative),
             ("shape_relative", self.shape_relative),
             ("isotropic_relative", self.isotropic_relative),
-            ("drive_relative", self.drive_relative),
+            ("drive_relative", self.drive_error()),
         ]
     }
 
@@ -48,7 +55,7 @@ impl Drift {
             "loss_factor_relative" => Some(&mut self.loss_factor_relative),
             "shape_relative" => Some(&mut self.shape_relative),
             "isotropic_relative" => Some(&mut self.isotropic_relative),
-            "drive_relative" => Some(&mut self.drive_relative),
+            "drive_relative" => Some(self.drive_relative.get_or_insert(0.0)),
             _ => None,
         }
     }
@@ -68,7 +75,7 @@ impl Default for Drift {
             loss_factor_relative: 0.1,
             shape_relative: 0.0,
             isotropic_relative: 3e-3,
-            drive_relative: 0.0,
+            drive_relative: None,
         }
     }
 }

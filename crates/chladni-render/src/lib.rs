@@ -51,6 +51,7 @@ mod conic;
 mod count;
 mod covariance;
 mod drift;
+mod drive_error;
 mod drive_program;
 mod dual;
 mod effort;

@@ -2,6 +2,8 @@
 
 use crate::ceiling::Ceiling;
 use crate::count::Count;
+use crate::drift::Drift;
+use crate::drive_error;
 use crate::endurance::Endurance;
 use crate::fewest_actuators;
 use crate::fewest_modes::{self, Judge, Reduced};
@@ -145,7 +147,10 @@ fn render_tone(
     findings.extend(strength(&outcome.field, &setup.limits));
     numbered(&mut findings, &in_band_hz(model));
     let weights = Weights {
-        options: options.to_json(scene.drift.as_ref().unwrap_or(&options.drift)),
+        options: options.to_json(&Drift {
+            drive_relative: found.drive_error,
+            ..scene.drift.unwrap_or(options.drift)
+        }),
         ceiling,
         endurance,
         modal: found.solution.modal,
@@ -171,6 +176,8 @@ struct Found {
     fewer: Option<Setup>,
     /// Number of the actuators chosen.
     actuators: usize,
+    /// Error of each actuator's force that the drive was made for, relative.
+    drive_error: Option<f64>,
     method: Method,
     /// The drive of the actuators chosen.
     solution: Solution,
@@ -204,10 +211,20 @@ impl Found {
         let fewer = (chosen.columns.len() < all).then(|| setup.with_actuators(&chosen.columns));
         let used = fewer.as_ref().unwrap_or(&setup);
         let decision = options.method.decide(&used.problem, options.effort);
+        let named = scene.drift.unwrap_or(options.drift).drive_relative;
+        let is_open = named.is_none() && scene.learned.is_none() && scene.touch.is_none();
+        let bears = match is_open && decision.method == Method::Robust {
+            true => Some(drive_error::borne(used)?),
+            false => None,
+        };
+        let fewer = fewer.map(|fewer| fewer.with_drive_error(bears.unwrap_or(0.0)));
+        let setup = setup.with_drive_error(bears.unwrap_or(0.0));
+        let used = fewer.as_ref().unwrap_or(&setup);
         let (method, mut solution) = decision.run(used, model, options.cut)?;
         let mut findings = setup.findings.clone();
         findings.extend(of_modes);
         findings.extend(chosen.finding);
+        findings.extend(bears.and_then(drive_error::finding));
         findings.append(&mut solution.findings);
         Ok(Self {
             drive: spread(&solution.drive, &chosen.columns, all),
@@ -215,6 +232,7 @@ impl Found {
             setup,
             judge,
             fewer,
+            drive_error: named.or(bears),
             method,
             solution,
             findings,

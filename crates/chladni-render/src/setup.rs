@@ -159,6 +159,15 @@ impl Setup {
         Ok(setup)
     }
 
+    /// The same with an error of each actuator's force for its weight on top, relative.
+    pub(crate) fn with_drive_error(&self, relative: f64) -> Self {
+        let mut setup = self.clone();
+        let covariance = setup.problem.covariance;
+        setup.problem.covariance =
+            covariance.with_drive_error(relative, &setup.operator, &setup.judged);
+        setup
+    }
+
     /// The responses as nodes of interpolation, where they carry an area.
     pub(crate) fn nodes(&self) -> Option<&Nodes> {
         self.nodes

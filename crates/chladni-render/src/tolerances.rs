@@ -332,6 +332,12 @@ pub const SAME_SUCCESS: f64 = 0.005;
 /// Share of hot and of cold responses from which a drive serves, as in `chladni demo`.
 pub const SERVES: f64 = 0.95;
 
+/// Errors of each actuator's force for its weight that a drive of method `robust` bears
+/// where its scene names none and margin allows, rms of the complex factor, relative. The
+/// first is that of the scene contract (amplifiers of 1 % and 1°). docs/accuracy.md has what
+/// each buys and costs.
+pub const BORNE_DRIVE_ERRORS: [f64; 2] = [0.02, 0.01];
+
 /// Rigs that are simulated for one drive: the share that survives is then sure to 1.5 %
 /// where it is 0.95.
 pub const ENDURANCE_RIGS: usize = 200;

@@ -70,8 +70,8 @@ impl<'a> Calibrated<'a> {
             _ => {}
         }
         if scene.drift.is_none() {
-            scene.drift = gain_error.map(|drive_relative| Drift {
-                drive_relative,
+            scene.drift = gain_error.map(|left| Drift {
+                drive_relative: Some(left),
                 ..*drift
             });
         }

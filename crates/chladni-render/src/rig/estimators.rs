@@ -3,6 +3,7 @@
 
 use super::calibration::Estimator;
 use super::evidence::Tried;
+use super::field::rms;
 use super::kalman::KalmanOperator;
 use super::parts::Parts;
 use super::seen::Seen;
@@ -37,12 +38,16 @@ pub(super) fn estimate(
     seen: &[Seen],
     before: Option<&Structured>,
 ) -> Result<Estimators> {
-    let mut structured = parts.update(seen, before, &Tried::OF_RIG)?;
-    if before.is_some_and(|before| !before.odd.is_empty()) {
-        // a channel that fewer fields called odd can hold the search where it is
-        let anew = parts.update(seen, None, &Tried::OF_RIG)?;
-        if anew.ln_evidence > structured.ln_evidence {
-            structured = anew;
+    let from = |start| parts.update(seen, start, &Tried::OF_RIG);
+    let mut structured = from(before.map(|before| &before.theta))?;
+    let lone_fault = parts.lone_fault(seen);
+    // a channel that fewer fields called odd can hold the search where it is
+    let held = before.is_some_and(|before| !before.odd.is_empty());
+    let nothing = held.then_some(None);
+    for start in nothing.into_iter().chain(lone_fault.as_ref().map(Some)) {
+        let other = from(start)?;
+        if other.ln_evidence > structured.ln_evidence {
+            structured = other;
         }
     }
     let share = Complex64::from(tolerances::DESIGN_SHARE);
@@ -50,6 +55,9 @@ pub(super) fn estimate(
         mobility: structured.mobility.clone(),
         covariance: &structured.covariance + &first.covariance.mapv(|value| value * share),
     };
+    let unexplained = structured.scales.unexplained * rms(&parts.whole.iter().copied().collect());
+    let mut own = remainder.covariance.diag_mut();
+    own.mapv_inplace(|value| value + unexplained.powi(2));
     let mut kalman = open.clone();
     for seen in seen {
         for operator in [&mut remainder, &mut kalman] {

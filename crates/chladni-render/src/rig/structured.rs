@@ -9,7 +9,7 @@ use super::seen::Seen;
 use crate::kernel_error::unsolvable;
 use crate::tolerances;
 use chladni_frf::{Damping, Mode, Result};
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -41,7 +41,7 @@ pub(crate) struct Structured {
     /// The same of their imaginary parts.
     pub(crate) damping_std: Vec<f64>,
     /// All unknowns: where the search goes on once another field is known.
-    theta: Array1<f64>,
+    pub(crate) theta: Array1<f64>,
 }
 
 impl Parts {
@@ -52,11 +52,11 @@ impl Parts {
     pub(crate) fn update(
         &self,
         fields: &[Seen],
-        start: Option<&Structured>,
+        start: Option<&Array1<f64>>,
         tried: &Tried,
     ) -> Result<Structured> {
         let mut theta = match start {
-            Some(start) => start.theta.clone(),
+            Some(start) => start.clone(),
             None => Array1::zeros(self.unknowns()),
         };
         let mut best = self.likeliest(&theta, fields, tried)?;
@@ -105,6 +105,34 @@ impl Parts {
                 .collect(),
             odd: best.odd,
             theta,
+        })
+    }
+
+    /// One dead or reversed channel that foretells magnitudes far better than none does, as
+    /// unknowns to start from. Such a channel turns the phases, which nobody measured, so far
+    /// that the search from nothing ends beside it. `None` where phases were measured.
+    pub(crate) fn lone_fault(&self, fields: &[Seen]) -> Option<Array1<f64>> {
+        if !fields.iter().any(|seen| seen.magnitudes_only) {
+            return None;
+        }
+        let miss = |channel: usize, error: f64| -> f64 {
+            let of_field = |seen: &Seen| {
+                let rows = self.whole.select(Axis(0), &seen.rows);
+                let changed = &rows.column(channel) * (seen.drive[channel] * error);
+                let foretold = rows.dot(&seen.drive) + changed;
+                let pairs = seen.velocity.iter().zip(&foretold);
+                let squares = pairs.map(|(seen, told)| (seen.norm() - told.norm()).powi(2));
+                squares.sum::<f64>() / seen.noise.powi(2)
+            };
+            fields.iter().map(of_field).sum()
+        };
+        let faults = (0..self.actuators()).flat_map(|i| [(i, -1.0), (i, -2.0)]);
+        let missed = faults.map(|(channel, error)| (miss(channel, error), channel, error));
+        let (least, channel, error) = missed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (least < tolerances::LONE_FAULT * miss(0, 0.0)).then(|| {
+            let mut theta = Array1::zeros(self.unknowns());
+            theta[2 * channel] = error;
+            theta
         })
     }
 

@@ -10,7 +10,7 @@ use num_complex::Complex64;
 use std::sync::Arc;
 
 /// Rigs of each kind.
-const RIGS: u64 = 3;
+const RIGS: u64 = 6;
 /// Share that corrections must reach, mean of the smaller of hot and cold ratio.
 const REACHED: f64 = 0.99;
 /// Noise of the scanner over the rms of its field.

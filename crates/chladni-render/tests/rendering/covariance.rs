@@ -21,7 +21,7 @@ fn the_error_bar_is_the_rms_error_over_many_models() {
         loss_factor_relative: errors.loss_factor,
         shape_relative: 0.0,
         isotropic_relative: 0.0,
-        drive_relative: 0.0,
+        drive_relative: Some(0.0),
     };
     let operator = Operator::of_model(truth(), 310.0, None).unwrap();
     let judged: Vec<usize> = (0..77).collect();
@@ -56,7 +56,7 @@ fn the_models_own_error_bars_count_as_drift_does() {
         loss_factor_relative: 0.0,
         shape_relative: 0.0,
         isotropic_relative: 0.0,
-        drive_relative: 0.0,
+        drive_relative: Some(0.0),
     };
     let drift = Drift {
         frequency_relative: 1e-3,
@@ -99,7 +99,7 @@ fn an_error_of_the_modal_masses_is_none_of_the_mobility() {
         loss_factor_relative: 0.0,
         shape_relative: 0.0,
         isotropic_relative: 0.0,
-        drive_relative: 0.0,
+        drive_relative: Some(0.0),
     };
     let judged: Vec<usize> = (0..77).collect();
     let gram = |model: &chladni_frf::ModalModel| {
@@ -162,7 +162,7 @@ fn the_isotropic_part_is_an_error_of_each_entry() {
         loss_factor_relative: 0.0,
         shape_relative: 0.0,
         isotropic_relative: 0.01,
-        drive_relative: 0.0,
+        drive_relative: Some(0.0),
     };
     let operator = Operator::of_model(truth(), 300.0, None).unwrap();
     let covariance = Covariance::of_model(truth(), &operator, &[0, 1], &drift);
@@ -184,7 +184,7 @@ fn errors_of_the_drives_are_those_of_many_wrong_drives() {
         loss_factor_relative: 0.0,
         shape_relative: 0.0,
         isotropic_relative: 0.0,
-        drive_relative: 0.0,
+        drive_relative: Some(0.0),
     };
     let operator = Operator::of_model(truth(), 310.0, None).unwrap();
     let judged: Vec<usize> = (0..77).collect();
@@ -193,7 +193,7 @@ fn errors_of_the_drives_are_those_of_many_wrong_drives() {
         &operator,
         &judged,
         &Drift {
-            drive_relative: 0.03,
+            drive_relative: Some(0.03),
             ..none
         },
     );

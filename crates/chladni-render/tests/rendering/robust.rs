@@ -363,7 +363,7 @@ fn without_any_model_error_both_sides_share_the_margin() {
         loss_factor_relative: 0.0,
         shape_relative: 0.0,
         isotropic_relative: 0.0,
-        drive_relative: 0.0,
+        drive_relative: Some(0.0),
     };
     let options = RenderOptions {
         drift: none,

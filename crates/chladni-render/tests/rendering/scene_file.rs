@@ -317,7 +317,7 @@ fn drift_levels_and_effort_are_read() {
             drift.drive_relative,
             drift.loss_factor_relative
         ),
-        (2e-3, 0.01, 0.1)
+        (2e-3, Some(0.01), 0.1)
     );
     assert_eq!(scene.actuators.max_effort, Some(0.02));
     for (old, new, message) in [

@@ -342,7 +342,7 @@ fn the_share_of_rigs_that_a_drive_serves_is_told_and_true() {
     let default = |hz: f64| {
         let mut scene = corner(hz);
         scene.drift = Some(Drift {
-            drive_relative: 0.02,
+            drive_relative: Some(0.02),
             ..Drift::default()
         });
         render(&simulation().truth, &scene, &RenderOptions::default())

@@ -204,7 +204,7 @@ fn kappa_is_the_least_slack_in_standard_deviations() {
         loss_factor_relative: 0.0,
         shape_relative: 0.0,
         isotropic_relative: 0.0,
-        drive_relative: 0.0,
+        drive_relative: Some(0.0),
     };
     assert_eq!(
         of(none).kappa,
