@@ -11,7 +11,7 @@ use crate::tolerances;
 use chladni_frf::{Finding, Result};
 
 /// The largest of the usual errors, relative, under which the drive that the climb of
-/// `robust` starts from keeps every response with confidence.
+/// `robust` starts from has the κ that the climb seeks already.
 ///
 /// # Errors
 /// Those of the factorisations.
@@ -21,7 +21,7 @@ pub(crate) fn borne(setup: &Setup) -> Result<f64> {
         let problem = &under_error.problem;
         let starts = mls::leading_drives(problem, setup.between())?;
         let kappa = starts.first().map(|drive| problem.score(drive).kappa);
-        if kappa.is_some_and(|kappa| kappa >= problem.kappa_of_confidence()) {
+        if kappa.is_some_and(|kappa| kappa >= problem.kappa_of_confidence() / tolerances::KEEP) {
             return Ok(error);
         }
     }
