@@ -6,14 +6,14 @@
 //! hundred fields, all by a few products of matrices, no more programs.
 
 use crate::finger::Finger;
-use crate::modal_field::{answer, guessed_scale};
+use crate::modal_field::{answer, guessed_scale, halves};
 use crate::problem::{amplitude, Drive};
 use crate::rig_draw::{Draw, StressOptions};
 use crate::setup::Setup;
 use crate::tolerances;
-use chladni_frf::{Damping, Finding, ModalModel, Mode, Scaling, Trust};
+use chladni_frf::{Finding, ModalModel, Mode, Scaling, Trust};
 use chladni_linalg::matmul;
-use ndarray::{concatenate, Array1, Array2, ArrayView1, ArrayView2, Axis};
+use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -155,25 +155,14 @@ impl<'a> Panel<'a> {
         let (operator, judged) = (&setup.operator, &setup.judged);
         let counts = |mode: &&Mode| mode.trust != Trust::Rejected;
         let modes: Vec<&Mode> = model.modes.iter().filter(counts).collect();
-        let shapes = Array2::from_shape_fn((judged.len(), modes.len()), |(k, n)| {
-            modes[n].shape.0[operator.response_rows[judged[k]]]
-                * operator.responses[judged[k]].direction.sign()
-        });
-        let columns = &operator.reference_columns;
-        let participations = Array2::from_shape_fn((modes.len(), columns.len()), |(n, j)| {
-            modes[n].participation.0[columns[j]]
-        });
-        let halves = |of_modes: Array2<Complex64>, axis| match model.damping {
-            Damping::Structural => of_modes,
-            Damping::Viscous => concatenate![axis, of_modes, of_modes.mapv(|value| value.conj())],
-        };
+        let [shapes, participations] = halves(model.damping, &modes, operator, judged);
         Self {
             setup,
             model,
             modes,
             mobility: operator.mobility.select(Axis(0), judged),
-            shapes: halves(shapes, Axis(1)),
-            participations: halves(participations, Axis(0)),
+            shapes,
+            participations,
         }
     }
 

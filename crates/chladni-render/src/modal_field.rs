@@ -5,30 +5,32 @@ use crate::operator::Operator;
 use crate::problem::Drive;
 use crate::tolerances;
 use chladni_frf::{Damping, FrfKind, ModalModel, Mode, Scaling, Trust};
-use ndarray::{Array1, Array2};
+use ndarray::{concatenate, Array1, Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Share of `mode` in the mobility of `operator`; axes (response, actuator).
-pub(crate) fn mode_mobility(
-    model: &ModalModel,
+/// Modes as outer products at `rows` and at the actuators of an operator: shapes, axes
+/// (response, half), and participations, axes (half, actuator). A mode is one half where its
+/// damping is structural; viscous, its conjugate is another one, after those of all modes.
+pub(crate) fn halves(
+    law: Damping,
+    modes: &[&Mode],
     operator: &Operator,
-    mode: &Mode,
-) -> Array2<Complex64> {
-    let alone = ModalModel {
-        modes: vec![mode.clone()],
-        residual_terms: chladni_frf::ResidualTerms {
-            terms: Vec::new(),
-            ..model.residual_terms.clone()
-        },
-        ..model.clone()
+    rows: &[usize],
+) -> [Array2<Complex64>; 2] {
+    let shapes = Array2::from_shape_fn((rows.len(), modes.len()), |(k, n)| {
+        modes[n].shape.0[operator.response_rows[rows[k]]]
+            * operator.responses[rows[k]].direction.sign()
+    });
+    let columns = &operator.reference_columns;
+    let participations = Array2::from_shape_fn((modes.len(), columns.len()), |(n, j)| {
+        modes[n].participation.0[columns[j]]
+    });
+    let both = |of_modes: Array2<Complex64>, axis| match law {
+        Damping::Structural => of_modes,
+        Damping::Viscous => concatenate![axis, of_modes, of_modes.mapv(|value| value.conj())],
     };
-    let all = alone.frf_matrix(FrfKind::Mobility, operator.frequency_hz);
-    let at = |(i, j): (usize, usize)| {
-        all[[operator.response_rows[i], operator.reference_columns[j]]]
-            * operator.responses[i].direction.sign()
-    };
-    Array2::from_shape_fn(operator.mobility.dim(), at)
+    [both(shapes, Axis(1)), both(participations, Axis(0))]
 }
 
 /// Factor from the product of a mode's saved shape to ψψᵀ: 1 where the model is

@@ -185,7 +185,7 @@ impl Parts {
 
     /// The same of the shift of each mode, and of the common one.
     fn shift_precision(&self, scales: &Scales) -> Vec<f64> {
-        let mut precision = vec![2.0 / scales.modes.powi(2); 2 * self.modes.len()];
+        let mut precision = vec![2.0 / scales.modes.powi(2); 2 * self.modes()];
         precision.push(1.0 / scales.common.powi(2));
         precision
     }

@@ -8,7 +8,7 @@
 //! with a complex gain error g for each channel, a complex shift δ for each mode in the band
 //! and a real shift c of all.
 
-use crate::modal_field::mode_mobility;
+use crate::modal_field::{answer, halves};
 use crate::operator::Operator;
 use crate::problem::Drive;
 use chladni_frf::{Damping, ModalModel, Mode, Trust};
@@ -21,8 +21,11 @@ pub(crate) struct Parts {
     /// Of each mode in the band, a and b of its denominator a(1 + δ)² + b(1 + δ) − ω².
     pub(super) poles: Vec<[Complex64; 2]>,
     pub(super) omega_squared: f64,
-    /// Share of each of these modes in the mobility.
-    pub(super) modes: Vec<Array2<Complex64>>,
+    /// Shapes of these modes, axes (response, half): see [`halves`].
+    pub(super) shapes: Array2<Complex64>,
+    /// What each half does per force, axes (half, actuator): its share in the mobility is the
+    /// outer product of both.
+    pub(super) pulls: Array2<Complex64>,
     /// The mobility as the model has it.
     pub(super) whole: Array2<Complex64>,
 }
@@ -33,16 +36,22 @@ impl Parts {
         let omega = TAU * operator.frequency_hz;
         let counts = |mode: &&Mode| mode.in_band && mode.trust != Trust::Rejected;
         let modes: Vec<&Mode> = model.modes.iter().filter(counts).collect();
+        let rows: Vec<usize> = (0..operator.responses.len()).collect();
+        let [shapes, mut pulls] = halves(model.damping, &modes, operator, &rows);
+        for (n, mode) in modes.iter().enumerate() {
+            let answers = answer(model.damping, mode, operator.frequency_hz, 1.0);
+            for (half, answer) in (n..pulls.nrows()).step_by(modes.len()).zip(answers) {
+                pulls.row_mut(half).mapv_inplace(|value| value * answer);
+            }
+        }
         let poles = modes.iter();
         Self {
             poles: poles
                 .map(|mode| denominator(mode, model.damping, omega))
                 .collect(),
             omega_squared: omega * omega,
-            modes: modes
-                .iter()
-                .map(|mode| mode_mobility(model, operator, mode))
-                .collect(),
+            shapes,
+            pulls,
             whole: operator.mobility.clone(),
         }
     }
@@ -51,9 +60,24 @@ impl Parts {
         self.whole.ncols()
     }
 
+    /// Number of modes that may move.
+    pub(super) fn modes(&self) -> usize {
+        self.poles.len()
+    }
+
     /// Real unknowns: gains, shifts, common shift.
     pub(super) fn unknowns(&self) -> usize {
-        2 * self.actuators() + 2 * self.modes.len() + 1
+        2 * self.actuators() + 2 * self.modes() + 1
+    }
+
+    /// What the halves do per force, each times the value of its mode.
+    fn scaled_pulls(&self, of_mode: impl Fn(usize) -> Complex64) -> Array2<Complex64> {
+        let mut pulls = self.pulls.clone();
+        for (half, mut pull) in pulls.rows_mut().into_iter().enumerate() {
+            let factor = of_mode(half % self.modes());
+            pull.mapv_inplace(|value| value * factor);
+        }
+        pulls
     }
 
     /// f_n and its slope at a shift.
@@ -76,23 +100,17 @@ impl Parts {
 
     /// Mobility with the poles of θ, its gains left out.
     pub(super) fn moved(&self, theta: &Array1<f64>) -> Array2<Complex64> {
-        let mut mobility = self.whole.clone();
-        for (n, part) in self.modes.iter().enumerate() {
-            mobility.scaled_add(self.factor(n, self.shift(theta, n)).0 - 1.0, part);
-        }
-        mobility
+        let changes = self.scaled_pulls(|n| self.factor(n, self.shift(theta, n)).0 - 1.0);
+        chladni_linalg::matmul(self.shapes.view(), changes.view()) + &self.whole
     }
 
-    /// Slope of the mobility over the complex shift of each mode, gains left in; axes (mode,
-    /// response and actuator).
+    /// Slope of what the halves do per weight over the complex shift of each mode, gains left
+    /// in; axes (half, actuator).
     pub(super) fn shift_slopes(&self, theta: &Array1<f64>) -> Array2<Complex64> {
-        let gains: Vec<Complex64> = (0..self.actuators()).map(|i| self.gain(theta, i)).collect();
-        let mut slopes = Array2::zeros((self.modes.len(), self.whole.len()));
-        for (n, (mut row, part)) in slopes.rows_mut().into_iter().zip(&self.modes).enumerate() {
-            let (_, steep) = self.factor(n, self.shift(theta, n));
-            for (value, (path, gain)) in row.iter_mut().zip(part.iter().zip(gains.iter().cycle())) {
-                *value = path * gain * steep;
-            }
+        let mut slopes = self.scaled_pulls(|n| self.factor(n, self.shift(theta, n)).1);
+        for (i, mut column) in slopes.columns_mut().into_iter().enumerate() {
+            let gain = self.gain(theta, i);
+            column.mapv_inplace(|value| value * gain);
         }
         slopes
     }
@@ -125,9 +143,12 @@ impl Parts {
                 .assign(&path.mapv(|value| value * Complex64::I));
         }
         let mut common = Array1::zeros(moved.nrows());
-        for (n, part) in self.modes.iter().enumerate() {
-            let (_, steep) = self.factor(n, self.shift(theta, n));
-            let change = part.dot(&played).mapv(|value| value * steep);
+        let forces = self.shift_slopes(theta).dot(drive);
+        for n in 0..self.modes() {
+            let mut change = Array1::<Complex64>::zeros(moved.nrows());
+            for half in (n..forces.len()).step_by(self.modes()) {
+                change.scaled_add(forces[half], &self.shapes.column(half));
+            }
             let at = 2 * (count + n);
             slope.column_mut(at).assign(&change);
             slope

@@ -63,7 +63,7 @@ pub fn poles_of_fields(
         seen.push(Seen::of(field, drive));
     }
     let parts = Parts::new(model, &operator);
-    if parts.modes.is_empty() {
+    if parts.modes() == 0 {
         return Err(Error::bad_data("the model has no mode to follow")
             .field("modes")
             .found("none in the band")

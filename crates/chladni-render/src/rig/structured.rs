@@ -86,10 +86,8 @@ impl Parts {
                     (variance[[2 * i, 2 * i]] + variance[[2 * i + 1, 2 * i + 1]]).sqrt()
                 })
                 .collect(),
-            shifts: (0..self.modes.len())
-                .map(|n| self.shift(&theta, n))
-                .collect(),
-            shift_std: (0..self.modes.len())
+            shifts: (0..self.modes()).map(|n| self.shift(&theta, n)).collect(),
+            shift_std: (0..self.modes())
                 .map(|n| {
                     let (own, common) = (2 * (count + n), theta.len() - 1);
                     let variance = &best.covariance;
@@ -97,7 +95,7 @@ impl Parts {
                     (sum + 2.0 * variance[[own, common]]).max(0.0).sqrt()
                 })
                 .collect(),
-            damping_std: (0..self.modes.len())
+            damping_std: (0..self.modes())
                 .map(|n| {
                     let imaginary = 2 * (count + n) + 1;
                     best.covariance[[imaginary, imaginary]].sqrt()
@@ -138,7 +136,9 @@ impl Parts {
 
     /// mean_k Σ_pq Cov_pq D_pkᴴD_qk with the slopes D of the mobility: mean_k E_kᴴE_k, where
     /// E = LᵀD and Cov = LLᵀ. The real and the imaginary part of an unknown have the slopes D
-    /// and jD: they add (L_re + j·L_im)·D to E. A gain moves its own channel alone.
+    /// and jD: they add (L_re + j·L_im)·D to E. A gain moves its own channel alone, a shift
+    /// the halves of its mode: for one column of L, E = U·diag(s)·V + M·diag(g), with the
+    /// shapes U, the slopes V and the mobility M. The sums over those columns are taken first.
     fn row_covariance(
         &self,
         theta: &Array1<f64>,
@@ -153,20 +153,22 @@ impl Parts {
         let root = chladni_linalg::cholesky(jittered.view()).map_err(unsolvable)?;
         let last = root.row(self.unknowns() - 1);
         let pair = |at: usize, e: usize| Complex64::new(root[[2 * at, e]], root[[2 * at + 1, e]]);
-        let shifts = Array2::from_shape_fn((self.unknowns(), self.modes.len()), |(e, n)| {
-            pair(count + n, e) + last[e]
+        let gains = Array2::from_shape_fn((self.unknowns(), count), |(e, i)| pair(i, e));
+        let shifts = Array2::from_shape_fn((self.unknowns(), self.shapes.ncols()), |(e, half)| {
+            pair(count + half % self.modes(), e) + last[e]
         });
-        let slopes = self.shift_slopes(theta);
-        let shifted = chladni_linalg::matmul(shifts.view(), slopes.view());
-        let moved = self.moved(theta);
-        let mut sum = Array2::<Complex64>::zeros((count, count));
-        for (e, shifted) in shifted.rows().into_iter().enumerate() {
-            let gains: Vec<Complex64> = (0..count).map(|i| pair(i, e)).collect();
-            let errors = Array2::from_shape_fn((responses, count), |(k, i)| {
-                shifted[k * count + i] + gains[i] * moved[[k, i]]
-            });
-            sum += &chladni_linalg::matmul_h(errors.view(), errors.view());
-        }
+        let gram = |a: &Array2<Complex64>, b: &Array2<Complex64>| {
+            chladni_linalg::matmul_h(a.view(), b.view())
+        };
+        let (slopes, moved) = (self.shift_slopes(theta), self.moved(theta));
+        let of_shifts = gram(&shifts, &shifts) * gram(&self.shapes, &self.shapes);
+        let across = gram(&shifts, &gains) * gram(&self.shapes, &moved);
+        let across = gram(&slopes, &across);
+        let of_shifts = chladni_linalg::matmul(of_shifts.view(), slopes.view());
+        let sum = gram(&slopes, &of_shifts)
+            + gram(&gains, &gains) * gram(&moved, &moved)
+            + &across
+            + across.t().mapv(|value| value.conj());
         Ok(sum.mapv(|value| value / responses as f64))
     }
 }
