@@ -65,16 +65,16 @@ pub(super) struct Posterior {
 
 impl Parts {
     /// One Gauss-Newton step at the scales and odd channels of the largest evidence, odds against
-    /// wider scales counted.
+    /// wider scales counted; `odd` are channels that are odd in any case.
     pub(super) fn likeliest(
         &self,
         theta: &Array1<f64>,
         fields: &[Seen],
         tried: &Tried,
+        mut odd: Vec<usize>,
     ) -> Result<Posterior> {
         let normals = self.normals(theta, fields);
         let alternatives = (self.actuators() as f64).ln();
-        let mut odd = Vec::new();
         loop {
             // the best of each scale of gains: an odd channel goes with narrow ones
             let posteriors: Vec<Posterior> = tried

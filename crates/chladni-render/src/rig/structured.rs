@@ -59,7 +59,7 @@ impl Parts {
             Some(start) => start.clone(),
             None => Array1::zeros(self.unknowns()),
         };
-        let mut best = self.likeliest(&theta, fields, tried)?;
+        let mut best = self.likeliest(&theta, fields, tried, Vec::new())?;
         for _ in 1..tolerances::STRUCTURED_STEPS {
             let change = &best.theta - &theta;
             let [change, size] = [&change, &best.theta].map(|values| values.dot(values).sqrt());
@@ -67,7 +67,7 @@ impl Parts {
                 break;
             }
             theta.assign(&best.theta);
-            best = self.likeliest(&theta, fields, tried)?;
+            best = self.likeliest(&theta, fields, tried, best.odd)?;
         }
         let theta = best.theta;
         let count = self.actuators();
