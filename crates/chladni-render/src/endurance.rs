@@ -233,7 +233,7 @@ mod tests {
     use crate::drift::Drift;
     use crate::modal_field::ModalField;
     use crate::scene::Scene;
-    use chladni_frf::{Dof, Node};
+    use chladni_frf::{Damping, Dof, Node};
     use chladni_plate::{Synthetic, SyntheticShapes};
     use std::path::Path;
 
