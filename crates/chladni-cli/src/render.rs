@@ -11,7 +11,7 @@ use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Error, ErrorKind, FrfSet, ModalModel, Result, Source};
+use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
 use chladni_io::{is_same_place, read_model, write_atomically};
 use chladni_render::{
     render_with_others, stress, sweep, Count, FrequencySweep, Method, MethodChoice, RenderOptions,
@@ -118,6 +118,15 @@ struct Given {
 impl Args {
     /// Options that do not go together.
     fn check(&self) -> Result<()> {
+        if !self.also.is_empty() && self.actuators == Count::All {
+            return Err(
+                Error::new(ErrorKind::Usage, "other scenes share chosen actuators only")
+                    .field("--also")
+                    .found("all actuators")
+                    .expected("--actuators auto, or a number")
+                    .help("leave --also out, or add --actuators auto"),
+            );
+        }
         if self.cut.is_none() || self.method == MethodChoice::Only(Method::Modal) {
             return Ok(());
         }
@@ -295,6 +304,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         stress_seed: args.stress.then_some(args.seed),
         sweep_hz: args.sweep.filter(|_| swept.is_none()),
     };
+    let counted = options.actuators != Count::All || options.modes != Count::All;
+    if counted && (args.sweep.is_some() || swept.is_some()) {
+        let words = "the sweep drives all actuators and sums all modes at each frequency";
+        let note = Finding::note("sweep-of-all", words);
+        let help = "render with the same options at the frequency that it suggests";
+        weights.findings.push(note.help(help));
+    }
     trials.on(&mut weights, &model, &scene, &options, console)?;
     if let Some((range, sweep)) = swept {
         weights.options.insert("frequency".into(), "auto".into());
@@ -325,14 +341,14 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         None => Outcome::shown(value_of(&weights)?, text),
     };
     Ok(Outcome {
-        next: next_step(args, &weights),
+        next: next_step(args, &weights, model.band_hz),
         ..outcome.doubted(doubt)
     })
 }
 
 /// A sweep where the drive is too sensitive, the suggested frequency after one; else the
 /// report.
-fn next_step(args: &Args, weights: &Weights) -> Option<String> {
+fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<String> {
     let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
     let again = format!("chladni render {model} {scene}");
     let drive_hz = weights.frequency_hz;
@@ -349,14 +365,24 @@ fn next_step(args: &Args, weights: &Weights) -> Option<String> {
             ))
         }
         (None, true) => {
-            let [low, high] = [drive_hz - SWEEP_HZ, drive_hz + SWEEP_HZ];
-            let low = significant(low.max(1.0), 6);
-            Some(format!("{again} --sweep {low}:{}", significant(high, 6)))
+            let [low, high] = around(drive_hz, band_hz)?.map(|hz| significant(hz, 6));
+            Some(format!("{again} --sweep {low}:{high}"))
         }
         _ => {
             let output = args.output.as_deref().map(shell_path)?;
             Some(format!("chladni report {model} {output} -o report.html"))
         }
+    }
+}
+
+/// The frequencies about a drive, Hz, that a sweep is worth: those that were fitted, where the
+/// model says which. `None` where it has none of them.
+fn around(drive_hz: f64, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let [from, to] = [(drive_hz - SWEEP_HZ).max(1.0), drive_hz + SWEEP_HZ];
+    match low < high {
+        true if from.max(low) < to.min(high) => Some([from.max(low), to.min(high)]),
+        true => None,
+        false => Some([from, to]),
     }
 }
 

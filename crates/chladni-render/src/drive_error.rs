@@ -17,7 +17,7 @@ use chladni_frf::{Finding, Result};
 /// Those of the factorisations.
 pub(crate) fn borne(setup: &Setup) -> Result<f64> {
     for error in tolerances::BORNE_DRIVE_ERRORS {
-        let under_error = setup.with_drive_error(error);
+        let under_error = setup.clone().with_drive_error(error);
         let problem = &under_error.problem;
         let starts = mls::leading_drives(problem, setup.between())?;
         let kappa = starts.first().map(|drive| problem.score(drive).kappa);

@@ -54,7 +54,8 @@ pub struct FrequencySweep {
 }
 
 /// Renders `scene` at frequencies from `low_hz` to `high_hz`, 2 Hz apart, by `mls` unless
-/// another method is asked for.
+/// another method is asked for; all actuators, all modes. Frequencies of which its threshold
+/// says nothing are left out.
 ///
 /// # Errors
 /// As [`crate::render`]; an empty range, or one with more than 500 frequencies; a scene with several tones.
@@ -86,7 +87,18 @@ pub fn sweep(
         );
     }
     let frequencies = (0..=steps as usize).map(|k| low_hz + tolerances::SWEEP_STEP_HZ * k as f64);
-    let frequencies: Vec<f64> = frequencies.collect();
+    let mut frequencies: Vec<f64> = frequencies.collect();
+    let limits = |frequency_hz: f64| {
+        let there = Scene {
+            frequency_hz,
+            ..scene.clone()
+        };
+        there.limits()
+    };
+    if !frequencies.iter().any(|&hz| limits(hz).is_ok()) {
+        limits(low_hz)?;
+    }
+    frequencies.retain(|&hz| limits(hz).is_ok());
     let frequencies = frequencies
         .into_par_iter()
         .map(|frequency_hz| at(model, scene, options, frequency_hz))

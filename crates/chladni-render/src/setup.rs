@@ -160,12 +160,11 @@ impl Setup {
     }
 
     /// The same with an error of each actuator's force for its weight on top, relative.
-    pub(crate) fn with_drive_error(&self, relative: f64) -> Self {
-        let mut setup = self.clone();
-        let covariance = setup.problem.covariance;
-        setup.problem.covariance =
-            covariance.with_drive_error(relative, &setup.operator, &setup.judged);
-        setup
+    pub(crate) fn with_drive_error(mut self, relative: f64) -> Self {
+        let covariance = self.problem.covariance;
+        self.problem.covariance =
+            covariance.with_drive_error(relative, &self.operator, &self.judged);
+        self
     }
 
     /// The responses as nodes of interpolation, where they carry an area.

@@ -335,6 +335,26 @@ fn a_cut_off_is_of_method_modal_alone() {
 }
 
 #[test]
+fn other_scenes_share_chosen_actuators_only() {
+    let folder = prepared();
+    let run = folder
+        .run("render model.json corner.toml --also corner.toml")
+        .exits(2);
+    assert!(run.stderr.contains("--actuators auto"), "{}", run.stderr);
+}
+
+#[test]
+fn a_sweep_says_that_it_counts_nothing() {
+    let folder = prepared();
+    let json = |options: &str| {
+        let line = format!("render model.json corner.toml --sweep 328:330 --json {options}");
+        folder.run(&line).json()["findings"].to_string()
+    };
+    assert!(!json("").contains("sweep-of-all"));
+    assert!(json("--actuators 20").contains("sweep-of-all"));
+}
+
+#[test]
 fn weights_are_not_written_where_their_signal_cannot_be_made() {
     let folder = prepared();
     let path = "[time]\n[[time.move]]\npath_m = [[0.07, 0.08], [9.0, 0.08]]\n\

@@ -5,6 +5,7 @@
 //! eq. 58) is asked, in which every channel may err as amplifiers do and every mode may
 //! move beside the others. The study found the common shift to 1 to 3e-4.
 
+use super::agreement::Likeness;
 use super::calibrated::movable_modes;
 use super::evidence::Tried;
 use super::field::{noise_assumed, LaidField};
@@ -16,6 +17,7 @@ use crate::problem::Drive;
 use crate::tolerances;
 use crate::weights::{Weight, Weights};
 use chladni_frf::{Error, Finding, MeasuredField, ModalModel, Result};
+use ndarray::Axis;
 
 /// A model with poles as fields tell them.
 #[derive(Debug, Clone)]
@@ -57,6 +59,8 @@ pub fn poles_of_fields(
     for (weights, field, sha256) in played {
         let drive = drive_of(weights, &operator, frequency_hz)?;
         let field = LaidField::new(field, &operator, sha256.as_deref())?;
+        let predicted = operator.mobility.select(Axis(0), &field.rows).dot(&drive);
+        Likeness::of(&predicted, &field).check()?;
         if field.noise_assumed && findings.is_empty() {
             findings.push(noise_assumed());
         }

@@ -4,8 +4,8 @@ use crate::common::rig::{magnitudes, Rig};
 use crate::common::{cell_scene, truth};
 use chladni_frf::{Direction, Dof};
 use chladni_render::{
-    correct, evaluate_field, render, FieldEvaluation, Finger, Hypothesis, Place, RenderOptions,
-    Scene, Weights,
+    correct, evaluate_field, poles_of_fields, render, FieldEvaluation, Finger, Hypothesis, Place,
+    RenderOptions, Scene, Weights,
 };
 
 /// Trials of each cause.
@@ -219,6 +219,8 @@ fn a_field_in_the_wrong_unit_is_said_first_and_teaches_nothing() {
             assert_eq!(judged.findings[0].code, "field-level-off");
             let played = [(weights.clone(), field, None)];
             let error = correct(truth(), &scene, &played, &RenderOptions::default()).unwrap_err();
+            assert_eq!(error.field.as_deref(), Some("unit"), "{error}");
+            let error = poles_of_fields(truth(), &played).unwrap_err();
             assert_eq!(error.field.as_deref(), Some("unit"), "{error}");
         }
     }

@@ -5,7 +5,8 @@ use chladni_frf::{ErrorKind, FieldPoint, MeasuredField, ModalModel, Scaling};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{
     calibrate, evaluate, finger_places, play, render, stress, sweep, Drift, Finger, Ground, Method,
-    On, PlayOptions, RenderOptions, Scene, StressOptions, StressRow, Weights,
+    On, PlayOptions, RenderOptions, Scene, StressOptions, StressRow, Threshold, ThresholdTable,
+    Weights,
 };
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -192,6 +193,28 @@ fn the_sweep_suggests_a_frequency_between_modes() {
             "{error}"
         );
     }
+}
+
+#[test]
+fn a_sweep_leaves_out_what_its_threshold_does_not_cover() {
+    let covered = |range| {
+        let mut scene = corner(330.0);
+        scene.threshold = Threshold::Table(ThresholdTable {
+            file: "own.csv".into(),
+            frequency_hz: vec![300.0, 340.0],
+            velocity_m_per_s: vec![2e-4; 2],
+        });
+        sweep(
+            &simulation().truth,
+            &scene,
+            &RenderOptions::default(),
+            range,
+        )
+    };
+    let found = covered([330.0, 350.0]).unwrap();
+    let last = found.frequencies.last().unwrap();
+    assert_eq!((found.frequencies.len(), last.frequency_hz), (6, 340.0));
+    assert!(covered([350.0, 360.0]).is_err());
 }
 
 #[test]
