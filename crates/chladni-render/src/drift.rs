@@ -32,6 +32,14 @@ impl Drift {
         }
     }
 
+    /// The same, where no error of each actuator's force is named with none.
+    pub(crate) fn as_named(self) -> Self {
+        Self {
+            drive_relative: Some(self.drive_error()),
+            ..self
+        }
+    }
+
     /// Error of each actuator's force; 0 where none is named.
     pub(crate) fn drive_error(&self) -> f64 {
         self.drive_relative.unwrap_or(0.0)

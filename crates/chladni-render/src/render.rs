@@ -212,7 +212,9 @@ impl Found {
         let used = fewer.as_ref().unwrap_or(&setup);
         let decision = options.method.decide(&used.problem, options.effort);
         let named = scene.drift.unwrap_or(options.drift).drive_relative;
-        let is_open = named.is_none() && scene.learned.is_none() && scene.touch.is_none();
+        // what touch and time ask for takes the margin that there is
+        let asks_more = scene.touch.is_some() || scene.time.is_some();
+        let is_open = named.is_none() && scene.learned.is_none() && !asks_more;
         let bears = match is_open && decision.method == Method::Robust {
             true => Some(drive_error::borne(used)?),
             false => None,

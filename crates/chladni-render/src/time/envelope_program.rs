@@ -70,6 +70,7 @@ pub(crate) fn solve(
     let mut moved = field(&control) + fixed;
     let mut memory = Memory::default();
     let mut best = kept(&control);
+    let mut in_vain = 0;
     for _ in 0..tolerances::PROGRAM_ROUNDS {
         let slope = |moved: &Array2<Complex64>, control: &Array2<Complex64>| {
             let [pull, strain] = goal.pulls(moved, control);
@@ -101,10 +102,13 @@ pub(crate) fn solve(
             gradient = next;
         }
         let found = kept(&control);
+        in_vain += 1;
         if found.0 < best.0 {
             best = found;
+            in_vain = 0;
         }
-        if best.0 <= asked.slack {
+        // limits that cannot be kept drive the shifts of the rounds ever further
+        if best.0 <= asked.slack || in_vain == tolerances::PROGRAM_PATIENCE {
             break;
         }
         goal.shift(asked, limit, &moved, &control);
@@ -239,9 +243,14 @@ impl Goal {
     }
 }
 
+/// |v| of numbers of order one, without the detour that guards others from overflow.
+fn size_of(v: Complex64) -> f64 {
+    v.norm_sqr().sqrt()
+}
+
 /// The way from the limits of a row.
 fn pull(v: Complex64, most: f64, least: f64) -> Complex64 {
-    let size = v.norm();
+    let size = size_of(v);
     if size > most {
         v * ((size - most) / size)
     } else if size < least {
@@ -254,7 +263,7 @@ fn pull(v: Complex64, most: f64, least: f64) -> Complex64 {
 
 /// The same of a control point, and what it costs.
 fn strain(c: Complex64, limit: f64) -> Complex64 {
-    let size = c.norm().max(f64::MIN_POSITIVE);
+    let size = size_of(c).max(f64::MIN_POSITIVE);
     let over = (1.0 - limit / size).max(0.0);
     c * (tolerances::PROGRAM_FORCE * over + tolerances::PROGRAM_RIDGE)
 }

@@ -116,8 +116,10 @@ struct SteadyDrives<'a> {
 }
 
 impl SteadyDrives<'_> {
-    /// The scene with the zones of a place.
+    /// The scene with the zones of a place. What time asks for takes the margin that there
+    /// is: amplifiers may err as much as the scene says, and no more.
     fn scene_at(&self, place: &Place) -> Scene {
+        let drift = self.scene.drift.unwrap_or(self.options.drift);
         let asked = match place {
             Place::Spot(spot) => Place::Spot(spot.for_passing()),
             other => other.clone(),
@@ -125,6 +127,7 @@ impl SteadyDrives<'_> {
         Scene {
             zones: zones_of(&asked, &self.scene.zones),
             time: None,
+            drift: Some(drift.as_named()),
             ..self.scene.clone()
         }
     }

@@ -124,6 +124,10 @@ pub const PROGRAM_ROUNDS: usize = 12;
 /// See [`PROGRAM_ROUNDS`].
 pub const PROGRAM_STEPS: usize = 16;
 
+/// Rounds in a row without a better drive after which an envelope program ends: where its
+/// limits can be kept each round or every other one is better. Twelve find nothing more.
+pub const PROGRAM_PATIENCE: usize = 3;
+
 /// Steps whose curvature an envelope program remembers. Twenty find nothing more.
 pub const PROGRAM_MEMORY: usize = 10;
 
