@@ -62,6 +62,7 @@ pub(super) fn error_ridge(
     }
     let drift = Drift {
         isotropic_relative: ridge,
+        drive_relative: Some(0.0),
         ..Drift::default()
     };
     let options = RenderOptions {

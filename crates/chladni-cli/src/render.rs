@@ -118,15 +118,6 @@ struct Given {
 impl Args {
     /// Options that do not go together.
     fn check(&self) -> Result<()> {
-        if !self.also.is_empty() && self.actuators == Count::All {
-            return Err(
-                Error::new(ErrorKind::Usage, "other scenes share chosen actuators only")
-                    .field("--also")
-                    .found("all actuators")
-                    .expected("--actuators auto, or a number")
-                    .help("leave --also out, or add --actuators auto"),
-            );
-        }
         if self.cut.is_none() || self.method == MethodChoice::Only(Method::Modal) {
             return Ok(());
         }
@@ -137,6 +128,23 @@ impl Args {
                 .expected("--method modal")
                 .help("leave --cut out, or add --method modal"),
         )
+    }
+
+    /// Notes on options that do not reach where one might expect.
+    fn without_effect(&self) -> Vec<Finding> {
+        let all_actuators = self.actuators == Count::All;
+        let mut notes = Vec::new();
+        if !self.also.is_empty() && all_actuators {
+            let words = "the scenes of --also change nothing where all actuators are used";
+            let help = "add --actuators auto, or leave --also out";
+            notes.push(Finding::note("also-of-all", words).help(help));
+        }
+        let sweeps = self.sweep.is_some() || matches!(self.frequency, Some(Frequency::Auto));
+        if sweeps && !(all_actuators && self.modes == Count::All) {
+            let words = "the sweep drives all actuators and sums all modes at each frequency";
+            notes.push(Finding::note("sweep-of-all", words));
+        }
+        notes
     }
 
     fn read(&self, console: &Console) -> Result<Given> {
@@ -304,13 +312,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         stress_seed: args.stress.then_some(args.seed),
         sweep_hz: args.sweep.filter(|_| swept.is_none()),
     };
-    let counted = options.actuators != Count::All || options.modes != Count::All;
-    if counted && (args.sweep.is_some() || swept.is_some()) {
-        let words = "the sweep drives all actuators and sums all modes at each frequency";
-        let note = Finding::note("sweep-of-all", words);
-        let help = "render with the same options at the frequency that it suggests";
-        weights.findings.push(note.help(help));
-    }
+    weights.findings.extend(args.without_effect());
     trials.on(&mut weights, &model, &scene, &options, console)?;
     if let Some((range, sweep)) = swept {
         weights.options.insert("frequency".into(), "auto".into());
@@ -379,11 +381,11 @@ fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<String
 /// model says which. `None` where it has none of them.
 fn around(drive_hz: f64, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let [from, to] = [(drive_hz - SWEEP_HZ).max(1.0), drive_hz + SWEEP_HZ];
-    match low < high {
-        true if from.max(low) < to.min(high) => Some([from.max(low), to.min(high)]),
-        true => None,
-        false => Some([from, to]),
+    if low >= high {
+        return Some([from, to]);
     }
+    let [from, to] = [from.max(low), to.min(high)];
+    (from < to).then_some([from, to])
 }
 
 /// Renders one scene; the weights know their sources.

@@ -32,16 +32,16 @@ pub(crate) fn borne(setup: &Setup) -> Result<f64> {
 pub(crate) fn finding(borne: f64) -> Option<Finding> {
     let [usual, ..] = tolerances::BORNE_DRIVE_ERRORS;
     (borne < usual).then(|| {
+        let bears = match borne > 0.0 {
+            true => format!("errors of its amplifiers of {:.0} %", 100.0 * borne),
+            false => "no errors of its amplifiers".to_owned(),
+        };
         let words = format!(
-            "the drive is made for amplifiers that are off by {:.0} %, not by {:.0} %: more would \
-             cost ground",
-            100.0 * borne,
-            100.0 * usual,
+            "the drive bears {bears}: {:.0} % would cost ground",
+            100.0 * usual
         );
         Finding::note("few-drive-errors-borne", words)
             .value("drive_relative", borne)
-            .help(
-                "choose a less sensitive frequency, or name the error in the scene and pay for it",
-            )
+            .help("choose a less sensitive frequency or more actuators, or name it in the scene")
     })
 }

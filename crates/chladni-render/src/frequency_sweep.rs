@@ -95,10 +95,10 @@ pub fn sweep(
         };
         there.limits()
     };
-    if !frequencies.iter().any(|&hz| limits(hz).is_ok()) {
+    frequencies.retain(|&hz| limits(hz).is_ok());
+    if frequencies.is_empty() {
         limits(low_hz)?;
     }
-    frequencies.retain(|&hz| limits(hz).is_ok());
     let frequencies = frequencies
         .into_par_iter()
         .map(|frequency_hz| at(model, scene, options, frequency_hz))

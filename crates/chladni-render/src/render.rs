@@ -138,6 +138,8 @@ fn render_tone(
     let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
     let endurance = endures.then(|| Endurance::of(setup, model, drive, gain_error));
     findings.extend(endurance.iter().filter_map(Endurance::finding));
+    let bears = found.bears.filter(|_| feasible);
+    findings.extend(bears.and_then(drive_error::finding));
     let touch = under_fingers(model, scene, setup, drive);
     if let Some(told) = &touch {
         let touched_db = found.solution.touched_db;
@@ -148,7 +150,7 @@ fn render_tone(
     numbered(&mut findings, &in_band_hz(model));
     let weights = Weights {
         options: options.to_json(&Drift {
-            drive_relative: found.drive_error,
+            drive_relative: found.named.or(found.bears),
             ..scene.drift.unwrap_or(options.drift)
         }),
         ceiling,
@@ -176,8 +178,10 @@ struct Found {
     fewer: Option<Setup>,
     /// Number of the actuators chosen.
     actuators: usize,
-    /// Error of each actuator's force that the drive was made for, relative.
-    drive_error: Option<f64>,
+    /// Error of each actuator's force, relative, that the scene or the options name.
+    named: Option<f64>,
+    /// The one that the drive bears where none is named; `None` where that is not sought.
+    bears: Option<f64>,
     method: Method,
     /// The drive of the actuators chosen.
     solution: Solution,
@@ -226,7 +230,6 @@ impl Found {
         let mut findings = setup.findings.clone();
         findings.extend(of_modes);
         findings.extend(chosen.finding);
-        findings.extend(bears.and_then(drive_error::finding));
         findings.append(&mut solution.findings);
         Ok(Self {
             drive: spread(&solution.drive, &chosen.columns, all),
@@ -234,7 +237,8 @@ impl Found {
             setup,
             judge,
             fewer,
-            drive_error: named.or(bears),
+            named,
+            bears,
             method,
             solution,
             findings,

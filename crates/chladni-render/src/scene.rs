@@ -210,7 +210,10 @@ fn read_drift(table: &Table) -> Result<Drift> {
     table.only_keys(KEYS, "drift")?;
     let mut drift = Drift::default();
     for (key, _) in Drift::default().named() {
-        if let (Some(value), Some(place)) = (table.get(key), drift.named_mut(key)) {
+        let Some(value) = table.get(key) else {
+            continue;
+        };
+        if let Some(place) = drift.named_mut(key) {
             *place = value.not_negative()?;
         }
     }

@@ -335,16 +335,7 @@ fn a_cut_off_is_of_method_modal_alone() {
 }
 
 #[test]
-fn other_scenes_share_chosen_actuators_only() {
-    let folder = prepared();
-    let run = folder
-        .run("render model.json corner.toml --also corner.toml")
-        .exits(2);
-    assert!(run.stderr.contains("--actuators auto"), "{}", run.stderr);
-}
-
-#[test]
-fn a_sweep_says_that_it_counts_nothing() {
+fn options_that_do_not_reach_a_sweep_or_other_scenes_are_said() {
     let folder = prepared();
     let json = |options: &str| {
         let line = format!("render model.json corner.toml --sweep 328:330 --json {options}");
@@ -352,6 +343,7 @@ fn a_sweep_says_that_it_counts_nothing() {
     };
     assert!(!json("").contains("sweep-of-all"));
     assert!(json("--actuators 20").contains("sweep-of-all"));
+    assert!(json("--also corner.toml").contains("also-of-all"));
 }
 
 #[test]

@@ -69,10 +69,11 @@ impl<'a> Calibrated<'a> {
             Some(known) if scene.drift.is_none() => scene.learned = Some(known.clone().into()),
             _ => {}
         }
-        if scene.drift.is_none() {
-            scene.drift = gain_error.map(|left| Drift {
-                drive_relative: Some(left),
-                ..*drift
+        if gain_error.is_some() {
+            let asked = scene.drift.unwrap_or(*drift);
+            scene.drift = Some(Drift {
+                drive_relative: asked.drive_relative.or(gain_error),
+                ..asked
             });
         }
         let findings = [applied(calibration, known, same_model)]

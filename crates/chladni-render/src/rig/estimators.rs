@@ -3,7 +3,6 @@
 
 use super::calibration::Estimator;
 use super::evidence::Tried;
-use super::field::rms;
 use super::kalman::KalmanOperator;
 use super::parts::Parts;
 use super::seen::Seen;
@@ -41,12 +40,20 @@ pub(super) fn estimate(
     let from = |start| parts.update(seen, start, &Tried::OF_RIG);
     let mut structured = from(before.map(|before| &before.theta))?;
     let lone_fault = parts.lone_fault(seen);
-    // a channel that fewer fields called odd can hold the search where it is
-    let held = before.is_some_and(|before| !before.odd.is_empty());
-    let nothing = held.then_some(None);
-    for start in nothing.into_iter().chain(lone_fault.as_ref().map(Some)) {
+    let mut starts: Vec<Option<&Array1<f64>>> = Vec::new();
+    if before.is_some_and(|before| !before.odd.is_empty()) {
+        // a channel that fewer fields called odd can hold the search where it is
+        starts.push(None);
+    }
+    if lone_fault.is_some() {
+        starts.push(lone_fault.as_ref());
+    }
+    // each odd channel has to be worth its odds, as within a search
+    let odds = (parts.actuators() as f64).ln() + tolerances::ODD_EVIDENCE;
+    let worth = |found: &Structured| found.ln_evidence - odds * found.odd.len() as f64;
+    for start in starts {
         let other = from(start)?;
-        if other.ln_evidence > structured.ln_evidence {
+        if worth(&other) > worth(&structured) {
             structured = other;
         }
     }
@@ -55,7 +62,7 @@ pub(super) fn estimate(
         mobility: structured.mobility.clone(),
         covariance: &structured.covariance + &first.covariance.mapv(|value| value * share),
     };
-    let unexplained = structured.scales.unexplained * rms(&parts.whole.iter().copied().collect());
+    let unexplained = structured.scales.unexplained * parts.size();
     let mut own = remainder.covariance.diag_mut();
     own.mapv_inplace(|value| value + unexplained.powi(2));
     let mut kalman = open.clone();

@@ -4,7 +4,6 @@
 //! the shifts under each prior of the gains: the gains, most of the unknowns, are eliminated
 //! once for all of them.
 
-use super::field::rms;
 use super::parts::Parts;
 use super::seen::Seen;
 use crate::kernel_error::unsolvable;
@@ -44,7 +43,7 @@ struct Share {
 impl Parts {
     /// The normal equations around θ, by the scale of the unexplained part.
     pub(super) fn normals(&self, theta: &Array1<f64>, fields: &[Seen]) -> Vec<(f64, Normal)> {
-        let size = rms(&self.whole.iter().copied().collect());
+        let size = self.size();
         let shares: Vec<Share> = fields.iter().map(|seen| self.share(theta, seen)).collect();
         let normal = |&unexplained: &f64| {
             let unknowns = self.unknowns();

@@ -8,6 +8,7 @@
 //! with a complex gain error g for each channel, a complex shift δ for each mode in the band
 //! and a real shift c of all.
 
+use super::field::rms;
 use crate::modal_field::{answer, halves};
 use crate::operator::Operator;
 use crate::problem::Drive;
@@ -58,6 +59,11 @@ impl Parts {
 
     pub(super) fn actuators(&self) -> usize {
         self.whole.ncols()
+    }
+
+    /// Rms of the mobility as the model has it.
+    pub(super) fn size(&self) -> f64 {
+        rms(&self.whole.iter().copied().collect())
     }
 
     /// Number of modes that may move.
@@ -180,7 +186,6 @@ pub(super) fn denominator(mode: &Mode, damping: Damping, omega: f64) -> [Complex
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rig::field::rms;
     use chladni_frf::{Dof, Node};
     use chladni_plate::{Synthetic, SyntheticShapes};
 

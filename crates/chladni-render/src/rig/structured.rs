@@ -108,21 +108,26 @@ impl Parts {
 
     /// One dead or reversed channel that foretells magnitudes far better than none does, as
     /// unknowns to start from. Such a channel turns the phases, which nobody measured, so far
-    /// that the search from nothing ends beside it. `None` where phases were measured.
+    /// that the search from nothing ends beside it. `None` where every field has phases.
     pub(crate) fn lone_fault(&self, fields: &[Seen]) -> Option<Array1<f64>> {
         if !fields.iter().any(|seen| seen.magnitudes_only) {
             return None;
         }
+        let paths = fields.iter().map(|seen| {
+            let rows = self.whole.select(Axis(0), &seen.rows);
+            let foretold = rows.dot(&seen.drive);
+            (seen, rows, foretold)
+        });
+        let paths: Vec<_> = paths.collect();
         let miss = |channel: usize, error: f64| -> f64 {
-            let of_field = |seen: &Seen| {
-                let rows = self.whole.select(Axis(0), &seen.rows);
-                let changed = &rows.column(channel) * (seen.drive[channel] * error);
-                let foretold = rows.dot(&seen.drive) + changed;
-                let pairs = seen.velocity.iter().zip(&foretold);
-                let squares = pairs.map(|(seen, told)| (seen.norm() - told.norm()).powi(2));
-                squares.sum::<f64>() / seen.noise.powi(2)
-            };
-            fields.iter().map(of_field).sum()
+            let of_field =
+                |(seen, rows, foretold): &(&Seen, Array2<Complex64>, Array1<Complex64>)| {
+                    let changed = foretold + &rows.column(channel) * (seen.drive[channel] * error);
+                    let pairs = seen.velocity.iter().zip(&changed);
+                    let squares = pairs.map(|(seen, told)| (seen.norm() - told.norm()).powi(2));
+                    squares.sum::<f64>() / seen.noise.powi(2)
+                };
+            paths.iter().map(of_field).sum()
         };
         let faults = (0..self.actuators()).flat_map(|i| [(i, -1.0), (i, -2.0)]);
         let missed = faults.map(|(channel, error)| (miss(channel, error), channel, error));

@@ -94,7 +94,8 @@ pub const STRUCTURED_STEPS: usize = 6;
 pub const STRUCTURED_CHANGE: f64 = 1e-3;
 
 /// Share of the covariance before any field that an operator keeps beside the posterior of
-/// its gains and poles: what these cannot express.
+/// its gains and poles and the unexplained part that evidence tells: what a few fields do
+/// not show.
 pub const DESIGN_SHARE: f64 = 0.1;
 
 /// Error of each channel, rms of the complex factor, that the operator update starts from at

@@ -320,6 +320,9 @@ fn drift_levels_and_effort_are_read() {
         (2e-3, Some(0.01), 0.1)
     );
     assert_eq!(scene.actuators.max_effort, Some(0.02));
+    let unnamed = text.replacen("drive_relative = 0.01\n", "", 1);
+    let scene = chladni_render::Scene::parse(&unnamed, std::path::Path::new("")).unwrap();
+    assert_eq!(scene.drift.unwrap().drive_relative, None);
     for (old, new, message) in [
         ("drive_relative", "drive_relativ", "drive_relative"),
         ("= 0.01", "= -1", "0"),
