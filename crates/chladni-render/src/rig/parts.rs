@@ -184,33 +184,39 @@ pub(super) fn denominator(mode: &Mode, damping: Damping, omega: f64) -> [Complex
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use chladni_frf::{Dof, Node};
     use chladni_plate::{Synthetic, SyntheticShapes};
 
+    /// A model of two modes, with places for its responses.
+    pub(crate) fn two_modes(damping: Damping) -> ModalModel {
+        let mut model = Synthetic {
+            natural_frequency_hz: vec![80.0, 120.0],
+            loss_factor: vec![0.08, 0.05],
+            responses: 5,
+            references: 2,
+            shapes: SyntheticShapes::Real,
+            damping,
+            frequency_hz: Array1::range(10.0, 200.0, 1.0),
+            residual_powers: Vec::new(),
+            ..Synthetic::default()
+        }
+        .build()
+        .unwrap()
+        .truth;
+        let node = |(k, dof): (usize, &Dof)| Node {
+            label: dof.node,
+            xyz_m: [0.01 * k as f64, 0.01 * (k % 2) as f64, 0.0],
+        };
+        model.nodes = model.responses.iter().enumerate().map(node).collect();
+        model
+    }
+
     #[test]
     fn a_shift_of_all_poles_is_that_of_the_model_in_both_laws() {
         for damping in [Damping::Structural, Damping::Viscous] {
-            let mut model = Synthetic {
-                natural_frequency_hz: vec![80.0, 120.0],
-                loss_factor: vec![0.08, 0.05],
-                responses: 5,
-                references: 2,
-                shapes: SyntheticShapes::Real,
-                damping,
-                frequency_hz: Array1::range(10.0, 200.0, 1.0),
-                residual_powers: Vec::new(),
-                ..Synthetic::default()
-            }
-            .build()
-            .unwrap()
-            .truth;
-            let node = |(k, dof): (usize, &Dof)| Node {
-                label: dof.node,
-                xyz_m: [0.01 * k as f64, 0.01 * (k % 2) as f64, 0.0],
-            };
-            model.nodes = model.responses.iter().enumerate().map(node).collect();
+            let model = two_modes(damping);
             let operator = |model: &ModalModel| Operator::of_model(model, 100.0, None).unwrap();
             let parts = Parts::new(&model, &operator(&model));
             let shift = 1e-5;

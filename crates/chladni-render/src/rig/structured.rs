@@ -207,7 +207,46 @@ impl Structured {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::operator::Operator;
+    use crate::rig::parts::tests::two_modes;
     use chladni_plate::{Synthetic, SyntheticShapes};
+
+    /// The covariance of the rows is the sum over all pairs of unknowns, in both laws.
+    #[test]
+    fn row_covariance_is_the_sum_over_pairs_of_unknowns() {
+        for damping in [Damping::Structural, Damping::Viscous] {
+            let model = two_modes(damping);
+            let operator = Operator::of_model(&model, 100.0, None).unwrap();
+            let parts = Parts::new(&model, &operator);
+            let (unknowns, count) = (parts.unknowns(), parts.actuators());
+            let some = |p: usize| 0.02 * (1.7 * p as f64 + 0.3).sin();
+            let theta: Array1<f64> = (0..unknowns).map(some).collect();
+            let covariance = Array2::from_shape_fn((unknowns, unknowns), |(p, q)| {
+                some(p + 3) * some(q + 3) + if p == q { 1e-3 } else { 0.0 }
+            });
+            let slopes: Vec<Array2<Complex64>> = (0..count)
+                .map(|i| {
+                    let mut alone = Array1::zeros(count);
+                    alone[i] = Complex64::ONE;
+                    parts.field(&theta, &alone).1
+                })
+                .collect();
+            let responses = operator.responses.len();
+            let direct = Array2::from_shape_fn((count, count), |(i, j)| {
+                let mut sum = Complex64::ZERO;
+                for ((p, q), &value) in covariance.indexed_iter() {
+                    for k in 0..responses {
+                        sum += slopes[i][[k, p]].conj() * slopes[j][[k, q]] * value;
+                    }
+                }
+                sum / responses as f64
+            });
+            let found = parts.row_covariance(&theta, &covariance).unwrap();
+            let size = |m: &Array2<Complex64>| m.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+            let apart = size(&(&found - &direct));
+            assert!(apart < 1e-9 * size(&direct), "{damping:?}: {apart:e}");
+        }
+    }
 
     #[test]
     fn a_moved_pole_has_the_denominator_of_its_shift() {

@@ -386,8 +386,8 @@ fn usual_amplifiers_are_borne_where_margin_allows() {
     assert_eq!(borne(&weights(275.0, "")), Some(0.01));
     let of_ninth = |drift| {
         let scene = Scene {
-            frequency_hz: 330.0,
-            ..cell_scene([3, 3], 4, drift)
+            frequency_hz: 350.0,
+            ..cell_scene([3, 3], 2, drift)
         };
         let weights = rendered(truth(), &scene, Method::Robust).weights;
         weights.endurance.unwrap().survival_ratio
