@@ -1,14 +1,13 @@
 //! `chladni render`: weights that move a panel here and keep it quiet there.
 
 mod drive;
+mod next_step;
 mod text;
 
 use crate::limits::SWEEP_HZ;
 use crate::signal_files::SignalFiles;
 use chladni_console::input::{expand, read_frf, source, Reading};
 use chladni_console::output::{Output, SIGNAL_OR_TABLE, WEIGHTS};
-use chladni_console::quoting::shell_path;
-use chladni_console::table::significant;
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
@@ -19,6 +18,7 @@ use chladni_render::{
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use drive::Drive;
+use next_step::next_step;
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
 
@@ -346,46 +346,6 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         next: next_step(args, &weights, model.band_hz),
         ..outcome.doubted(doubt)
     })
-}
-
-/// A sweep where the drive is too sensitive, the suggested frequency after one; else the
-/// report.
-fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<String> {
-    let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
-    let again = format!("chladni render {model} {scene}");
-    let drive_hz = weights.frequency_hz;
-    let is_sensitive = weights
-        .findings
-        .iter()
-        .any(|finding| finding.code == "rig-sensitive");
-    match (&weights.sweep, is_sensitive || !weights.feasible) {
-        (Some(sweep), true) => {
-            let hz = sweep.suggested_hz.filter(|hz| *hz != drive_hz)?;
-            Some(format!(
-                "set frequency_hz = {} in {scene}, then {again}",
-                significant(hz, 6)
-            ))
-        }
-        (None, true) => {
-            let [low, high] = around(drive_hz, band_hz)?.map(|hz| significant(hz, 6));
-            Some(format!("{again} --sweep {low}:{high}"))
-        }
-        _ => {
-            let output = args.output.as_deref().map(shell_path)?;
-            Some(format!("chladni report {model} {output} -o report.html"))
-        }
-    }
-}
-
-/// The frequencies about a drive, Hz, that a sweep is worth: those that were fitted, where the
-/// model says which. `None` where it has none of them.
-fn around(drive_hz: f64, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
-    let [from, to] = [(drive_hz - SWEEP_HZ).max(1.0), drive_hz + SWEEP_HZ];
-    if low >= high {
-        return Some([from, to]);
-    }
-    let [from, to] = [from.max(low), to.min(high)];
-    (from < to).then_some([from, to])
 }
 
 /// Renders one scene; the weights know their sources.

@@ -233,8 +233,8 @@ mod tests {
     use crate::drift::Drift;
     use crate::modal_field::ModalField;
     use crate::scene::Scene;
-    use chladni_frf::{Damping, Dof, Node};
-    use chladni_plate::{Synthetic, SyntheticShapes};
+    use crate::test_model::test_model;
+    use chladni_frf::Damping;
     use std::path::Path;
 
     /// Many rigs at a time are what each is by itself, in both damping laws.
@@ -243,25 +243,8 @@ mod tests {
         let text = "frequency_hz = 100.0\n[zones]\ngrid = [2, 1]\nhot = [1]\n\
                     transition_m = 0.001\n";
         for damping in [Damping::Structural, Damping::Viscous] {
-            let mut model = Synthetic {
-                natural_frequency_hz: vec![80.0, 99.0, 120.0],
-                loss_factor: vec![0.08, 0.03, 0.05],
-                responses: 12,
-                references: 3,
-                shapes: SyntheticShapes::Real,
-                damping,
-                frequency_hz: Array1::range(10.0, 200.0, 1.0),
-                residual_powers: Vec::new(),
-                ..Synthetic::default()
-            }
-            .build()
-            .unwrap()
-            .truth;
-            let node = |(k, dof): (usize, &Dof)| Node {
-                label: dof.node,
-                xyz_m: [0.01 * (k % 4) as f64, 0.01 * (k / 4) as f64, 0.0],
-            };
-            model.nodes = model.responses.iter().enumerate().map(node).collect();
+            let modes = [(80.0, 0.08), (99.0, 0.03), (120.0, 0.05)];
+            let mut model = test_model(damping, &modes, [12, 3]);
             model.scaling = Scaling::UnitModalMass;
             let scene = Scene::parse(text, Path::new("")).unwrap();
             let setup = Setup::new(&model, &scene, &Drift::default()).unwrap();

@@ -84,6 +84,8 @@ mod setup;
 mod shortcomings;
 mod signals;
 mod stress;
+#[cfg(test)]
+mod test_model;
 mod threshold;
 mod time;
 mod tolerances;

@@ -24,8 +24,8 @@ pub(crate) struct Parts {
     pub(super) omega_squared: f64,
     /// Shapes of these modes, axes (response, half): see [`halves`].
     pub(super) shapes: Array2<Complex64>,
-    /// What each half does per force, axes (half, actuator): its share in the mobility is the
-    /// outer product of both.
+    /// Pull of each actuator on each half, per force, axes (half, actuator): the share of a half
+    /// in the mobility is the outer product of both.
     pub(super) pulls: Array2<Complex64>,
     /// The mobility as the model has it.
     pub(super) whole: Array2<Complex64>,
@@ -76,7 +76,7 @@ impl Parts {
         2 * self.actuators() + 2 * self.modes() + 1
     }
 
-    /// What the halves do per force, each times the value of its mode.
+    /// The pulls on the halves, each times the value of its mode.
     fn scaled_pulls(&self, of_mode: impl Fn(usize) -> Complex64) -> Array2<Complex64> {
         let mut pulls = self.pulls.clone();
         for (half, mut pull) in pulls.rows_mut().into_iter().enumerate() {
@@ -110,8 +110,8 @@ impl Parts {
         chladni_linalg::matmul(self.shapes.view(), changes.view()) + &self.whole
     }
 
-    /// Slope of what the halves do per weight over the complex shift of each mode, gains left
-    /// in; axes (half, actuator).
+    /// Slope of the pull on each half, per weight, over the complex shift of its mode, gains
+    /// left in; axes (half, actuator).
     pub(super) fn shift_slopes(&self, theta: &Array1<f64>) -> Array2<Complex64> {
         let mut slopes = self.scaled_pulls(|n| self.factor(n, self.shift(theta, n)).1);
         for (i, mut column) in slopes.columns_mut().into_iter().enumerate() {
@@ -184,39 +184,14 @@ pub(super) fn denominator(mode: &Mode, damping: Damping, omega: f64) -> [Complex
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use chladni_frf::{Dof, Node};
-    use chladni_plate::{Synthetic, SyntheticShapes};
-
-    /// A model of two modes, with places for its responses.
-    pub(crate) fn two_modes(damping: Damping) -> ModalModel {
-        let mut model = Synthetic {
-            natural_frequency_hz: vec![80.0, 120.0],
-            loss_factor: vec![0.08, 0.05],
-            responses: 5,
-            references: 2,
-            shapes: SyntheticShapes::Real,
-            damping,
-            frequency_hz: Array1::range(10.0, 200.0, 1.0),
-            residual_powers: Vec::new(),
-            ..Synthetic::default()
-        }
-        .build()
-        .unwrap()
-        .truth;
-        let node = |(k, dof): (usize, &Dof)| Node {
-            label: dof.node,
-            xyz_m: [0.01 * k as f64, 0.01 * (k % 2) as f64, 0.0],
-        };
-        model.nodes = model.responses.iter().enumerate().map(node).collect();
-        model
-    }
+    use crate::test_model::test_model;
 
     #[test]
     fn a_shift_of_all_poles_is_that_of_the_model_in_both_laws() {
         for damping in [Damping::Structural, Damping::Viscous] {
-            let model = two_modes(damping);
+            let model = test_model(damping, &[(80.0, 0.08), (120.0, 0.05)], [5, 2]);
             let operator = |model: &ModalModel| Operator::of_model(model, 100.0, None).unwrap();
             let parts = Parts::new(&model, &operator(&model));
             let shift = 1e-5;

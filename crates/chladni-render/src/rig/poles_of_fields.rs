@@ -39,8 +39,7 @@ pub struct PolesOfFields {
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::BadData`]: no field; weights of several frequencies, of
-/// actuators or in a unit that the model lacks; a field that does not belong to its weights or is in another
-/// unit;
+/// actuators or in a unit that the model lacks; a field of other weights or in another unit;
 /// a model without modes in its band.
 pub fn poles_of_fields(
     model: &ModalModel,

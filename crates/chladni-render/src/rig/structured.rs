@@ -208,14 +208,13 @@ impl Structured {
 mod tests {
     use super::*;
     use crate::operator::Operator;
-    use crate::rig::parts::tests::two_modes;
-    use chladni_plate::{Synthetic, SyntheticShapes};
+    use crate::test_model::test_model;
 
     /// The covariance of the rows is the sum over all pairs of unknowns, in both laws.
     #[test]
     fn row_covariance_is_the_sum_over_pairs_of_unknowns() {
         for damping in [Damping::Structural, Damping::Viscous] {
-            let model = two_modes(damping);
+            let model = test_model(damping, &[(80.0, 0.08), (120.0, 0.05)], [5, 2]);
             let operator = Operator::of_model(&model, 100.0, None).unwrap();
             let parts = Parts::new(&model, &operator);
             let (unknowns, count) = (parts.unknowns(), parts.actuators());
@@ -250,19 +249,8 @@ mod tests {
 
     #[test]
     fn a_moved_pole_has_the_denominator_of_its_shift() {
-        let mode = |damping| Synthetic {
-            natural_frequency_hz: vec![80.0],
-            loss_factor: vec![0.08],
-            responses: 2,
-            references: 1,
-            shapes: SyntheticShapes::Real,
-            damping,
-            frequency_hz: Array1::range(10.0, 200.0, 1.0),
-            residual_powers: Vec::new(),
-            ..Synthetic::default()
-        };
         for damping in [Damping::Structural, Damping::Viscous] {
-            let mode = mode(damping).build().unwrap().truth.modes[0].clone();
+            let mode = test_model(damping, &[(80.0, 0.08)], [2, 1]).modes[0].clone();
             let [square, linear] = denominator(&mode, damping, TAU * 100.0);
             let shift = Complex64::new(0.01, 0.005);
             let structured = Structured {

@@ -79,8 +79,8 @@ pub const ANY_SHIFT: f64 = 1e-2;
 /// ln of the evidence, alternatives counted, from which on a channel is odd: 150 to 1.
 pub const ODD_EVIDENCE: f64 = 5.0;
 
-/// What one dead or reversed channel must leave of the squared miss of magnitudes, so that
-/// the search begins with it, too. A dead one among amplifiers of 2 % leaves a few percent;
+/// Share of the squared miss of magnitudes that one dead or reversed channel may leave, so
+/// that the search begins with it, too. A dead one among amplifiers of 2 % leaves a few percent;
 /// the search begins in vain where this is ten times more, and misses it at ten times less.
 pub const LONE_FAULT: f64 = 0.5;
 

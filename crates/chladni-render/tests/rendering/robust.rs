@@ -357,8 +357,8 @@ fn the_default_is_robust_and_fast_is_pressure_matching() {
     );
 }
 
-/// Where margin allows, the usual error of amplifiers is borne unasked; beside the mode at
-/// 299.4 Hz it is not, and a note says so. What the scene names holds whatever it costs.
+/// The usual error of amplifiers is borne unasked between modes; beside the mode at 299.4 Hz
+/// it is not, and a note says so. An error that the scene names holds whatever it costs.
 #[test]
 fn usual_amplifiers_are_borne_where_margin_allows() {
     let weights = |frequency_hz, drift| {

@@ -1,0 +1,47 @@
+//! The command that `chladni render` suggests as the next one.
+
+use super::Args;
+use crate::limits::SWEEP_HZ;
+use chladni_console::quoting::shell_path;
+use chladni_console::table::significant;
+use chladni_render::Weights;
+
+/// A sweep where the drive is too sensitive, the suggested frequency after one; else the
+/// report.
+pub fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<String> {
+    let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
+    let again = format!("chladni render {model} {scene}");
+    let drive_hz = weights.frequency_hz;
+    let is_sensitive = weights
+        .findings
+        .iter()
+        .any(|finding| finding.code == "rig-sensitive");
+    match (&weights.sweep, is_sensitive || !weights.feasible) {
+        (Some(sweep), true) => {
+            let hz = sweep.suggested_hz.filter(|hz| *hz != drive_hz)?;
+            Some(format!(
+                "set frequency_hz = {} in {scene}, then {again}",
+                significant(hz, 6)
+            ))
+        }
+        (None, true) => {
+            let [low, high] = around(drive_hz, band_hz)?.map(|hz| significant(hz, 6));
+            Some(format!("{again} --sweep {low}:{high}"))
+        }
+        _ => {
+            let output = args.output.as_deref().map(shell_path)?;
+            Some(format!("chladni report {model} {output} -o report.html"))
+        }
+    }
+}
+
+/// The frequencies about a drive, Hz, that a sweep is worth: those that were fitted, where the
+/// model says which. `None` where it has none of them.
+fn around(drive_hz: f64, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let [from, to] = [(drive_hz - SWEEP_HZ).max(1.0), drive_hz + SWEEP_HZ];
+    if low >= high {
+        return Some([from, to]);
+    }
+    let [from, to] = [from.max(low), to.min(high)];
+    (from < to).then_some([from, to])
+}
