@@ -5,7 +5,7 @@
 //! this crate alone.
 
 use crate::backend::{self, Triangle};
-use crate::Result;
+use crate::{upper_halves, Result};
 use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2};
 use num_complex::Complex64;
 
@@ -23,7 +23,9 @@ macro_rules! doors {
             $(
                 #[inline(never)]
                 fn $name($($argument: $type),*) $(-> $result)? {
-                    backend::$name($($argument),*)
+                    let result = backend::$name($($argument),*);
+                    upper_halves::clear();
+                    result
                 }
             )*
         }

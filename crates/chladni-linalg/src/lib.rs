@@ -49,6 +49,7 @@ mod doors;
 pub mod fft;
 mod limits;
 mod scalar;
+mod upper_halves;
 
 pub use back_ends::{back_ends, BackEnd, Dense, Factors, Given};
 use doors::Doors;

@@ -150,14 +150,17 @@ impl Places {
     pub(crate) fn new(responses: &[Position], area: Rectangle, step_m: f64) -> Option<Self> {
         let hull = convex_hull(responses);
         let (x_m, y_m) = grid_axes(Rectangle::around(&hull)?, area, step_m)?;
-        let points = y_m.iter().enumerate().flat_map(|(row, &y)| {
-            x_m.iter()
-                .enumerate()
-                .map(move |(column, &x)| ([row, column], [x, y]))
-        });
-        let inside = points
-            .filter(|&(_, point)| polygon_contains(&hull, point))
-            .collect();
+        let mut inside = Vec::with_capacity(x_m.len() * y_m.len());
+        for (row, &y) in y_m.iter().enumerate() {
+            // a convex hull holds the places between its first and its last of a row
+            let holds = |&x: &f64| polygon_contains(&hull, [x, y]);
+            if let (Some(first), Some(last)) =
+                (x_m.iter().position(holds), x_m.iter().rposition(holds))
+            {
+                let columns = x_m.iter().enumerate().take(last + 1).skip(first);
+                inside.extend(columns.map(|(column, &x)| ([row, column], [x, y])));
+            }
+        }
         Some(Self { x_m, y_m, inside })
     }
 

@@ -59,26 +59,23 @@ pub struct AreaIndices {
     pub cold_ratio: Option<f64>,
 }
 
-/// Amplitudes on one kind of ground, m/s; those of hot ground over the level of its zone,
-/// so that one limit holds for all.
+/// Amplitudes on hot and on cold ground, m/s; those of hot ground over the level of its
+/// zone, so that one limit holds for all.
 fn amplitudes<'a>(
     zones: &ZoneMap,
     places: impl IntoIterator<Item = Position>,
     ground: impl IntoIterator<Item = &'a Ground>,
     velocity: impl IntoIterator<Item = &'a Complex64>,
-    wanted: Ground,
-) -> Vec<f64> {
-    let all = places.into_iter().zip(ground).zip(velocity);
-    let over_level = |(place, v)| {
-        if wanted == Ground::Hot {
-            amplitude(v) / zones.level_at(place)
-        } else {
-            amplitude(v)
+) -> [Vec<f64>; 2] {
+    let [mut hot, mut cold] = [Vec::new(), Vec::new()];
+    for ((place, ground), v) in places.into_iter().zip(ground).zip(velocity) {
+        match ground {
+            Ground::Hot => hot.push(amplitude(v) / zones.level_at(place)),
+            Ground::Cold => cold.push(amplitude(v)),
+            Ground::Ignored => {}
         }
-    };
-    all.filter(|((_, ground), _)| **ground == wanted)
-        .map(|((place, _), v)| over_level((place, v)))
-        .collect()
+    }
+    [hot, cold]
 }
 
 impl PointIndices {
@@ -93,16 +90,12 @@ impl PointIndices {
         drive: &Drive,
         unit: ReferenceUnit,
     ) -> Result<Self> {
-        let of = |wanted| {
-            amplitudes(
-                zones,
-                field.positions_m.iter().copied(),
-                &field.ground,
-                &field.velocity_m_per_s,
-                wanted,
-            )
-        };
-        let (hot, cold) = (of(Ground::Hot), of(Ground::Cold));
+        let [hot, cold] = amplitudes(
+            zones,
+            field.positions_m.iter().copied(),
+            &field.ground,
+            &field.velocity_m_per_s,
+        );
         check_zones(hot.len(), cold.len())?;
         let felt = hot.iter().filter(|&&v| limits.is_felt(v)).count();
         let quiet = cold.iter().filter(|&&v| limits.is_quiet(v)).count();
@@ -136,20 +129,16 @@ impl PointIndices {
 impl AreaIndices {
     /// The indices of an interpolated field.
     pub(crate) fn of_area(area: &AreaField, zones: &ZoneMap, limits: &Limits) -> Self {
-        let of = |wanted| {
-            let places = area
-                .y_m
-                .iter()
-                .flat_map(|&y| area.x_m.iter().map(move |&x| [x, y]));
-            amplitudes(zones, places, &area.ground, &area.velocity_m_per_s, wanted)
-        };
+        let rows = area.y_m.iter();
+        let places = rows.flat_map(|&y| area.x_m.iter().map(move |&x| [x, y]));
+        let [hot, cold] = amplitudes(zones, places, &area.ground, &area.velocity_m_per_s);
         let ratio = |all: &[f64], inside: &dyn Fn(f64) -> bool| {
             (!all.is_empty())
                 .then(|| all.iter().filter(|&&v| inside(v)).count() as f64 / all.len() as f64)
         };
         Self {
-            hot_ratio: ratio(&of(Ground::Hot), &|v| limits.is_felt(v)),
-            cold_ratio: ratio(&of(Ground::Cold), &|v| limits.is_quiet(v)),
+            hot_ratio: ratio(&hot, &|v| limits.is_felt(v)),
+            cold_ratio: ratio(&cold, &|v| limits.is_quiet(v)),
         }
     }
 }

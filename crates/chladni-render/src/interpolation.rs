@@ -14,7 +14,7 @@ use crate::plane::Position;
 use crate::tolerances;
 use crate::tolerances::ORDERS;
 use chladni_linalg::{
-    cholesky, matmul, matmul_h, qr_thin, solve_lower, solve_lower_adjoint, solve_upper,
+    add_matmul, cholesky, matmul, matmul_h, qr_thin, solve_lower, solve_lower_adjoint, solve_upper,
     RANK_TOLERANCE,
 };
 use ndarray::{concatenate, s, stack, Array1, Array2, ArrayView1, ArrayView2, Axis};
@@ -224,12 +224,22 @@ impl Spline {
         {
             return None;
         }
-        let beyond = past(&q, past(&q, kernel).t()) * spline.sign();
+        // Π·Φ·Π = Φ − Q·Wᵀ − W·Qᵀ, W = Φ·Q − Q·(Qᵀ·Φ·Q)/2
+        let kernel = kernel.to_owned();
+        let on_polynomials = matmul(kernel.view(), q.view());
+        let inner = matmul_h(q.view(), on_polynomials.view());
+        let w = on_polynomials - matmul(q.view(), inner.view()) * 0.5;
+        let (sign, trace) = (spline.sign(), kernel.diag().sum() - inner.diag().sum());
         // as many nodes as polynomials leave nothing but rounding
-        let mean = f64::max(beyond.diag().sum() / count, RANK_TOLERANCE);
-        let lower = cholesky((beyond + matmul(q.view(), q.t()) * mean).view()).ok()?;
+        let mean = f64::max(sign * trace / count, RANK_TOLERANCE);
+        let left = concatenate![Axis(1), q, w];
+        let right = concatenate![Axis(1), &q * mean - &w * sign, &q * -sign];
+        // Φ is symmetric: the other order of memory is its own
+        let mut gram = (&kernel * sign).reversed_axes();
+        add_matmul(gram.view_mut(), left.view(), right.t());
+        let lower = cholesky(gram.view()).ok()?;
         Some(Self {
-            kernel: kernel.to_owned(),
+            kernel,
             q,
             r,
             lower,

@@ -5,7 +5,8 @@
 
 use crate::plane::Position;
 use crate::tolerances::{self, SHARED_MOST};
-use ndarray::Array2;
+use chladni_linalg::matmul;
+use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 /// Places and nodes whose coordinates repeat.
@@ -57,7 +58,7 @@ impl Lattice {
 
     /// Σ coefficient·`function` of the squared distance over the nodes, at each place. Nodes
     /// of one x and places of one y share the sum over the nodes' y, for every distance in
-    /// x at once.
+    /// x at once: one product of matrices.
     pub(crate) fn sums(
         &self,
         function: impl Fn(f64) -> f64,
@@ -66,35 +67,43 @@ impl Lattice {
         let [x, y] = &self.axes;
         let table = self.table(function);
         let kinds = x.squared.len();
-        if y.kind.nrows() * kinds > SHARED_MOST * x.of_place.len() {
+        let ([rows, lines], columns) = ([y.kind.nrows(), y.kind.ncols()], x.kind.ncols());
+        let places = || x.of_place.iter().zip(&y.of_place);
+        if rows * kinds * lines * columns > SHARED_MOST * x.of_place.len() * x.of_node.len() {
             let (of_x, of_y) = (x.offsets(1), y.offsets(kinds));
             let at = |(&x, &y): (&usize, &usize)| {
                 let nodes = of_x[x].iter().zip(&of_y[y]).zip(coefficients);
                 nodes.map(|((x, y), c)| c * table[x + y]).sum()
             };
-            return x.of_place.iter().zip(&y.of_place).map(at).collect();
+            return places().map(at).collect();
         }
-        let shared = |part: fn(&Complex64) -> f64| {
-            let mut shared = Array2::zeros((y.kind.nrows() * x.kind.ncols(), kinds));
-            for ((&column, &node), c) in x.of_node.iter().zip(&y.of_node).zip(coefficients) {
-                let c = part(c);
-                for (of_y, nodes) in y.kind.rows().into_iter().enumerate() {
-                    let mut sums = shared.row_mut(of_y * x.kind.ncols() + column);
-                    let values = &table[nodes[node] * kinds..][..kinds];
-                    let sums = sums.as_slice_mut().expect("a row of a new array");
-                    let pairs = sums.iter_mut().zip(values);
-                    pairs.for_each(|(sum, value): (&mut f64, _)| *sum += c * value);
-                }
-            }
-            shared
-        };
-        let (re, im) = (shared(|c| c.re), shared(|c| c.im));
+        // axes (y of the nodes, row of places and distance in x)
+        let mut values = Vec::with_capacity(lines * rows * kinds);
+        for line in y.kind.columns() {
+            let of_rows = line.into_iter();
+            of_rows.for_each(|&kind| values.extend_from_slice(&table[kind * kinds..][..kinds]));
+        }
+        let values = ArrayView2::from_shape((lines, rows * kinds), &values)
+            .expect("a value of each distance");
+        // axes (y, x of the nodes and part)
+        let mut nodes = Array2::zeros((lines, 2 * columns));
+        for ((&column, &line), c) in x.of_node.iter().zip(&y.of_node).zip(coefficients) {
+            nodes[[line, 2 * column]] += c.re;
+            nodes[[line, 2 * column + 1]] += c.im;
+        }
+        // axes (row of places and distance in x, x of the nodes and part)
+        let shared = matmul(nodes.t(), values).reversed_axes();
+        let shared = shared.as_standard_layout();
+        let shared = shared.as_slice().expect("standard layout");
         let at = |(&of_x, &of_y): (&usize, &usize)| {
-            let rows = (of_y * x.kind.ncols()..).zip(x.kind.row(of_x));
-            rows.map(|(row, &kind)| Complex64::new(re[[row, kind]], im[[row, kind]]))
-                .sum()
+            let of_columns = x.kind.row(of_x);
+            let parts = of_columns.iter().enumerate().map(|(column, &kind)| {
+                let start = 2 * ((of_y * kinds + kind) * columns + column);
+                Complex64::new(shared[start], shared[start + 1])
+            });
+            parts.sum()
         };
-        x.of_place.iter().zip(&y.of_place).map(at).collect()
+        places().map(at).collect()
     }
 
     /// `function` of the distinct squared distances, those in x one after another.
@@ -112,15 +121,15 @@ impl Axis {
         nodes: impl Iterator<Item = f64>,
         most: usize,
     ) -> Option<Self> {
-        let (of_place, places) = distinct(places.collect());
-        let (of_node, nodes) = distinct(nodes.collect());
+        let (of_place, places) = distinct(places);
+        let (of_node, nodes) = distinct(nodes);
         if places.len() * nodes.len() > most {
             return None;
         }
         let all = places
             .iter()
             .flat_map(|place| nodes.iter().map(move |node| (place - node).abs()));
-        let (kind, distances) = distinct(all.collect());
+        let (kind, distances) = distinct(all);
         let kind = Array2::from_shape_vec((places.len(), nodes.len()), kind)
             .expect("one distance of each pair");
         Some(Self {
@@ -147,19 +156,35 @@ impl Axis {
 }
 
 /// Index of each value among the distinct ones, and these, rising.
-fn distinct(values: Vec<f64>) -> (Vec<usize>, Vec<f64>) {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
-    let (mut which, mut kept) = (vec![0; values.len()], Vec::<f64>::new());
+fn distinct(values: impl Iterator<Item = f64>) -> (Vec<usize>, Vec<f64>) {
+    // the value after one is on a grid mostly that of before, or the same
+    let mut met = Vec::<f64>::new();
+    let mut last = 0;
+    let mut index = |value: f64| {
+        let next = if last + 1 < met.len() { last + 1 } else { 0 };
+        let known = [last, next]
+            .into_iter()
+            .find(|&k| met.get(k) == Some(&value));
+        last = known.unwrap_or_else(|| {
+            met.push(value);
+            met.len() - 1
+        });
+        last
+    };
+    let mut which: Vec<usize> = values.map(&mut index).collect();
+    let mut order: Vec<usize> = (0..met.len()).collect();
+    order.sort_unstable_by(|&a, &b| met[a].total_cmp(&met[b]));
+    let (mut of_met, mut kept) = (vec![0; met.len()], Vec::<f64>::new());
     for k in order {
         if kept
             .last()
-            .is_none_or(|&last| values[k] - last > tolerances::SAME_COORDINATE)
+            .is_none_or(|&last| met[k] - last > tolerances::SAME_COORDINATE)
         {
-            kept.push(values[k]);
+            kept.push(met[k]);
         }
-        which[k] = kept.len() - 1;
+        of_met[k] = kept.len() - 1;
     }
+    which.iter_mut().for_each(|k| *k = of_met[*k]);
     (which, kept)
 }
 

@@ -182,14 +182,16 @@ pub(crate) fn polygon_contains(polygon: &[Position], point: Position) -> bool {
     let between = |value: f64, p: f64, q: f64| {
         value >= p.min(q) - tolerances::POSITION_M && value <= p.max(q) + tolerances::POSITION_M
     };
-    for [a, b] in sides(polygon) {
-        let near = between(x, a[0], b[0]) && between(y, a[1], b[1]);
+    let mut a = *polygon.last().unwrap_or(&point);
+    for &b in polygon {
+        let near = between(x, a[0], b[0]) && between(y, a[1], b[1]) && a != b;
         if near && distance(Metric::Euclidean, point, a, b) <= tolerances::POSITION_M {
             return true;
         }
         if (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) {
             inside = !inside;
         }
+        a = b;
     }
     inside
 }

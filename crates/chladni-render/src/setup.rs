@@ -375,8 +375,9 @@ fn controllability(model: &ModalModel, operator: &Operator) -> Option<Finding> {
         operator
             .reference_columns
             .iter()
-            .map(|&j| participation[j].norm())
+            .map(|&j| participation[j].norm_sqr())
             .fold(0.0, f64::max)
+            .sqrt()
     };
     let largest = model
         .in_band_modes()

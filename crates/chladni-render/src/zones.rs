@@ -197,12 +197,10 @@ impl ZoneMap {
     }
 
     fn is_transition(&self, point: Position) -> bool {
-        let nearest = self
-            .border
-            .iter()
-            .map(|&[a, b]| distance(self.metric, point, a, b))
-            .fold(f64::INFINITY, f64::min);
-        nearest < self.transition_m - tolerances::POSITION_M
+        let near = |&[a, b]: &[Position; 2]| {
+            distance(self.metric, point, a, b) < self.transition_m - tolerances::POSITION_M
+        };
+        self.border.iter().any(near)
     }
 
     /// Hot cells, and those of their sides that have no hot neighbour; each side runs
