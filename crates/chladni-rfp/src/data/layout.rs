@@ -175,10 +175,12 @@ impl DataLayout {
     /// Records under `window`, as `made` or, where that is not known, of the inverse of the
     /// line spacing.
     ///
+    /// * `decay_per_s`: of an exponential window that is known
     /// * `record_s`: part of a record that holds samples
     pub fn windowed(
         self,
         window: Option<Window>,
+        decay_per_s: Option<f64>,
         record_s: f64,
         made: Option<&Estimation>,
     ) -> Self {
@@ -186,7 +188,8 @@ impl DataLayout {
         let record = record_s * self.omega_max;
         let leakage =
             kernel.map(|kernel| Arc::new(Leakage::new(kernel, record, self.kind.omega_power())));
-        let errors = window.and_then(|window| BlockErrors::new(window, made, record));
+        let decay = decay_per_s.unwrap_or(0.0) * record_s;
+        let errors = BlockErrors::new(window, made, decay, record);
         Self {
             window,
             leakage,

@@ -82,6 +82,7 @@ impl<'a> Screened<'a> {
             ..DataLayout::new(frf, kind, lines, [low, high], options.effort)
                 .windowed(
                     options.window,
+                    options.exponential_window_per_s,
                     record_s(frf, options)?,
                     frf.estimation.as_ref(),
                 )

@@ -24,6 +24,9 @@ pub(crate) struct Evidence {
     pub gain_without_nearest: f64,
     /// The same without the four nearest lines.
     pub gain_of_skirts: f64,
+    /// What it explains over what noise of correlated lines lets a pole explain; `None`
+    /// where lines are not correlated.
+    pub over_noise: Option<f64>,
     /// Standard deviation over the half-width.
     pub deviation: f64,
     /// Scatter of its own poles over the FRFs, over the half-width; `None` where there is
@@ -103,6 +106,7 @@ pub(crate) fn look(
         gain: f64::MAX,
         gain_without_nearest: f64::MAX,
         gain_of_skirts: f64::MAX,
+        over_noise: None,
         deviation: 0.0,
         scatter: None,
         misfit: (misfit / modal.max(tol::TINY)).sqrt(),

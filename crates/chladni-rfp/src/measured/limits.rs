@@ -63,6 +63,17 @@ pub(super) const SURROUNDINGS: (f64, usize) = (60.0, 30);
 /// under 12 dB, 14 and more under noise of the force.
 pub(super) const LOUD_AT_PEAKS: f64 = 4.0;
 
+// line_noise.rs
+
+/// Correlation of noise on neighbouring lines from which on it makes poles: under a
+/// rectangular window lines one cycle of the record apart have none.
+pub(super) const LINE_NOISE_LEAST: f64 = 0.3;
+/// Lines of a neighbourhood in which noise is whitened at most: a pole of more lines is far
+/// broader than what correlation makes.
+pub(super) const LINE_NOISE_LINES: usize = 128;
+/// Part of the variance that is white in any case: no correlation is exact.
+pub(super) const LINE_NOISE_WHITE: f64 = 1e-3;
+
 // impulse.rs
 
 /// Parts of the record the energy is summed over.

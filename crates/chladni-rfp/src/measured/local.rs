@@ -31,7 +31,8 @@ pub(crate) struct Neighbourhood {
     rows: Range<usize>,
     /// Poles that may move.
     pub near: Vec<usize>,
-    local: Columns,
+    /// The lines, and what the near poles and the residual make there.
+    pub local: Columns,
 }
 
 impl Neighbourhood {

@@ -13,6 +13,7 @@ pub(crate) mod evidence;
 pub(crate) mod grade;
 pub(crate) mod impulse;
 mod limits;
+mod line_noise;
 pub(crate) mod local;
 pub(crate) mod path;
 pub(crate) mod record;

@@ -15,6 +15,7 @@ use crate::measured::error_model::{column_scales, normalised};
 use crate::measured::evidence::Evidence;
 use crate::measured::grade::{grade_all, DampingDoubt, Graded};
 use crate::measured::impulse::{padding_factor, windowed};
+use crate::measured::line_noise::correlates;
 use crate::measured::record::{noise_window, Record};
 use crate::measured::search::{Finished, Search};
 use crate::poles::estimate::more_than_asked;
@@ -158,7 +159,7 @@ struct Visible {
 
 impl Visible {
     /// The record as a search takes it; `back` where the columns are scaled FRFs.
-    fn record(&self, data: &DataLayout, back: Option<&Array2<f64>>) -> Record<'_> {
+    fn record<'a>(&'a self, data: &'a DataLayout, back: Option<&Array2<f64>>) -> Record<'a> {
         Record {
             work: &self.work,
             noise: &self.noise,
@@ -169,6 +170,10 @@ impl Visible {
             windowed: self.windowed,
             leaks: data.errors.as_ref().is_some_and(|errors| errors.leaks()),
             loud_at_peaks: self.loud_at_peaks(data),
+            line_noise: data
+                .errors
+                .as_deref()
+                .filter(|errors| !errors.leaks() && correlates(&self.work, errors)),
             hz: data.hz(),
         }
     }

@@ -3,6 +3,7 @@
 use super::limits::NOISE_WINDOW;
 use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
+use crate::data::window::block_errors::BlockErrors;
 use ndarray::Array1;
 
 /// The properties of its record that a search needs.
@@ -25,6 +26,8 @@ pub(crate) struct Record<'a> {
     pub leaks: bool,
     /// True where noise of lines is told to be largest there, as under a force that drops.
     pub loud_at_peaks: bool,
+    /// Errors of lines, where their noise alone correlates neighbours.
+    pub line_noise: Option<&'a BlockErrors>,
     /// Hz per √x.
     pub hz: f64,
 }

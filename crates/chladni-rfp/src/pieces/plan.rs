@@ -66,7 +66,12 @@ impl Plan {
         );
         Ok(DataLayout {
             reference_unit: self.reference_unit,
-            ..head.windowed(self.window(), self.record_s, None)
+            ..head.windowed(
+                self.window(),
+                self.exponential_window_per_s,
+                self.record_s,
+                None,
+            )
         })
     }
 

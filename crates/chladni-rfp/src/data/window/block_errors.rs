@@ -44,22 +44,26 @@ impl BlockErrors {
     /// Of records under `window`, and how they were `made`, where a set says so; `None`
     /// where errors of neighbouring lines are independent, or nothing is known.
     ///
+    /// * `decay`: of an exponential window over a record, nepers
     /// * `record`: length of a record times ω_max
-    pub fn new(window: Window, made: Option<&Estimation>, record: f64) -> Option<Self> {
+    pub fn new(
+        window: Option<Window>,
+        made: Option<&Estimation>,
+        decay: f64,
+        record: f64,
+    ) -> Option<Self> {
         let points = limits::RECORD_POINTS;
         let place = |k: usize| (k as f64 + 0.5) / points as f64;
         let flat = vec![1.0; points];
-        let blow = window == Window::Transient;
+        let window = window.unwrap_or(Window::None);
+        let blow = matches!(window, Window::None | Window::Transient);
         let (force, response) = match window {
-            Window::None => return None,
-            Window::Transient => {
-                let rate = made.and_then(|made| made.window.rate_per_s());
-                let padded =
-                    made.is_some_and(|made| made.gate_s < limits::GATE_WHOLE * made.transform_s);
-                if rate.is_none() && !padded {
+            Window::None | Window::Transient => {
+                let padded = window == Window::Transient
+                    && made.is_some_and(|made| made.gate_s < limits::GATE_WHOLE * made.transform_s);
+                if decay == 0.0 && !padded {
                     return None;
                 }
-                let decay = rate.unwrap_or(0.0) * made.map_or(0.0, |made| made.gate_s);
                 let factor = |k: usize| (-decay * place(k)).exp();
                 (None, (0..points).map(factor).collect())
             }
@@ -358,23 +362,30 @@ mod tests {
 
     #[test]
     fn noise_of_half_overlapped_hann_blocks_is_correlated_as_the_study_says() {
-        let errors = BlockErrors::new(Window::Hann, Some(&made(1000, 0.5)), RECORD).unwrap();
+        let errors =
+            BlockErrors::new(Some(Window::Hann), Some(&made(1000, 0.5)), 0.0, RECORD).unwrap();
         for (lag, expected) in [(0.0, 1.0), (1.0, 0.458), (2.0, 0.039), (3.0, 0.001)] {
             let found = errors.of_noise(lag);
             assert!((found - expected).norm() < 2e-3, "{lag}: {found}");
         }
-        let alone = BlockErrors::new(Window::Hann, Some(&made(10, 1.0)), RECORD).unwrap();
+        let alone =
+            BlockErrors::new(Some(Window::Hann), Some(&made(10, 1.0)), 0.0, RECORD).unwrap();
         assert!((alone.of_noise(1.0) - 4.0 / 9.0).norm() < 1e-3);
-        assert!(BlockErrors::new(Window::None, None, RECORD).is_none());
-        assert!(BlockErrors::new(Window::Transient, None, RECORD).is_none());
+        assert!(BlockErrors::new(None, None, 0.0, RECORD).is_none());
+        assert!(BlockErrors::new(Some(Window::Transient), None, 0.0, RECORD).is_none());
     }
 
     #[test]
     fn moments_are_those_of_simulated_records() {
         const BLOCKS: usize = 12;
         const DRAWS: usize = 1500;
-        let errors =
-            BlockErrors::new(Window::Hann, Some(&made(BLOCKS, 1.0 / 3.0)), RECORD).unwrap();
+        let errors = BlockErrors::new(
+            Some(Window::Hann),
+            Some(&made(BLOCKS, 1.0 / 3.0)),
+            0.0,
+            RECORD,
+        )
+        .unwrap();
         let points = limits::RECORD_POINTS;
         let (hop, window) = (errors.hop, Window::Hann.values(points));
         let power: f64 = window.iter().map(|w| w * w).sum();

@@ -70,7 +70,8 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
     let severe = raised.iter().filter(|(severe, _)| *severe).count();
     let reasons: Vec<Reason> = raised.into_iter().map(|(_, reason)| reason).collect();
     let visible_line = own.stands_out_db > VISIBLE_DB && own.half_width_lines < SPIKE_LINES;
-    let no_mode = own.misfit > NO_MODE || own.gain < NOT_NEEDED || severe >= SEVERE;
+    let is_noise = own.over_noise.is_some_and(|times| times < 1.0);
+    let no_mode = own.misfit > NO_MODE || own.gain < NOT_NEEDED || is_noise || severe >= SEVERE;
     let trust = if no_mode && !visible_line {
         Trust::Rejected
     } else if reasons.is_empty() {
@@ -97,6 +98,7 @@ mod tests {
             gain: 100.0,
             gain_without_nearest: 50.0,
             gain_of_skirts: 30.0,
+            over_noise: None,
             deviation: 0.01,
             scatter: Some(0.01),
             misfit: 0.05,

@@ -105,7 +105,7 @@ fn plain(raised: bool) -> Option<String> {
 }
 
 /// Every doubt, in the order in which it is told.
-pub(super) const RULES: [Rule; 22] = [
+pub(super) const RULES: [Rule; 23] = [
     Rule::doubt(
         "few-orders",
         "found by few of the model orders and line halves",
@@ -149,6 +149,14 @@ pub(super) const RULES: [Rule; 22] = [
                 )
             };
             (own.gain < HARDLY_NEEDED).then(rise)
+        },
+    ),
+    Rule::doubt(
+        "line-noise",
+        "noise makes such peaks by itself: its errors on neighbouring lines are alike",
+        |seen| {
+            let times = seen.own.over_noise.filter(|times| *times < 1.0)?;
+            Some(format!("{times:.2} of what chance explains"))
         },
     ),
     Rule::doubt(
