@@ -88,8 +88,8 @@ pub fn fit_watched(
     })
 }
 
-/// The fit once more with the window that the first one has found; where it has found none,
-/// with bars that hold what one may have added.
+/// The fit once more with the window that line shapes speak of, where what it leaves says so,
+/// too; else the first one, with bars that hold what a window may have added.
 ///
 /// # Errors
 /// Those of [`fit`].
@@ -100,28 +100,27 @@ fn with_window_found(
     watch: &Watch,
 ) -> Result<Fit, FitError> {
     let screened = Screened::new(frf, &options)?;
-    let case = Case {
-        data: &screened,
-        values: Some(&screened),
-        model: &fit.model,
-        options: &options,
-        white: false,
-        noise_variance: 0.0,
-    };
+    let case = Case::of_fit(&screened, &fit.model, &options);
     let evidence = window_bias::Evidence::new(&case);
-    let Some(found) = window_bias::decided(&case, &evidence) else {
+    let Some(window) = window_bias::of_shapes(&case, &evidence) else {
         window_bias::hold(&mut fit.model, &screened, evidence.suspected());
         return Ok(fit);
     };
     watch.stage("line shape of the window")?;
     let options = FitOptions {
-        window: Some(found.window),
+        window: Some(window),
         ..options
     };
-    let mut fit = walk(Screened::new(frf, &options)?, &options, watch)?;
-    found.hold_others(&mut fit.model, &screened);
-    fit.model.quality.findings.push(found.finding);
-    Ok(fit)
+    let windowed = Screened::new(frf, &options)?;
+    let mut under = walk(windowed.clone(), &options, watch)?;
+    let case = Case::of_fit(&windowed, &under.model, &options);
+    let Some(found) = window_bias::decided(&evidence, &case) else {
+        window_bias::hold(&mut fit.model, &screened, evidence.suspected());
+        return Ok(fit);
+    };
+    found.hold_others(&mut under.model, &screened);
+    under.model.quality.findings.push(found.finding);
+    Ok(under)
 }
 
 /// Fits `data` weighted by the noise that they tell themselves; else as they are, and once

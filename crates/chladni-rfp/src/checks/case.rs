@@ -39,7 +39,23 @@ impl From<Finding> for Checked {
     }
 }
 
-impl Case<'_> {
+impl<'a> Case<'a> {
+    /// Of a fit whose residual is not white.
+    pub(crate) fn of_fit(
+        data: &'a Screened<'a>,
+        model: &'a ModalModel,
+        options: &'a FitOptions,
+    ) -> Self {
+        Self {
+            data,
+            values: Some(data),
+            model,
+            options,
+            white: false,
+            noise_variance: 0.0,
+        }
+    }
+
     /// In-band modes without doubts.
     pub(crate) fn sure_modes(&self) -> Vec<&Mode> {
         self.model

@@ -257,28 +257,38 @@ impl FoundWindow {
     }
 }
 
-/// The window that line shapes and the errors of neighbouring lines both speak of, each by
-/// itself clearly, and leakage shows that the force was continuous: less corrects nothing.
-pub(crate) fn decided(case: &Case, found: &Evidence) -> Option<FoundWindow> {
+/// The window that line shapes clearly speak of, where it is worth a new fit and the errors of
+/// neighbouring lines do not speak against it.
+pub(crate) fn of_shapes(case: &Case, found: &Evidence) -> Option<Window> {
     let shapes = found.shapes.as_ref()?;
     let window = shapes.likeliest();
     let leakage = leakage_of(window, case.data)?;
-    // a window is worth a new fit where its broadening exceeds the error bars, or where it may
-    // have split a mode
+    // its broadening exceeds the error bars, or it may have split a mode
     let clear = |mode: &&Mode| {
         let bar = 2.0 * mode.loss_factor_std / mode.loss_factor;
         let doubt = doubt(&leakage, mode);
         let split = || twin_hz(case.model, case.data, mode).is_some();
         doubt > limits::BIAS_UNDONE && (doubt > bar || split())
     };
-    case.sure_modes().into_iter().find(clear)?;
-    let errors = found.errors?;
-    let gain = shapes.tapered_gain();
+    let against = |errors: &Witness| errors.decides() && errors.likeliest != Correlation::Tapered;
+    let worth = case.model.in_band_modes().any(|mode| clear(&mode));
+    let clear = worth && shapes.tapered_gain() >= DECIDES;
+    (clear && !found.errors.as_ref().is_some_and(against)).then_some(window)
+}
+
+/// The window that line shapes and the errors of neighbouring lines both speak of, each by
+/// itself clearly, and leakage shows that the force was continuous: less corrects nothing.
+/// Where a fit of pure resonances leaves too little to ask, what the fit `under` the window
+/// leaves is asked.
+pub(crate) fn decided(found: &Evidence, under: &Case) -> Option<FoundWindow> {
+    let shapes = found.shapes.as_ref()?;
+    let (window, gain) = (shapes.likeliest(), shapes.tapered_gain());
     // bursts leave no leakage, and lines of their own
-    let tapered = errors.leakage && errors.likeliest == Correlation::Tapered;
-    if !tapered || gain.min(errors.gain) < DECIDES {
-        return None;
-    }
+    let says = |errors: &Witness| {
+        errors.leakage && errors.likeliest == Correlation::Tapered && errors.gain >= DECIDES
+    };
+    let errors = found.errors.filter(says);
+    let errors = errors.or_else(|| witness(under).filter(says))?;
     let open = TAPERED.into_iter().zip(shapes.open());
     let others = open.filter_map(|(other, open)| (open && other != window).then_some(other));
     let others: Vec<Window> = others.collect();

@@ -60,14 +60,7 @@ pub fn error_witness(
 ) -> Result<Option<Witness>, FitError> {
     let options = told(frf, options);
     let screened = Screened::new(frf, &options)?;
-    Ok(witness(&Case {
-        data: &screened,
-        values: Some(&screened),
-        model,
-        options: &options,
-        white: false,
-        noise_variance: 0.0,
-    }))
+    Ok(witness(&Case::of_fit(&screened, model, &options)))
 }
 
 /// The likeliest correlation; `None` where the data cannot be asked, or too few lines hold
