@@ -159,6 +159,17 @@ const BURST: MeasuredCell = MeasuredCell {
     force: MeasuredForce::Burst(0.9),
     ..RECTANGULAR
 };
+/// A Hann window that has no business there.
+const BURST_HANN: MeasuredCell = MeasuredCell {
+    window: BlockWindow::Hann,
+    ..BURST
+};
+const fn part(part: f64, cell: MeasuredCell) -> MeasuredCell {
+    MeasuredCell {
+        force: MeasuredForce::Burst(part),
+        ..cell
+    }
+}
 const HAMMER: MeasuredCell = MeasuredCell {
     force: MeasuredForce::Hammer,
     records: 5,
@@ -251,6 +262,9 @@ pub const MEASURED_CELLS: &[MeasuredCell] = &[
     at(1.0, BURST),
     at(2.0, BURST),
     at(4.0, BURST),
+    at(2.0, part(0.3, BURST_HANN)),
+    at(2.0, part(0.6, BURST_HANN)),
+    at(2.0, BURST_HANN),
     at(1.0, HAMMER),
     at(2.0, HAMMER),
     at(1.0, EXPONENTIAL),

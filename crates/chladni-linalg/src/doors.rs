@@ -2,7 +2,7 @@
 //!
 //! A generic function is compiled again in every crate that calls it, and those of a back
 //! end are long. The functions here belong to a type, are not generic, and are compiled in
-//! this crate alone.
+//! this crate alone. Each leaves the registers as scalar code wants them.
 
 use crate::backend::{self, Triangle};
 use crate::{upper_halves, Result};

@@ -295,7 +295,9 @@ pub fn eigenvalues(a: ArrayView2<Complex64>) -> Result<Array1<Complex64>> {
     if a.is_empty() {
         return Ok(Array1::zeros(0));
     }
-    backend::eigenvalues(a)
+    let values = backend::eigenvalues(a);
+    upper_halves::clear();
+    values
 }
 
 /// Lower factor L of a = L·Lᴴ; the lower triangle is read.

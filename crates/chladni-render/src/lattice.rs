@@ -4,7 +4,7 @@
 //! differ: a function of the distance is then a table.
 
 use crate::plane::Position;
-use crate::tolerances::{self, SHARED_MOST};
+use crate::tolerances::{self, GLOBAL_BASIS, SHARED_MOST};
 use chladni_linalg::matmul;
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
@@ -69,7 +69,9 @@ impl Lattice {
         let kinds = x.squared.len();
         let ([rows, lines], columns) = ([y.kind.nrows(), y.kind.ncols()], x.kind.ncols());
         let places = || x.of_place.iter().zip(&y.of_place);
-        if rows * kinds * lines * columns > SHARED_MOST * x.of_place.len() * x.of_node.len() {
+        let pairs = x.of_place.len() * x.of_node.len();
+        let is_large = rows * kinds * lines > GLOBAL_BASIS;
+        if is_large || rows * kinds * lines * columns > SHARED_MOST * pairs {
             let (of_x, of_y) = (x.offsets(1), y.offsets(kinds));
             let at = |(&x, &y): (&usize, &usize)| {
                 let nodes = of_x[x].iter().zip(&of_y[y]).zip(coefficients);

@@ -84,8 +84,9 @@ pub const NEAREST_RESPONSES: usize = 49;
 /// of grids. A thousand times more would still be below a micrometre.
 pub const SAME_COORDINATE: f64 = 1e-10;
 
-/// Distances in x, times rows of places, over the places, up to which places of one row share
-/// sums over nodes; grids of one step have one of each. Beyond, sharing costs more than it saves.
+/// Rows of places, times distances in x, lines and columns of nodes, over places times nodes,
+/// up to which places of one row share sums over nodes; grids of one step have one of each.
+/// Beyond, sharing costs more than it saves.
 pub const SHARED_MOST: usize = 4;
 
 /// Level above the threshold from which strength is warned about, dB: at 300 Hz some 8 dB

@@ -111,10 +111,18 @@ fn with_window_found(
         window: Some(window),
         ..options
     };
-    let windowed = Screened::new(frf, &options)?;
-    let mut under = walk(windowed.clone(), &options, watch)?;
-    let case = Case::of_fit(&windowed, &under.model, &options);
-    let Some(found) = window_bias::decided(&evidence, &case) else {
+    // the first fit stands whatever becomes of this one
+    let windowed = Screened::new(frf, &options);
+    let under = windowed.and_then(|data| Ok((walk(data.clone(), &options, watch)?, data)));
+    let found = match under {
+        Ok((under, data)) => {
+            let case = Case::of_fit(&data, &under.model, &options);
+            window_bias::decided(&evidence, &case).map(|found| (found, under))
+        }
+        Err(FitError::Cancelled) => return Err(FitError::Cancelled),
+        Err(_) => None,
+    };
+    let Some((found, mut under)) = found else {
         window_bias::hold(&mut fit.model, &screened, evidence.suspected());
         return Ok(fit);
     };

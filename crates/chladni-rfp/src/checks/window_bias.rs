@@ -270,10 +270,16 @@ pub(crate) fn of_shapes(case: &Case, found: &Evidence) -> Option<Window> {
         let split = || twin_hz(case.model, case.data, mode).is_some();
         doubt > limits::BIAS_UNDONE && (doubt > bar || split())
     };
-    let against = |errors: &Witness| errors.decides() && errors.likeliest != Correlation::Tapered;
+    let against = |errors: &Witness| errors.decides() && !of_continuous(errors);
     let worth = case.model.in_band_modes().any(|mode| clear(&mode));
-    let clear = worth && shapes.tapered_gain() >= DECIDES;
-    (clear && !found.errors.as_ref().is_some_and(against)).then_some(window)
+    let decisive = worth && shapes.tapered_gain() >= DECIDES;
+    (decisive && !found.errors.as_ref().is_some_and(against)).then_some(window)
+}
+
+/// True for errors of windowed records of continuous excitation; bursts leave no leakage,
+/// and lines of their own.
+fn of_continuous(errors: &Witness) -> bool {
+    errors.leakage && errors.likeliest == Correlation::Tapered
 }
 
 /// The window that line shapes and the errors of neighbouring lines both speak of, each by
@@ -283,10 +289,7 @@ pub(crate) fn of_shapes(case: &Case, found: &Evidence) -> Option<Window> {
 pub(crate) fn decided(found: &Evidence, under: &Case) -> Option<FoundWindow> {
     let shapes = found.shapes.as_ref()?;
     let (window, gain) = (shapes.likeliest(), shapes.tapered_gain());
-    // bursts leave no leakage, and lines of their own
-    let says = |errors: &Witness| {
-        errors.leakage && errors.likeliest == Correlation::Tapered && errors.gain >= DECIDES
-    };
+    let says = |errors: &Witness| of_continuous(errors) && errors.gain >= DECIDES;
     let errors = found.errors.filter(says);
     let errors = errors.or_else(|| witness(under).filter(says))?;
     let open = TAPERED.into_iter().zip(shapes.open());

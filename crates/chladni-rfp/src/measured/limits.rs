@@ -63,16 +63,18 @@ pub(super) const SURROUNDINGS: (f64, usize) = (60.0, 30);
 /// under 12 dB, 14 and more under noise of the force.
 pub(super) const LOUD_AT_PEAKS: f64 = 4.0;
 
-// line_noise.rs
+// correlated_noise.rs
 
 /// Correlation of noise on neighbouring lines from which on it makes poles: under a
 /// rectangular window lines one cycle of the record apart have none.
-pub(super) const LINE_NOISE_LEAST: f64 = 0.3;
-/// Lines of a neighbourhood in which noise is whitened at most: a pole of more lines is far
-/// broader than what correlation makes.
-pub(super) const LINE_NOISE_LINES: usize = 128;
+pub(super) const CORRELATION_LEAST: f64 = 0.3;
+/// Half-width of a pole, cycles per record, from which on it is far broader than what
+/// correlation makes; and cycles on both sides of a pole in which noise is whitened.
+pub(super) const CORRELATION_WIDEST: f64 = 8.0;
+/// See [`CORRELATION_WIDEST`].
+pub(super) const CORRELATION_REACH: f64 = 16.0;
 /// Part of the variance that is white in any case: no correlation is exact.
-pub(super) const LINE_NOISE_WHITE: f64 = 1e-3;
+pub(super) const CORRELATION_WHITE: f64 = 1e-3;
 
 // impulse.rs
 

@@ -8,12 +8,12 @@
 
 pub(crate) mod candidates;
 pub(crate) mod consensus;
+mod correlated_noise;
 pub(crate) mod error_model;
 pub(crate) mod evidence;
 pub(crate) mod grade;
 pub(crate) mod impulse;
 mod limits;
-mod line_noise;
 pub(crate) mod local;
 pub(crate) mod path;
 pub(crate) mod record;

@@ -11,11 +11,11 @@ use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::source::Source;
 use crate::data::watch::Watch;
 use crate::measured::candidates::Origin;
+use crate::measured::correlated_noise::correlates;
 use crate::measured::error_model::{column_scales, normalised};
 use crate::measured::evidence::Evidence;
 use crate::measured::grade::{grade_all, DampingDoubt, Graded};
 use crate::measured::impulse::{padding_factor, windowed};
-use crate::measured::line_noise::correlates;
 use crate::measured::record::{noise_window, Record};
 use crate::measured::search::{Finished, Search};
 use crate::poles::estimate::more_than_asked;
@@ -170,10 +170,10 @@ impl Visible {
             windowed: self.windowed,
             leaks: data.errors.as_ref().is_some_and(|errors| errors.leaks()),
             loud_at_peaks: self.loud_at_peaks(data),
-            line_noise: data
+            correlated_noise: data
                 .errors
                 .as_deref()
-                .filter(|errors| !errors.leaks() && correlates(&self.work, errors)),
+                .filter(|errors| correlates(&self.work, errors)),
             hz: data.hz(),
         }
     }

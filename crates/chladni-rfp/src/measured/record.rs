@@ -27,7 +27,7 @@ pub(crate) struct Record<'a> {
     /// True where noise of lines is told to be largest there, as under a force that drops.
     pub loud_at_peaks: bool,
     /// Errors of lines, where their noise alone correlates neighbours.
-    pub line_noise: Option<&'a BlockErrors>,
+    pub correlated_noise: Option<&'a BlockErrors>,
     /// Hz per √x.
     pub hz: f64,
 }

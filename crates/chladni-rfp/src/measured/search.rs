@@ -10,9 +10,9 @@ use crate::data::options::Asked;
 use crate::data::peaks::{fourth_difference_noise, peaks, Peak};
 use crate::measured::candidates::{Candidates, Origin};
 use crate::measured::consensus::consensus;
+use crate::measured::correlated_noise::over_chance;
 use crate::measured::error_model::NoiseModel;
 use crate::measured::evidence::{look, Evidence};
-use crate::measured::line_noise::over_chance;
 use crate::measured::local::{add, one_column_gains, remove, remove_unneeded, try_add};
 use crate::measured::record::{noise_window, Record};
 use crate::measured::resolved::refine_resolved;
@@ -346,7 +346,7 @@ impl<'a> Search<'a> {
             e.gain = gains[q];
             e.gain_without_nearest = without_two[q];
             e.gain_of_skirts = without_four[q];
-            if let Some(errors) = self.record.line_noise {
+            if let Some(errors) = self.record.correlated_noise {
                 e.over_noise = over_chance(&self.weighted, refined, q, errors)?;
             }
             let mut deviation = local[q].unwrap_or(robust[q].max(white[q])).sqrt();

@@ -61,10 +61,17 @@ impl BlockErrors {
             Window::None | Window::Transient => {
                 let padded = window == Window::Transient
                     && made.is_some_and(|made| made.gate_s < limits::GATE_WHOLE * made.transform_s);
-                if decay == 0.0 && !padded {
+                let blow_alone = made.is_none_or(|made| {
+                    !matches!(
+                        made.forcing,
+                        Some(Forcing::Continuous | Forcing::Burst { .. })
+                    )
+                });
+                if !blow_alone || (decay == 0.0 && !padded) {
                     return None;
                 }
-                let factor = |k: usize| (-decay * place(k)).exp();
+                // over the first: whatever the decay, something is left of the record
+                let factor = |k: usize| (-decay * (place(k) - place(0))).exp();
                 (None, (0..points).map(factor).collect())
             }
             Window::Burst { part } => {
@@ -373,6 +380,15 @@ mod tests {
         assert!((alone.of_noise(1.0) - 4.0 / 9.0).norm() < 1e-3);
         assert!(BlockErrors::new(None, None, 0.0, RECORD).is_none());
         assert!(BlockErrors::new(Some(Window::Transient), None, 0.0, RECORD).is_none());
+        // noise of bursts under an exponential window has the force's correlation, too
+        let bursts = Estimation {
+            forcing: Some(Forcing::Burst { part: 0.5 }),
+            ..made(10, 1.0)
+        };
+        assert!(BlockErrors::new(None, Some(&bursts), 3.0, RECORD).is_none());
+        let blows = BlockErrors::new(None, None, 3.0, RECORD).unwrap();
+        let expected = 3.0 / Complex64::new(3.0, std::f64::consts::PI);
+        assert!((blows.of_noise(1.0) - expected).norm() < 1e-2);
     }
 
     #[test]

@@ -52,7 +52,7 @@ fn exponential_of(made: &Estimation) -> Option<f64> {
 }
 
 /// Part of each record that holds samples, s: as the set says, else the inverse of the
-/// distance of lines.
+/// distance of lines; 0 where these are not evenly spaced.
 ///
 /// # Errors
 /// [`FitError::WindowAxis`]: a window that leaks on lines that are not evenly spaced.
@@ -69,10 +69,15 @@ pub(crate) fn record_s(frf: &FrfSet, options: &FitOptions) -> Result<f64, FitErr
     let off =
         |(k, f): (usize, &f64)| (f - axis[0] - k as f64 * step_hz).abs() > limits::EVEN * step_hz;
     let leaks = options.window.is_some_and(|window| window != Window::None);
-    if leaks && (lines < 2 || axis.iter().enumerate().any(off)) {
+    let uneven = lines < 2 || axis.iter().enumerate().any(off);
+    if leaks && uneven {
         return Err(FitError::WindowAxis {
             found: format!("{lines} lines from {} to {} Hz", axis[0], axis[lines - 1]),
         });
     }
-    Ok(if step_hz > 0.0 { 1.0 / step_hz } else { 0.0 })
+    Ok(if step_hz > 0.0 && !uneven {
+        1.0 / step_hz
+    } else {
+        0.0
+    })
 }

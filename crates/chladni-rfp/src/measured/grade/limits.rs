@@ -20,6 +20,9 @@ pub(super) const DISAGREE: f64 = 0.5;
 pub(super) const HARDLY_NEEDED: f64 = 1.5;
 /// See above.
 pub(super) const NOT_NEEDED: f64 = 0.3;
+/// Times that a pole explains what chance lets one explain of correlated noise, below which
+/// it is noise.
+pub(super) const CHANCE: f64 = 1.0;
 /// The same rise without the nearest lines: less, and nothing is left of the mode.
 pub(super) const NOTHING_LEFT: f64 = 1.0;
 /// Half-bandwidths beyond which the size of an error bar says nothing more.

@@ -70,7 +70,7 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
     let severe = raised.iter().filter(|(severe, _)| *severe).count();
     let reasons: Vec<Reason> = raised.into_iter().map(|(_, reason)| reason).collect();
     let visible_line = own.stands_out_db > VISIBLE_DB && own.half_width_lines < SPIKE_LINES;
-    let is_noise = own.over_noise.is_some_and(|times| times < 1.0);
+    let is_noise = own.over_noise.is_some_and(|times| times < CHANCE);
     let no_mode = own.misfit > NO_MODE || own.gain < NOT_NEEDED || is_noise || severe >= SEVERE;
     let trust = if no_mode && !visible_line {
         Trust::Rejected
@@ -213,6 +213,18 @@ mod tests {
             trust == Trust::Weak && reasons[0].contains("half of a close pair"),
             "{reasons:?}"
         );
+    }
+
+    #[test]
+    fn what_chance_explains_of_correlated_noise_is_no_mode() {
+        let over_noise = |times: f64| graded(|e| e.over_noise = Some(times), 3, false, &[]);
+        let (trust, reasons) = over_noise(0.5);
+        assert_eq!(trust, Trust::Rejected);
+        assert!(
+            reasons.len() == 1 && reasons[0].contains("noise alone"),
+            "{reasons:?}"
+        );
+        assert_eq!(over_noise(2.0), (Trust::Sure, Vec::new()));
     }
 
     #[test]

@@ -153,9 +153,9 @@ pub(super) const RULES: [Rule; 23] = [
     ),
     Rule::doubt(
         "line-noise",
-        "noise makes such peaks by itself: its errors on neighbouring lines are alike",
+        "noise alone makes such peaks: it is alike on neighbouring lines",
         |seen| {
-            let times = seen.own.over_noise.filter(|times| *times < 1.0)?;
+            let times = seen.own.over_noise.filter(|times| *times < CHANCE)?;
             Some(format!("{times:.2} of what chance explains"))
         },
     ),

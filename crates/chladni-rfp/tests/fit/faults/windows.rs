@@ -4,6 +4,7 @@ use super::random_test::{random_test, random_test_of, taper, MODES, RATE_HZ, REC
 use super::*;
 use chladni_frf::{BlockWindow, Damping, Estimation, Estimator, Forcing, Mode};
 use chladni_rfp::{FitError, Method, Window};
+use ndarray::Axis;
 
 /// ζ found over ζ true, mode by mode.
 fn damping_ratios(model: &ModalModel) -> Vec<f64> {
@@ -57,6 +58,35 @@ fn the_bias_of_a_known_window_is_gone() {
         );
         assert!(!says(&cured, "1/(πb)"));
     }
+}
+
+/// The lines speak of a window, and a fit under it is impossible: the first one stands.
+#[test]
+fn a_window_that_cannot_be_tried_costs_no_fit() {
+    let even = random_test(Window::Hann, 1.0, 41);
+    let lines = even.frequency_hz.len();
+    let kept: Vec<usize> = (0..lines).filter(|&k| k != lines / 5).collect();
+    let FrfValues::F64(values) = &even.values else {
+        panic!("simulated in double precision");
+    };
+    let frf = FrfSet {
+        frequency_hz: even.frequency_hz.select(Axis(0), &kept),
+        values: FrfValues::F64(values.select(Axis(2), &kept)),
+        ..even.clone()
+    };
+    let options = FitOptions {
+        band_hz: Some([20.0, 250.0]),
+        ..FitOptions::default()
+    };
+    let model = fitted_with(&frf, &options);
+    assert!(
+        says(&model, "those of a hann window") && !says(&model, "so the fit has its line shape")
+    );
+    let told = FitOptions {
+        window: Some(Window::Hann),
+        ..options
+    };
+    assert!(matches!(fit(&frf, &told), Err(FitError::WindowAxis { .. })));
 }
 
 #[test]

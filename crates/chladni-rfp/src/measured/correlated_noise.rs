@@ -5,7 +5,8 @@
 //! more pole explains of it is told from chance (theory.md, eq. 8).
 
 use super::limits::{
-    LINE_NOISE_LEAST, LINE_NOISE_LINES, LINE_NOISE_WHITE, LOCAL_LINES_TO_SPARE, POWERS,
+    CORRELATION_LEAST, CORRELATION_REACH, CORRELATION_WHITE, CORRELATION_WIDEST,
+    LOCAL_LINES_TO_SPARE, POWERS,
 };
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
@@ -19,8 +20,8 @@ use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 
 /// What pole `q` explains of its whitened neighbourhood over what chance lets a pole
-/// explain; `None` where too few lines tell it, or so many that correlation of neighbours
-/// does not matter.
+/// explain; `None` where it is far broader than what correlation makes, or too few lines
+/// tell it.
 pub(crate) fn over_chance(
     work: &Columns,
     refined: &Refined,
@@ -28,22 +29,31 @@ pub(crate) fn over_chance(
     errors: &BlockErrors,
 ) -> Result<Option<f64>, LinalgError> {
     let pole = refined.lambda[q];
+    let own_y = pole.re.max(f64::MIN_POSITIVE).sqrt();
+    if errors.cycles(pole.im / (2.0 * own_y)) > CORRELATION_WIDEST {
+        return Ok(None);
+    }
     let hood = Neighbourhood::around(work, refined, pole);
+    let near = |y: f64| errors.cycles(y - own_y).abs() <= CORRELATION_REACH;
+    let kept: Vec<usize> = (0..hood.local.lines())
+        .filter(|&k| near(y(hood.local.x[k])))
+        .collect();
+    let local = hood.local.select(&kept);
     let others: Vec<Complex64> = hood
         .near
         .iter()
         .filter(|&&near| near != q)
         .map(|&near| refined.lambda[near])
         .collect();
-    let (local, columns) = (&hood.local, others.len() + POWERS.len());
-    if local.lines() > LINE_NOISE_LINES || local.lines() < columns + 1 + LOCAL_LINES_TO_SPARE {
+    let columns = others.len() + POWERS.len();
+    if local.lines() < columns + 1 + LOCAL_LINES_TO_SPARE {
         return Ok(None);
     }
-    let lower = cholesky(correlation(local, errors).view())?;
+    let lower = cholesky(correlation(&local, errors).view())?;
     let whitened = |columns: &Array2<Complex64>| solve_lower(lower.view(), columns.view());
-    let (beside, _) = qr_thin(whitened(&basis(local, &others, &POWERS))?.view())?;
+    let (beside, _) = qr_thin(whitened(&basis(&local, &others, &POWERS))?.view())?;
     let past = |columns: Array2<Complex64>| projected(beside.view(), columns.view()).1;
-    let own = past(whitened(&basis(local, &[pole], &[]))?);
+    let own = past(whitened(&basis(&local, &[pole], &[]))?);
     let left = past(whitened(&local.b)?);
     let size = own.iter().map(Complex64::norm_sqr).sum::<f64>();
     let explained = matmul_h(own.view(), left.view());
@@ -59,20 +69,26 @@ pub(crate) fn over_chance(
     Ok(Some(sum / threshold(energy.len(), work.lines())))
 }
 
-/// True where noise of neighbouring lines is as smooth as a narrow resonance.
+/// ω/ω_max of a line at x.
+fn y(x: f64) -> f64 {
+    x.max(0.0).sqrt()
+}
+
+/// True where noise of neighbouring lines is as smooth as a narrow resonance, and nothing
+/// else leaves errors there.
 pub(crate) fn correlates(lines: &Columns, errors: &BlockErrors) -> bool {
-    let y = lines.x.iter().map(|x| x.max(0.0).sqrt());
-    let apart = y.clone().skip(1).zip(y).map(|(next, own)| next - own);
+    let apart = lines.x.windows(2).map(|two| y(two[1]) - y(two[0]));
     let nearest = apart.fold(f64::INFINITY, f64::min);
-    nearest.is_finite() && errors.of_noise(errors.cycles(nearest)).norm() > LINE_NOISE_LEAST
+    let of_noise = || errors.of_noise(errors.cycles(nearest)).norm();
+    !errors.leaks() && nearest.is_finite() && of_noise() > CORRELATION_LEAST
 }
 
 /// Correlation of noise on the lines; axes (line, line).
 fn correlation(lines: &Columns, errors: &BlockErrors) -> Array2<Complex64> {
-    let y: Vec<f64> = lines.x.iter().map(|x| x.max(0.0).sqrt()).collect();
-    Array2::from_shape_fn((y.len(), y.len()), |(k, q)| {
-        let white = f64::from(u8::from(k == q)) * LINE_NOISE_WHITE;
-        errors.of_noise(errors.cycles(y[k] - y[q])) + white
+    let size = (lines.lines(), lines.lines());
+    Array2::from_shape_fn(size, |(k, q)| {
+        let white = f64::from(u8::from(k == q)) * CORRELATION_WHITE;
+        errors.of_noise(errors.cycles(y(lines.x[k]) - y(lines.x[q]))) + white
     })
 }
 
@@ -159,8 +175,11 @@ mod tests {
         for seed in 0..40 {
             let noise = judged(&columns(seed, pole, 0.0), None);
             assert!(noise < 0.8, "{seed}: {noise}");
-            let mode = judged(&columns(seed, pole, 4.0), Some(pole));
-            assert!(mode > 1.2, "{seed}: {mode}");
+            // half-widths of 2, 4 and 7 lines
+            for pole in [0.01, 0.02, 0.035].map(|im| Complex64::new(0.25, im)) {
+                let mode = judged(&columns(seed, pole, 4.0), Some(pole));
+                assert!(mode > 1.2, "{seed}, {pole}: {mode}");
+            }
         }
     }
 
