@@ -33,7 +33,7 @@ use crate::model::exponential;
 use crate::model::identified::Identified;
 use crate::model::in_law::in_law;
 use crate::tolerances::OUTLIER_ROUNDS;
-use chladni_frf::{Finding, FrfSet, ModalModel};
+use chladni_frf::{Finding, Forcing, FrfSet, ModalModel};
 use chladni_linalg::blocked::in_pool;
 
 /// Identifies the modes in `frf`.
@@ -102,7 +102,11 @@ fn with_window_found(
     let screened = Screened::new(frf, &options)?;
     let case = Case::of_fit(&screened, &fit.model, &options);
     let evidence = window_bias::Evidence::new(&case);
-    let Some(window) = window_bias::of_shapes(&case, &evidence) else {
+    // line shapes are those of windows on continuous noise
+    let forcing = frf.estimation.as_ref().and_then(|made| made.forcing);
+    let may_be = forcing.is_none_or(|forcing| forcing == Forcing::Continuous);
+    let suspected = window_bias::of_shapes(&case, &evidence).filter(|_| may_be);
+    let Some(window) = suspected else {
         window_bias::hold(&mut fit.model, &screened, evidence.suspected());
         return Ok(fit);
     };
