@@ -151,7 +151,9 @@ fn kind(row: &MeasuredSummary) -> Option<String> {
     match cell.force {
         MeasuredForce::Random if window == "hann" && cell.averages() != HANN_BLOCKS => None,
         MeasuredForce::Random => Some(window),
-        MeasuredForce::Burst(_) => Some("bursts".into()),
+        MeasuredForce::Burst(_) if window == "rectangular" => Some("bursts".into()),
+        // whatever the lines per bandwidth, no fit undoes that
+        MeasuredForce::Burst(_) => None,
         MeasuredForce::Hammer if window == "rectangular" => Some("blows".into()),
         MeasuredForce::Hammer => Some(format!("blows, {window}")),
         MeasuredForce::Sines => None,
