@@ -284,8 +284,8 @@ fn of_continuous(errors: &Witness) -> bool {
 
 /// The window that line shapes and the errors of neighbouring lines both speak of, each by
 /// itself clearly, and leakage shows that the force was continuous: less corrects nothing.
-/// Where a fit of pure resonances leaves too little to ask, what the fit `under` the window
-/// leaves is asked.
+/// The fit `under` the window is asked where one of pure resonances leaves too little to
+/// ask.
 pub(crate) fn decided(found: &Evidence, under: &Case) -> Option<FoundWindow> {
     let shapes = found.shapes.as_ref()?;
     let (window, gain) = (shapes.likeliest(), shapes.tapered_gain());

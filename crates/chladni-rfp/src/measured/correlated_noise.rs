@@ -19,8 +19,8 @@ use chladni_linalg::{cholesky, matmul_h, qr_thin, solve_lower, LinalgError};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 
-/// What pole `q` explains of its whitened neighbourhood over what chance lets a pole
-/// explain; `None` where it is far broader than what correlation makes, or too few lines
+/// The part of its whitened neighbourhood that pole `q` explains, over the part that chance
+/// lets a pole explain; `None` where it is far broader than what correlation makes, or too few lines
 /// tell it.
 pub(crate) fn over_chance(
     work: &Columns,

@@ -24,7 +24,7 @@ pub(crate) struct Evidence {
     pub gain_without_nearest: f64,
     /// The same without the four nearest lines.
     pub gain_of_skirts: f64,
-    /// What it explains over what noise of correlated lines lets a pole explain; `None`
+    /// The part it explains over the part that noise of correlated lines lets a pole explain; `None`
     /// where lines are not correlated.
     pub over_noise: Option<f64>,
     /// Standard deviation over the half-width.
