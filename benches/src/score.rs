@@ -58,7 +58,7 @@ pub struct Score {
 }
 
 impl Score {
-    /// Pairs true and found modes, nearest first, within half a half-power bandwidth;
+    /// Pairs true and found modes, nearest poles first, within half a half-power bandwidth;
     /// out-of-band modes may pair too, so that a mode at the edge of the band is not
     /// called spurious.
     pub fn new(model: &ModalModel, problem: &Problem) -> Self {
@@ -124,14 +124,14 @@ impl Score {
     }
 }
 
-/// Pairs (true mode, found mode), nearest first, within half a half-power bandwidth.
+/// Pairs (true mode, found mode), nearest poles first, within half a half-power bandwidth.
 pub(crate) fn pair(known: &[&Mode], found: &[&Mode]) -> Vec<(usize, usize)> {
     let mut near = Vec::new();
     for (k, known) in known.iter().enumerate() {
         for (f, found) in found.iter().enumerate() {
             let distance_hz = (found.frequency_hz - known.frequency_hz).abs();
             if distance_hz <= half_half_width_hz(known) {
-                near.push((distance_hz, k, f));
+                near.push((pole_distance_hz(known, found), k, f));
             }
         }
     }
@@ -149,6 +149,12 @@ pub(crate) fn nearest_first(mut near: Vec<(f64, usize, usize)>) -> Vec<(usize, u
         }
     }
     pairs
+}
+
+/// Distance of the poles, Hz: modes at one frequency are told apart by their damping.
+pub(crate) fn pole_distance_hz(a: &Mode, b: &Mode) -> f64 {
+    let decay_hz = |mode: &Mode| 0.5 * mode.loss_factor * mode.frequency_hz;
+    (a.frequency_hz - b.frequency_hz).hypot(decay_hz(a) - decay_hz(b))
 }
 
 /// Half the half-power bandwidth, Hz: what lies farther from a mode is not that mode.

@@ -4,7 +4,7 @@ use super::draw::Draw;
 use super::evidence::evidence;
 use super::measurement::{measurement, Measurement};
 use crate::journal::nan;
-use crate::score::nearest_first;
+use crate::score::{nearest_first, pole_distance_hz};
 use chladni_frf::{Damping, Finding, FrfSet, ModalModel, Mode, Result, Trust};
 use chladni_rfp::{fit, FitError, FitOptions};
 use serde::{Deserialize, Serialize};
@@ -52,6 +52,8 @@ pub struct Outcome {
     pub viscous: Option<bool>,
     /// The result says that the laws cannot be told apart.
     pub undecidable: bool,
+    /// The other law would move a sure mode by more than its standard deviation.
+    pub law_matters: bool,
     /// χ² per degree of freedom as stated.
     #[serde(deserialize_with = "nan")]
     pub chi2_per_dof: f64,
@@ -142,6 +144,7 @@ impl Outcome {
                 .collect(),
             viscous: Some(model.damping == Damping::Viscous),
             undecidable: warns_of(model, LAW_UNDECIDABLE),
+            law_matters: model.in_band_modes().any(law_matters),
             chi2_per_dof: model.quality.chi2_per_dof,
             covered: [covered(0), covered(1)],
             ..Self::default()
@@ -215,6 +218,17 @@ fn broken(model: &ModalModel) -> Option<String> {
     Some(format!("a number of the mode at {} Hz", mode.frequency_hz))
 }
 
+/// True where the mode is sure and the other law, which shifts frequencies by η²/4 and loss
+/// factors by about 0.28η² of themselves (theory.md, section 2), would move it beyond its
+/// standard deviation.
+fn law_matters(mode: &Mode) -> bool {
+    let square = mode.loss_factor.powi(2);
+    let moved = |share: f64, value: f64, std: f64| share * square * value > std;
+    mode.trust == Trust::Sure
+        && (moved(0.25, mode.frequency_hz, mode.frequency_std_hz)
+            || moved(0.28, mode.loss_factor, mode.loss_factor_std))
+}
+
 fn announced(model: &ModalModel) -> bool {
     let tells = |finding: &Finding| !ASIDE.contains(&finding.code.as_ref());
     !model.quality.trusted
@@ -230,7 +244,7 @@ fn warns_of(model: &ModalModel, code: &str) -> bool {
         .any(|finding| finding.code == code)
 }
 
-/// Pairs (true mode, found mode), nearest first: within half the half-power bandwidth,
+/// Pairs (true mode, found mode), poles nearest first: within half the half-power bandwidth,
 /// or, up to the whole of it, within what the bar allows.
 fn pair(known: &[&Mode], found: &[&Mode]) -> Vec<(usize, usize)> {
     let mut near = Vec::new();
@@ -240,7 +254,7 @@ fn pair(known: &[&Mode], found: &[&Mode]) -> Vec<(usize, usize)> {
             let distance_hz = (found.frequency_hz - known.frequency_hz).abs();
             let allowed_hz = SIGMAS_PAIR * found.frequency_std_hz;
             if distance_hz <= allowed_hz.clamp(0.5 * bandwidth_hz, bandwidth_hz) {
-                near.push((distance_hz, k, f));
+                near.push((pole_distance_hz(known, found), k, f));
             }
         }
     }

@@ -128,6 +128,12 @@ pub(super) const UNLIKE_ERRORS: f64 = 3.0;
 pub(super) const SPLIT_NEAR: f64 = 2.0;
 /// Half-bandwidths, and lines, on both sides.
 pub(super) const SPLIT_WINDOW: (f64, usize) = (4.0, 8);
+/// Modes at most that a group is taken for, each moving: three, where lines of neighbours meet.
+pub(super) const SPLIT_MOVING_MOST: usize = 3;
+/// Poles of a group up to which more than one is tried.
+pub(super) const SPLIT_POLES_MOST: usize = 24;
+/// Groups, half of all and more, that one moving mode each explains: then the others are doubted.
+pub(super) const SPLIT_GROUPS: usize = 2;
 /// FRFs looked at: of the DOFs that show the modes best.
 pub(super) const SPLIT_FRFS_MOST: usize = 48;
 

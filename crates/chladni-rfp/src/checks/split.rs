@@ -10,6 +10,7 @@
 use crate::checks::around::{pole, strength, without_others};
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
+use crate::data::columns::Columns;
 use crate::poles::refine::{refine, Projection};
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
@@ -19,7 +20,11 @@ use ndarray::Axis;
 use num_complex::Complex64;
 use std::ops::Range;
 
-/// Sure modes that one mode per measurement set-up explains as well.
+/// Why a mode is doubted that moving modes replace, and one that only looks so.
+const EXPLAINED: &str = "one mode that moves between FRFs explains it and a neighbour as well";
+const LIKE_TWINS: &str = "one mode that moves between FRFs would look like it and its neighbour";
+
+/// Sure modes that fewer modes, other ones in each measurement set-up, explain as well.
 pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     if !case.white {
         return None;
@@ -32,41 +37,60 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     if let Some(checked) = mostly_twins(case, &modes) {
         return Some(checked);
     }
-    let groups = modes
+    let groups: Vec<&[&Mode]> = modes
         .chunk_by(near)
-        .filter(|group| group.len() > 1 && group.iter().any(|mode| mode.trust == Trust::Sure));
-    let doubted: Vec<&[&Mode]> = groups
-        .filter(|group| one_moving(case, group).unwrap_or(false))
+        .filter(|group| group.len() > 1 && group.iter().any(|mode| mode.trust == Trust::Sure))
         .collect();
+    let (doubted, others): (Vec<&[&Mode]>, Vec<&[&Mode]>) = groups
+        .into_iter()
+        .partition(|group| fewer_moving(case, group).unwrap_or(false));
     if doubted.is_empty() {
         return None;
     }
-    let places = |group: &&[&Mode]| {
-        group
-            .iter()
-            .map(|mode| format!("{:.2}", mode.frequency_hz))
-            .collect::<Vec<_>>()
-            .join(" and ")
+    // where fewer modes explain most groups, the rest is doubted
+    let all_move = doubted.len() >= limits::SPLIT_GROUPS && doubted.len() >= others.len();
+    let alike = if all_move { others } else { Vec::new() };
+    let mut words = format!(
+        "modes at {} Hz: fewer, each one whose frequency differs between measurements (a \
+         roving sensor's mass, temperature), explain each group as well",
+        places(&doubted)
+    );
+    if !alike.is_empty() {
+        words += &format!(
+            "; those at {} Hz stand as near to each other",
+            places(&alike)
+        );
+    }
+    let named = |groups: &[&[&Mode]], n: usize| {
+        let mode = &case.model.modes[n];
+        groups.iter().any(|group| group.contains(&mode))
     };
-    let words = format!(
-        "modes at {} Hz: one mode whose frequency differs between measurements (a roving sensor's \
-         mass, temperature) explains each group as well as several",
-        doubted.iter().map(places).collect::<Vec<_>>().join("; ")
-    );
-    let named = |mode: &Mode| doubted.iter().any(|group| group.contains(&mode));
-    let reason = Reason::new(
-        "split-mode",
-        "one mode that moves between FRFs explains it and its neighbour as well",
-    );
-    let weak = (0..case.model.modes.len())
-        .filter(|&n| named(&case.model.modes[n]))
-        .map(|n| (n, reason.clone()))
-        .collect();
-    let concerned = doubted.iter().copied().flatten();
+    let weak = (0..case.model.modes.len()).filter_map(|n| {
+        let why = [(&doubted, EXPLAINED), (&alike, LIKE_TWINS)];
+        let (_, why) = why.into_iter().find(|(groups, _)| named(groups, n))?;
+        Some((n, Reason::new("split-mode", why)))
+    });
+    let concerned = doubted.iter().chain(&alike).copied().flatten();
     let finding = Finding::caution("split-modes", words)
         .modes_hz(concerned.map(|mode| mode.frequency_hz))
         .help("measure another reference, or all points at once");
-    Some(Checked { finding, weak })
+    Some(Checked {
+        finding,
+        weak: weak.collect(),
+    })
+}
+
+/// The frequencies of groups of modes, in words.
+fn places(groups: &[&[&Mode]]) -> String {
+    let of_group = |group: &&[&Mode]| {
+        let [first, last] = [0, group.len() - 1].map(|n| group[n].frequency_hz);
+        match group.len() {
+            2 => format!("{first:.2} and {last:.2}"),
+            count => format!("{first:.2} to {last:.2} ({count} modes)"),
+        }
+    };
+    let each: Vec<String> = groups.iter().map(of_group).collect();
+    each.join("; ")
 }
 
 /// The modes that have a twin, where one side has one DOF and most modes are so: of the
@@ -89,10 +113,7 @@ fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
         return None;
     }
     let is_twin = |mode: &Mode| twins.iter().any(|&n| std::ptr::eq(modes[n], mode));
-    let reason = Reason::new(
-        "split-mode",
-        "one mode that moves between FRFs would look like it and its neighbour",
-    );
+    let reason = Reason::new("split-mode", LIKE_TWINS);
     let weak = (0..case.model.modes.len())
         .filter(|&n| is_twin(&case.model.modes[n]))
         .map(|n| (n, reason.clone()))
@@ -110,12 +131,11 @@ fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
     Some(Checked { finding, weak })
 }
 
-/// True where a pole of its own for each DOF of the side that was moved leaves no more of
-/// the FRFs than the common poles do.
-fn one_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
+/// True where poles of its own for each DOF of the side that was moved, at most half as many,
+/// leave no more of the FRFs than the common poles do.
+fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
     let frfs = by_set_up(case, group);
     let poles: Vec<Complex64> = group.iter().map(|mode| pole(case, mode)).collect();
-    let middle = poles.iter().sum::<Complex64>() / poles.len() as f64;
     let axis = case.data.axis();
     let rows = poles
         .iter()
@@ -131,16 +151,51 @@ fn one_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
         return Ok(false);
     };
     let common = Projection::new(&local.with_columns(own.clone()), &poles, &[0])?.sse;
-    let (mut moving, mut first) = (0.0, 0);
-    for set in &frfs {
-        let columns: Vec<usize> = (first..first + set.len()).collect();
-        first += set.len();
-        let single = local.with_columns(own.select(Axis(1), &columns));
-        moving += refine(&single, &[middle], &[0], tol::REFINE_FINE, tol::ROUGH_STEP)?
-            .projection
-            .sse;
+    // residues of each pole more than so few would have to show
+    let chance = threshold(all.len(), local.lines()) * case.noise_variance;
+    let most = match poles.len() {
+        0..=limits::SPLIT_POLES_MOST => limits::SPLIT_MOVING_MOST,
+        _ => 1,
+    };
+    for few in 1..=most.min(poles.len() / 2) {
+        let (mut moving, mut first) = (0.0, 0);
+        for set in &frfs {
+            let columns: Vec<usize> = (first..first + set.len()).collect();
+            first += set.len();
+            let single = local.with_columns(own.select(Axis(1), &columns));
+            let start = starts(&single, &poles, few)?;
+            moving += refine(&single, &start, &[0], tol::REFINE_FINE, tol::ROUGH_STEP)?
+                .projection
+                .sse;
+        }
+        if moving < common + (poles.len() - few) as f64 * chance {
+            return Ok(true);
+        }
     }
-    Ok(moving < common + threshold(all.len(), local.lines()) * case.noise_variance)
+    Ok(false)
+}
+
+/// Places, `few` of the poles of a group and of their mean, that explain most of `single`, found
+/// one after the other.
+fn starts(
+    single: &Columns,
+    poles: &[Complex64],
+    few: usize,
+) -> Result<Vec<Complex64>, LinalgError> {
+    let mean = poles.iter().sum::<Complex64>() / poles.len() as f64;
+    let mut left: Vec<Complex64> = [mean].iter().chain(poles).copied().collect();
+    let mut taken = Vec::new();
+    while taken.len() < few {
+        let mut best = (f64::INFINITY, 0);
+        for (n, &next) in left.iter().enumerate() {
+            let sse = Projection::new(single, &[&taken[..], &[next]].concat(), &[0])?.sse;
+            if sse < best.0 {
+                best = (sse, n);
+            }
+        }
+        taken.push(left.swap_remove(best.1));
+    }
+    Ok(taken)
 }
 
 /// FRFs (positions among the pairs) that were measured together, if the side with more

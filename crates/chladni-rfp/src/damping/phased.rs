@@ -26,8 +26,8 @@ pub(crate) struct LawFit {
     pub sse: f64,
     /// Decrease of the residual with residues free in their phases.
     pub relief: f64,
-    /// √Re λ of each mode: its natural frequency over ω_max.
-    pub omega: Vec<f64>,
+    /// λ of each mode in the plane of the law; √Re λ is its natural frequency over ω_max.
+    pub lambda: Vec<Complex64>,
     /// θ_n, rad.
     pub turn: Vec<f64>,
     /// Information of the data on the angles with all else free, over (σ²/2)⁻¹.
@@ -136,7 +136,7 @@ impl Common {
         Ok(LawFit {
             sse: here.sse,
             relief: here.relief()?,
-            omega: lambda.iter().map(|l| l.re.sqrt()).collect(),
+            lambda,
             turn,
             information: &of_turns - &matmul(across.t(), follow.view()),
         })

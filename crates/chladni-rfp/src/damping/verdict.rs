@@ -16,6 +16,9 @@ use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+/// Both laws, in the order of pairs.
+const LAWS: [Damping; 2] = [Damping::Structural, Damping::Viscous];
+
 /// The evidence of the data on the law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Verdict {
@@ -70,24 +73,54 @@ pub(crate) fn verdict(work: &Columns, fitted: &Fitted) -> Result<Verdict, Linalg
         let squares: Complex64 = fitted.coefficients.row(n).iter().map(|r| r * r).sum();
         0.5 * squares.arg()
     };
-    let fit = |law: Damping| {
-        let start: Vec<(Complex64, f64)> = modes
-            .iter()
-            .filter_map(|&n| {
-                let pole = fitted.lambda[n];
-                let there = if law == work.law {
-                    Some(pole)
-                } else {
-                    in_plane_of(law, pole)
-                };
-                Some((there?, angle(n)))
-            })
-            .collect();
-        common.fit(&work.axis().in_law(law), &start, fitted.variance)
+    let start = |law: Damping| -> Vec<(Complex64, f64)> {
+        let place = |pole: Complex64| match law == work.law {
+            true => Some(pole),
+            false => in_plane_of(law, pole),
+        };
+        let of_mode = |&n: &usize| Some((place(fitted.lambda[n])?, angle(n)));
+        modes.iter().filter_map(of_mode).collect()
     };
-    let (structural, viscous) = rayon::join(|| fit(Damping::Structural), || fit(Damping::Viscous));
-    let laws = [structural?, viscous?];
+    let fit = |law: Damping, start: &[(Complex64, f64)]| {
+        common.fit(&work.axis().in_law(law), start, fitted.variance)
+    };
+    let (structural, viscous) = rayon::join(
+        || fit(LAWS[0], &start(LAWS[0])),
+        || fit(LAWS[1], &start(LAWS[1])),
+    );
+    let mut laws = [structural?, viscous?];
+    for _ in 0..limits::RESTARTS {
+        if !overtaken(&mut laws, fitted.variance, fit)? {
+            break;
+        }
+    }
     Ok(weighed(&laws, fitted.variance, fitted.frfs))
+}
+
+/// Fits the law that explains less again, from the poles and angles of the other, where they
+/// differ enough to decide: a search may have ended beside its place. True where it now explains
+/// more than the other.
+fn overtaken(
+    laws: &mut [LawFit; 2],
+    variance: f64,
+    fit: impl Fn(Damping, &[(Complex64, f64)]) -> Result<LawFit, LinalgError>,
+) -> Result<bool, LinalgError> {
+    let worse = usize::from(laws[1].sse > laws[0].sse);
+    let [best, most] = [1 - worse, worse].map(|law| laws[law].sse);
+    if most - best < limits::DECIDES * variance {
+        return Ok(false);
+    }
+    let start = laws[1 - worse].lambda.iter().zip(&laws[1 - worse].turn);
+    let start: Option<Vec<(Complex64, f64)>> = start
+        .map(|(&pole, &turn)| Some((in_plane_of(LAWS[worse], pole)?, turn)))
+        .collect();
+    let Some(start) = start else { return Ok(false) };
+    let again = fit(LAWS[worse], &start)?;
+    let overtakes = again.sse < best;
+    if again.sse < most {
+        laws[worse] = again;
+    }
+    Ok(overtakes)
 }
 
 /// The verdict on the fits in the structural and in the viscous law.
@@ -104,8 +137,10 @@ fn weighed(laws: &[LawFit; 2], variance: f64, frfs: usize) -> Verdict {
         let better = usize::from(gain > 0.0);
         let scale = 1f64.max(angles[better] / k).max(scatter[better]);
         let explained = (angles[better] / scatter[better].max(1.0) - k) / (2.0 * k).sqrt();
-        (gain.abs() > limits::DECIDES * scale && explained < limits::ANGLES_EXPLAINED)
-            .then_some([Damping::Structural, Damping::Viscous][better])
+        // poles that fell together leave no information that could be weighed
+        let sound = angles.iter().all(|angle| *angle >= 0.0);
+        (sound && gain.abs() > limits::DECIDES * scale && explained < limits::ANGLES_EXPLAINED)
+            .then_some(LAWS[better])
     };
     let weight = 2.0 / variance;
     if modes > 2 {
@@ -144,16 +179,13 @@ fn beside_delay(law: &LawFit) -> f64 {
         .map(|(angle, weight)| Complex64::from_polar(*weight, 2.0 * angle))
         .sum();
     let turn = wrapped(&law.turn, 0.5 * sum.arg());
-    let design = Array2::from_shape_fn(
-        (turn.len(), 2),
-        |(n, p)| {
-            if p == 0 {
-                1.0
-            } else {
-                law.omega[n]
-            }
-        },
-    );
+    let design = Array2::from_shape_fn((turn.len(), 2), |(n, p)| {
+        if p == 0 {
+            1.0
+        } else {
+            law.lambda[n].re.sqrt()
+        }
+    });
     let weighted = matmul(law.information.view(), design.view());
     let right = weighted.t().dot(&turn).insert_axis(ndarray::Axis(1));
     match answer(matmul(design.t(), weighted.view()).view(), right.view()) {
@@ -259,7 +291,7 @@ mod tests {
             sse: 1.0,
             relief: 0.0,
             turn: (0..8).map(|n| error(omega[n]) - turned * loss(n)).collect(),
-            omega: omega.clone(),
+            lambda: omega.iter().map(|omega| (omega * omega).into()).collect(),
             information: Array2::eye(8),
         })
     }
