@@ -172,14 +172,15 @@ mod tests {
         }
     }
 
-    /// Seeds whose law was called decided on what a search had left, or on poles that had
-    /// fallen together.
+    /// Seeds whose law was called decided on what a search had left, on poles that had fallen
+    /// together, or on shapes that a phase of all FRFs had turned.
     #[test]
     fn laws_are_right_or_open() {
-        for row in seeds(Difficulty::Hard, &[40_003, 40_135, 40_238, 40_437]) {
+        for row in seeds(Difficulty::Hard, &[744, 40_003, 40_135, 40_238, 40_437]) {
             let (seed, outcome) = (row.draw.seed, &row.outcome);
             let right = outcome.viscous == Some(row.draw.law == Damping::Viscous);
-            assert!(right || outcome.undecidable, "{seed}: {outcome:?}");
+            let open = outcome.undecidable || outcome.law_conditional();
+            assert!(right || open, "{seed}: {outcome:?}");
         }
     }
 

@@ -18,12 +18,13 @@ const SIGMAS_95: f64 = 1.96;
 const SIGMAS_PAIR: f64 = 4.0;
 /// An error beyond so many of its own standard deviations is a wrong result.
 const BEYOND: f64 = 6.0;
-/// Findings that speak of the damping law, or of the scale of shapes: they announce no wrong
-/// count.
+/// Findings that speak of the damping law.
 const LAW_UNDECIDABLE: &str = "law-undecidable";
+const LAW_IF_PHASES_TRUE: &str = "law-if-phases-true";
+/// Those, and findings on the scale of shapes: they announce no wrong count.
 const ASIDE: [&str; 4] = [
     LAW_UNDECIDABLE,
-    "law-if-phases-true",
+    LAW_IF_PHASES_TRUE,
     "scale-unknown",
     "unscaled",
 ];
@@ -159,7 +160,13 @@ impl Outcome {
     /// A sure mode lies beyond six of its stated standard deviations, and nothing is said
     /// that would explain it: a law that cannot be told shifts all modes.
     pub fn overconfident(&self) -> bool {
-        self.beyond > 0 && !self.undecidable && !self.announced
+        let said = self.undecidable || self.announced || self.law_conditional();
+        self.beyond > 0 && !said
+    }
+
+    /// The result says that its law holds if phases are true.
+    pub fn law_conditional(&self) -> bool {
+        self.findings.iter().any(|code| code == LAW_IF_PHASES_TRUE)
     }
 
     /// The count is wrong, and the result does not say that anything may be.

@@ -8,9 +8,6 @@ const DECIDED_FROM: (f64, f64) = (0.01, 40.0);
 /// χ² per degree of freedom of a fit that explains its data.
 const CHI2: [f64; 2] = [0.97, 1.05];
 
-/// The finding that the law holds on a condition.
-const IF_PHASES_TRUE: &str = "law-if-phases-true";
-
 /// One number and its goal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
@@ -148,12 +145,8 @@ fn decided(row: &WildRow) -> bool {
 /// The law counts in the modes found, these are right in number, and no phase of the
 /// measurement stands against it unsaid.
 fn counts(row: &WildRow) -> bool {
-    let conditional = row
-        .outcome
-        .findings
-        .iter()
-        .any(|code| code == IF_PHASES_TRUE);
-    decided(row) && exact(row) && row.outcome.law_matters && !conditional
+    let outcome = &row.outcome;
+    decided(row) && exact(row) && outcome.law_matters && !outcome.law_conditional()
 }
 
 fn right(row: &WildRow) -> bool {

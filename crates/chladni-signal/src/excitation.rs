@@ -65,19 +65,27 @@ fn course(samples: &[f64], block: usize) -> Forcing {
     }
 }
 
-/// Part of a block after which the force is silent, the mean over all blocks.
+/// Part of a block after which the force is silent, the mean over all blocks. The median of a
+/// block counts as silence: sensors have offsets.
 fn acting_part(samples: &[f64], block: usize) -> f64 {
     let piece = (block / BLOCK_PIECES).max(1);
     let mut powers = vec![0.0; block.div_ceil(piece)];
     for samples in samples.chunks_exact(block) {
+        let silence = median(samples);
         for (power, samples) in powers.iter_mut().zip(samples.chunks(piece)) {
-            *power += samples.iter().map(|x| x * x).sum::<f64>();
+            *power += samples.iter().map(|x| (x - silence).powi(2)).sum::<f64>();
         }
     }
     let largest = powers.iter().copied().fold(0.0, f64::max);
     let acts = |power: &f64| *power > ACTING * largest;
     let last = powers.iter().rposition(acts).map_or(0, |last| last + 1);
     ((last * piece) as f64 / block as f64).min(1.0)
+}
+
+fn median(samples: &[f64]) -> f64 {
+    let mut sorted = samples.to_vec();
+    let (_, median, _) = sorted.select_nth_unstable_by(samples.len() / 2, f64::total_cmp);
+    *median
 }
 
 fn is_steady(samples: &[f64]) -> bool {
@@ -211,12 +219,18 @@ mod tests {
         for part in [0.3, 0.5, 0.9] {
             let found = part_of(forcing(&[run(cut(all.clone(), part))], block));
             assert!((found - part).abs() < 0.01, "{found} for {part}");
+            // a sensor with an offset
+            let moved = cut(all.clone(), part).iter().map(|x| x + 0.5).collect();
+            let found = part_of(forcing(&[run(moved)], block));
+            assert!((found - part).abs() < 0.01, "{found} for {part}");
         }
         let blows = cut(vec![1.0; 10 * block], 0.002);
         assert_eq!(
             forcing(&[run(blows.clone())], block),
             Some(Forcing::Transient)
         );
+        let moved = blows.iter().map(|x| x + 0.3).collect();
+        assert_eq!(forcing(&[run(moved)], block), Some(Forcing::Transient));
         let periodic = noise(block, 5).repeat(10);
         assert_eq!(forcing(&[run(periodic)], block), Some(Forcing::Periodic));
         // a run of each kind is none of them

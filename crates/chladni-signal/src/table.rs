@@ -4,7 +4,8 @@ use super::force_noise::Correction;
 use super::setting::Setting;
 use super::{units, Estimate, Group};
 use chladni_frf::{
-    Channel, Dof, Error, Estimation, Finding, FrfSet, FrfValues, Geometry, Result, Run,
+    BlockWindow, Channel, Dof, Error, Estimation, Finding, Forcing, FrfSet, FrfValues, Geometry,
+    Result, Run,
 };
 use ndarray::{s, Array3, Axis};
 use num_complex::Complex64;
@@ -159,6 +160,10 @@ impl Table {
             forcing: setting.forcing(runs),
             ..setting.estimation(rate_hz)
         };
+        if (estimation.forcing, estimation.window) == (Some(Forcing::Transient), BlockWindow::Hann)
+        {
+            self.warnings.push(hann_on_blows());
+        }
         let frf = FrfSet {
             frequency_hz: setting.frequency_hz(rate_hz),
             values: FrfValues::F64(self.values),
@@ -177,4 +182,14 @@ impl Table {
             findings: self.warnings,
         })
     }
+}
+
+/// The finding of blows under a Hann window.
+fn hann_on_blows() -> Finding {
+    let words = "a Hann window on blows weighs each response by when it decays: it broadens every \
+                 line and sets others beside it, so that one mode looks like several";
+    Finding::caution("hann-on-blows", words).help(
+        "give each blow a record of its own, with window rectangular, or exponential where \
+         responses do not die out",
+    )
 }

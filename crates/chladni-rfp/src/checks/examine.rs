@@ -14,7 +14,7 @@ use chladni_frf::{ModalModel, Severity, Trust};
 use rayon::prelude::*;
 
 /// Every check that runs after a fit.
-const CHECKS: [fn(&Case) -> Option<Checked>; 11] = [
+const CHECKS: [fn(&Case) -> Option<Checked>; 12] = [
     kind::wrong_kind,
     noise::few_values,
     noise::noise_alone,
@@ -26,6 +26,7 @@ const CHECKS: [fn(&Case) -> Option<Checked>; 11] = [
     reciprocal::not_reciprocal,
     window_bias::possible_bias,
     window_bias::modelled,
+    window_bias::of_blows,
 ];
 
 /// Runs all checks; what they find joins the model's findings.

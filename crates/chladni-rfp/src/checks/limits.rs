@@ -146,6 +146,10 @@ pub(super) const TWINS_LEAST: usize = 5;
 
 // window_bias.rs
 
+/// Lines within which poles may be one mode that a Hann window on blows has set beside itself: it
+/// does so at one line to both sides, and noise moves them.
+pub(super) const BESIDE_LINES: f64 = 2.5;
+
 /// Loss factors that a window could have raised by this much, relative, are worth a word,
 /// and wider bars: at eight lines per bandwidth under a Hann window it is 1.5 %.
 pub(super) const BIAS: f64 = 0.01;

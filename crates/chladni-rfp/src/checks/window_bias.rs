@@ -11,7 +11,7 @@ use crate::data::layout::DataLayout;
 use crate::data::window::kinds::Window;
 use crate::data::window::leakage::Leakage;
 use crate::model::modes::widen_scale;
-use chladni_frf::{Finding, ModalModel, Mode, Scaling, Trust};
+use chladni_frf::{Finding, ModalModel, Mode, Reason, Scaling, Trust};
 use std::f64::consts::PI;
 
 /// The check where the window is known: its effect is in the columns, as long as the
@@ -42,6 +42,35 @@ pub(crate) fn modelled(case: &Case) -> Option<Checked> {
         .value("bias_relative", worst)
         .help("window none shows the broadened lines");
     Some(finding.into())
+}
+
+/// The check where the set says that blows went through a Hann window: it weighs a response by
+/// sin²(πt/T), so each mode has lines of the width of its own at 1/T to both sides.
+pub(crate) fn of_blows(case: &Case) -> Option<Checked> {
+    if !case.data.hann_on_blows {
+        return None;
+    }
+    let reach_hz = limits::BESIDE_LINES * case.data.line_spacing_hz();
+    let modes = || case.model.modes.iter().enumerate();
+    let beside = |(n, mode): &(usize, &Mode)| {
+        let near = |other: &Mode| (other.frequency_hz - mode.frequency_hz).abs() < reach_hz;
+        mode.in_band && modes().any(|(m, other)| m != *n && near(other))
+    };
+    let reason = Reason::new(
+        "windowed-side-lobe",
+        "the window sets lines at this distance beside every mode",
+    );
+    let weak = modes()
+        .filter(beside)
+        .map(|(n, _)| (n, reason.clone()))
+        .collect();
+    let words = "the FRFs were made of blows under a Hann window, which broadens every line and sets \
+                 others beside it: loss factors are upper bounds, and poles a line or two apart may \
+                 be one mode";
+    let finding = Finding::caution("windowed", words)
+        .modes_hz(case.model.in_band_modes().map(|mode| mode.frequency_hz))
+        .help("estimate the FRFs again without that window, one record for each blow");
+    Some(Checked { finding, weak })
 }
 
 /// The check where the window is not known: how much too high damping can be.

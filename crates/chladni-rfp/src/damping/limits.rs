@@ -25,7 +25,7 @@ pub(super) const POLES_AT_A_TIME: usize = 8;
 /// structural one has not.
 pub(super) const ODD_POWERS: [i32; 4] = [-3, 1, 3, 5];
 /// Steps at most. Complex shapes, which one angle for each mode does not fit, take many: with 20,
-/// seed 40135 of `bench wild --hard` ended where its laws differ by what the search had left.
+/// hard structure 40135 of the benches ended where its laws differ by what the search had left.
 pub(super) const STEPS: usize = 200;
 /// Searches at most that start again from the poles of the other law; two have sufficed.
 pub(super) const RESTARTS: usize = 4;

@@ -83,6 +83,7 @@ pub(crate) fn fit_by_method(
         real_shapes: false,
         law_open: LawOpen::No,
         fitted: true,
+        measured: false,
     };
     let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);

@@ -104,6 +104,7 @@ impl Shaped {
             scales_of_frfs: noise.map(|noise| noise.mapv(f64::sqrt).to_vec()),
             powers: &self.identified.powers,
             fitted: self.identified.fitted,
+            measured: self.identified.measured,
             poles: &self.poles,
             shapes: &self.shapes,
             scales: &self.scales,

@@ -20,7 +20,7 @@ use num_complex::Complex64;
 /// holds; with what is to be said of it. Shapes have a say, which phases of heavily
 /// overlapping modes may get wrong: where these do not decide and one shape per mode is
 /// refused, the other law holds if it bears such shapes, and where shapes are complex, it
-/// holds if they are real there. `again`: the poles in another law.
+/// holds if they are real there and phases are true. `again`: the poles in another law.
 pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     data: &DataLayout,
     found: PoleEstimate,
@@ -44,8 +44,13 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         let there = again(found.clone(), law.other())?;
         let other = shape_search(data, &there, options)?;
         if borne(&other) && (refused || real(&other)) {
+            // a phase that all FRFs share makes no shape refuse its references, but it turns
+            // real shapes into complex ones and back
+            told = match refused {
+                true => Verdict::Decided(law.other()),
+                false => Verdict::IfPhasesTrue(law.other(), confusing_turn(&there)),
+            };
             (found, searched) = (there, other);
-            told = Verdict::Decided(law.other());
         }
     }
     let law = found.work.law;
@@ -97,6 +102,18 @@ fn words_on_law(
         }
         _ => None,
     }
+}
+
+/// The phase of all FRFs, degrees, that would pass for the other law: laws turn residues of light
+/// modes apart by half a loss factor, and a turn beyond half of that is nearer to the other one.
+fn confusing_turn(found: &PoleEstimate) -> f64 {
+    let modes = found.refined.lambda.iter();
+    let loss_factors: Vec<f64> = modes
+        .filter(|pole| found.work.in_band(**pole))
+        .map(|pole| pole.im / pole.re)
+        .collect();
+    let mean = loss_factors.iter().sum::<f64>() / loss_factors.len().max(1) as f64;
+    (0.25 * mean).to_degrees()
 }
 
 /// The finding of references that no shape serves together.

@@ -85,6 +85,7 @@ impl GivenPoles {
             real_shapes: false,
             law_open: LawOpen::No,
             fitted: false,
+            measured: false,
         })
     }
 }

@@ -39,6 +39,8 @@ pub(crate) struct Identified {
     pub law_open: LawOpen,
     /// False where the poles were given, and not fitted to these columns.
     pub fitted: bool,
+    /// True where errors are no white noise, and deviations those of the residual as it is.
+    pub measured: bool,
 }
 
 /// State of the damping law.
@@ -84,6 +86,7 @@ impl Identified {
             path,
             warnings,
             consistent,
+            measured,
             ..
         } = found;
         let poles = refined.lambda.iter().zip(&spread).zip(grades);
@@ -108,6 +111,7 @@ impl Identified {
             real_shapes: false,
             law_open: LawOpen::No,
             fitted: true,
+            measured,
         }
     }
 

@@ -27,9 +27,10 @@ pub(crate) struct TermBars {
     /// The same for independent errors, where the bars at hand are those of another
     /// estimator and only the ratio counts.
     white: Option<([f64; 2], ShapeDeviations)>,
-    /// True where all FRFs share noise of a force: a residual that is not white makes bars of its own,
-    /// and the larger ones hold.
-    shares: bool,
+    /// Bars at hand hold that are larger by this factor: a residual that is not white makes bars
+    /// of its own. It is 1 where all FRFs share noise of a force; where the force is at rest before
+    /// each record they may, and the residual must contradict what noise of the responses makes.
+    larger_from: f64,
 }
 
 impl TermBars {
@@ -55,7 +56,7 @@ impl TermBars {
     fn replace(&self, bar: &mut f64, new: f64, white: Option<f64>) {
         let value = match white {
             Some(white) => *bar * (new / white).max(1.0),
-            None if self.shares => new.max(*bar),
+            None if *bar > self.larger_from * new => *bar,
             None => new,
         };
         if bar.is_finite() && value.is_finite() {
@@ -117,7 +118,11 @@ pub(crate) fn line_bars(
             shape: influence.term(term, &told, &correlated),
             pole: told.pole,
             white,
-            shares,
+            larger_from: match shares {
+                true => 1.0,
+                false if found.measured && !errors.leaks() => limits::BARS_CONTRADICT,
+                false => f64::INFINITY,
+            },
         }
     };
     let inside = |term: &usize| {

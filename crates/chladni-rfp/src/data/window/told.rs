@@ -37,7 +37,8 @@ fn window_of(made: &Estimation) -> Option<Window> {
         (Forcing::Continuous, BlockWindow::Rectangular) => Some(Window::Rectangular),
         (Forcing::Burst { part }, BlockWindow::Rectangular) => Some(Window::Burst { part }),
         // an exponential window moves the poles, and the columns with them
-        (Forcing::Transient, BlockWindow::Rectangular | BlockWindow::Exponential { .. }) => {
+        (Forcing::Transient, BlockWindow::Rectangular)
+        | (Forcing::Transient | Forcing::Periodic, BlockWindow::Exponential { .. }) => {
             Some(Window::Transient)
         }
         (Forcing::Periodic, BlockWindow::Rectangular) => Some(Window::None),
@@ -45,9 +46,10 @@ fn window_of(made: &Estimation) -> Option<Window> {
     }
 }
 
-/// Decay that the set itself says was added to every pole, 1/s.
+/// Decay that the set itself says was added to every pole, 1/s: not under noise that goes on, of
+/// which the window only weighs a part.
 fn exponential_of(made: &Estimation) -> Option<f64> {
-    let moved = matches!(made.forcing?, Forcing::Transient | Forcing::Burst { .. });
+    let moved = made.forcing? != Forcing::Continuous;
     made.window.rate_per_s().filter(|_| moved)
 }
 
