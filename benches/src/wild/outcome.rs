@@ -53,6 +53,8 @@ pub struct Outcome {
     pub viscous: Option<bool>,
     /// The result says that the laws cannot be told apart.
     pub undecidable: bool,
+    /// The law of the result is not the true one.
+    pub law_wrong: bool,
     /// The other law would move a sure mode by more than its standard deviation.
     pub law_matters: bool,
     /// χ² per degree of freedom as stated.
@@ -145,6 +147,7 @@ impl Outcome {
                 .collect(),
             viscous: Some(model.damping == Damping::Viscous),
             undecidable: warns_of(model, LAW_UNDECIDABLE),
+            law_wrong: model.damping != measured.truth.damping,
             law_matters: model.in_band_modes().any(law_matters),
             chi2_per_dof: model.quality.chi2_per_dof,
             covered: [covered(0), covered(1)],
@@ -160,7 +163,8 @@ impl Outcome {
     /// A sure mode lies beyond six of its stated standard deviations, and nothing is said
     /// that would explain it: a law that cannot be told shifts all modes.
     pub fn overconfident(&self) -> bool {
-        let said = self.undecidable || self.announced || self.law_conditional();
+        let of_law = self.law_conditional() && self.law_wrong;
+        let said = self.undecidable || self.announced || of_law;
         self.beyond > 0 && !said
     }
 

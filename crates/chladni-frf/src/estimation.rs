@@ -178,6 +178,12 @@ pub struct Estimation {
 }
 
 impl Estimation {
+    /// True for blows, or sweeps, under a Hann window: it weighs early and late parts of a
+    /// response unlike, broadens every line and sets others at 1/`gate_s` beside it.
+    pub fn hann_on_blows(&self) -> bool {
+        self.forcing == Some(Forcing::Transient) && self.window == BlockWindow::Hann
+    }
+
     /// The estimation of two sets at once; `None` where they differ in more than
     /// averages.
     pub fn joined(self, other: Self) -> Option<Self> {

@@ -2,8 +2,8 @@
 
 use super::whole_record::{smooth_length, spectrum};
 use crate::limits::{
-    ACTING, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LEAST_POWER, LEAST_SAMPLES, LINES,
-    LONG_LAG, LOOKED_AT, PIECES,
+    ACTING, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LAST_PART, LEAST_POWER, LEAST_SAMPLES,
+    LINES, LONG_LAG, LOOKED_AT, OFFSET_MOST, PIECES,
 };
 use chladni_frf::{Forcing, Run};
 use chladni_linalg::fft;
@@ -65,13 +65,12 @@ fn course(samples: &[f64], block: usize) -> Forcing {
     }
 }
 
-/// Part of a block after which the force is silent, the mean over all blocks. The median of a
-/// block counts as silence: sensors have offsets.
+/// Part of a block after which the force is silent, the mean over all blocks.
 fn acting_part(samples: &[f64], block: usize) -> f64 {
     let piece = (block / BLOCK_PIECES).max(1);
     let mut powers = vec![0.0; block.div_ceil(piece)];
     for samples in samples.chunks_exact(block) {
-        let silence = median(samples);
+        let silence = offset(samples);
         for (power, samples) in powers.iter_mut().zip(samples.chunks(piece)) {
             *power += samples.iter().map(|x| (x - silence).powi(2)).sum::<f64>();
         }
@@ -82,10 +81,21 @@ fn acting_part(samples: &[f64], block: usize) -> f64 {
     ((last * piece) as f64 / block as f64).min(1.0)
 }
 
-fn median(samples: &[f64]) -> f64 {
-    let mut sorted = samples.to_vec();
-    let (_, median, _) = sorted.select_nth_unstable_by(samples.len() / 2, f64::total_cmp);
-    *median
+/// Offset of the sensor in a block that ends in silence: the median of its last part, where that
+/// is at rest and well below the largest value. 0 elsewhere: the last level of a signal that
+/// switches is none.
+fn offset(samples: &[f64]) -> f64 {
+    let mut last = samples[samples.len() - samples.len().div_ceil(LAST_PART)..].to_vec();
+    let middle = last.len() / 2;
+    let (_, median, _) = last.select_nth_unstable_by(middle, f64::total_cmp);
+    let median = *median;
+    let power = |x: &f64| (x - median).powi(2);
+    let largest = samples.iter().map(power).fold(0.0, f64::max);
+    let at_rest = last.iter().map(power).sum::<f64>() < ACTING * largest * last.len() as f64;
+    match at_rest && median.powi(2) < OFFSET_MOST.powi(2) * largest {
+        true => median,
+        false => 0.0,
+    }
 }
 
 fn is_steady(samples: &[f64]) -> bool {
@@ -231,6 +241,13 @@ mod tests {
         );
         let moved = blows.iter().map(|x| x + 0.3).collect();
         assert_eq!(forcing(&[run(moved)], block), Some(Forcing::Transient));
+        let levels = noise(512, 6).iter().map(|x| x.signum()).collect::<Vec<_>>();
+        assert_eq!(
+            forcing(&[run(levels.repeat(80))], 512),
+            Some(Forcing::Periodic)
+        );
+        let constant = vec![0.7; 10 * block];
+        assert_eq!(forcing(&[run(constant)], block), Some(Forcing::Periodic));
         let periodic = noise(block, 5).repeat(10);
         assert_eq!(forcing(&[run(periodic)], block), Some(Forcing::Periodic));
         // a run of each kind is none of them

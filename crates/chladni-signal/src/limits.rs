@@ -26,6 +26,10 @@ pub(crate) const LARGEST_REPEAT: f64 = 0.5;
 pub(crate) const LONG_LAG: usize = 64;
 /// Pieces of a block whose powers tell where a burst ends.
 pub(crate) const BLOCK_PIECES: usize = 256;
+/// One in so many samples of a block, the last ones, tells the offset of the sensor.
+pub(crate) const LAST_PART: usize = 16;
+/// Offset over the largest value, at most: one level of two is half of what the signal spans.
+pub(crate) const OFFSET_MOST: f64 = 0.4;
 /// Power of a piece beside the largest from which on the force acts.
 pub(crate) const ACTING: f64 = 0.01;
 /// Samples of a reference that are looked at, and fewest blocks.

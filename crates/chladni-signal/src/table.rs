@@ -4,8 +4,7 @@ use super::force_noise::Correction;
 use super::setting::Setting;
 use super::{units, Estimate, Group};
 use chladni_frf::{
-    BlockWindow, Channel, Dof, Error, Estimation, Finding, Forcing, FrfSet, FrfValues, Geometry,
-    Result, Run,
+    Channel, Dof, Error, Estimation, Finding, FrfSet, FrfValues, Geometry, Result, Run,
 };
 use ndarray::{s, Array3, Axis};
 use num_complex::Complex64;
@@ -160,8 +159,7 @@ impl Table {
             forcing: setting.forcing(runs),
             ..setting.estimation(rate_hz)
         };
-        if (estimation.forcing, estimation.window) == (Some(Forcing::Transient), BlockWindow::Hann)
-        {
+        if estimation.hann_on_blows() {
             self.warnings.push(hann_on_blows());
         }
         let frf = FrfSet {
@@ -184,12 +182,14 @@ impl Table {
     }
 }
 
-/// The finding of blows under a Hann window.
+/// The finding of blows, or sweeps, under a Hann window.
 fn hann_on_blows() -> Finding {
-    let words = "a Hann window on blows weighs each response by when it decays: it broadens every \
-                 line and sets others beside it, so that one mode looks like several";
+    let words =
+        "a Hann window on blows or sweeps weighs early and late parts of a response unlike: \
+                 it broadens every line and sets others beside it, so that one mode looks like \
+                 several";
     Finding::caution("hann-on-blows", words).help(
-        "give each blow a record of its own, with window rectangular, or exponential where \
-         responses do not die out",
+        "say `window rectangular`, or exponential where responses do not die out, with a record of \
+         its own for each blow",
     )
 }

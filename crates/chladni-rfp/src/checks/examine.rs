@@ -54,6 +54,9 @@ pub(crate) fn examine(
         model.quality.trusted &= checked.finding.severity != Severity::Fault;
         for (n, reason) in checked.weak {
             let mode = &mut model.modes[n];
+            if mode.trust == Trust::Rejected {
+                continue;
+            }
             mode.trust = Trust::Weak;
             mode.reasons.push(reason);
         }

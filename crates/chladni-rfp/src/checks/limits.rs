@@ -132,7 +132,7 @@ pub(super) const SPLIT_WINDOW: (f64, usize) = (4.0, 8);
 pub(super) const SPLIT_MOVING_MOST: usize = 3;
 /// Poles of a group up to which more than one is tried.
 pub(super) const SPLIT_POLES_MOST: usize = 24;
-/// Groups, half of all and more, that one moving mode each explains: then the others are doubted.
+/// Groups, more than half of all, that moving modes explain: then the larger others are doubted.
 pub(super) const SPLIT_GROUPS: usize = 2;
 /// FRFs looked at: of the DOFs that show the modes best.
 pub(super) const SPLIT_FRFS_MOST: usize = 48;

@@ -1,5 +1,5 @@
-//! Close modes that may be one: a pole that moves between FRFs looks, to first order,
-//! like two or more that do not.
+//! Close modes that may be fewer: a pole that moves between FRFs looks, to first order,
+//! like two that do not, and like five and more where it moves by more than its bandwidth.
 //!
 //! R/(λ + ε_l − x) ≈ R/(λ − x) − Rε_l/(λ − x)²: whatever ε_l each FRF has, two poles of
 //! the same place fit it. One shape for all references rules it out where each DOF of one
@@ -20,11 +20,13 @@ use ndarray::Axis;
 use num_complex::Complex64;
 use std::ops::Range;
 
-/// Why a mode is doubted that moving modes replace, and one that only looks so.
+/// Why a mode is doubted: that moving modes replace, that stands among such, or only looks so.
 const EXPLAINED: &str = "one mode that moves between FRFs explains it and a neighbour as well";
+const LIKE_MOST: &str =
+    "most close modes of this set are one that moves between FRFs, and it stands close to others";
 const LIKE_TWINS: &str = "one mode that moves between FRFs would look like it and its neighbour";
 
-/// Sure modes that fewer modes, other ones in each measurement set-up, explain as well.
+/// Sure modes that fewer modes which move between set-ups explain as well.
 pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     if !case.white {
         return None;
@@ -47,12 +49,15 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     if doubted.is_empty() {
         return None;
     }
-    // where fewer modes explain most groups, the rest is doubted
-    let all_move = doubted.len() >= limits::SPLIT_GROUPS && doubted.len() >= others.len();
-    let alike = if all_move { others } else { Vec::new() };
+    // a mode that moves by more than its bandwidth is three poles and more
+    let most_move = doubted.len() >= limits::SPLIT_GROUPS && doubted.len() > others.len();
+    let alike: Vec<&[&Mode]> = others
+        .into_iter()
+        .filter(|group| most_move && group.len() > 2)
+        .collect();
     let mut words = format!(
-        "modes at {} Hz: fewer, each one whose frequency differs between measurements (a \
-         roving sensor's mass, temperature), explain each group as well",
+        "modes at {} Hz: fewer modes explain each group as well, if their frequencies differ \
+         between measurements (a roving sensor's mass, temperature)",
         places(&doubted)
     );
     if !alike.is_empty() {
@@ -66,7 +71,7 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
         groups.iter().any(|group| group.contains(&mode))
     };
     let weak = (0..case.model.modes.len()).filter_map(|n| {
-        let why = [(&doubted, EXPLAINED), (&alike, LIKE_TWINS)];
+        let why = [(&doubted, EXPLAINED), (&alike, LIKE_MOST)];
         let (_, why) = why.into_iter().find(|(groups, _)| named(groups, n))?;
         Some((n, Reason::new("split-mode", why)))
     });
@@ -135,6 +140,9 @@ fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
 /// leave no more of the FRFs than the common poles do.
 fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
     let frfs = by_set_up(case, group);
+    if frfs.len() < 2 {
+        return Ok(false);
+    }
     let poles: Vec<Complex64> = group.iter().map(|mode| pole(case, mode)).collect();
     let axis = case.data.axis();
     let rows = poles
@@ -151,8 +159,8 @@ fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
         return Ok(false);
     };
     let common = Projection::new(&local.with_columns(own.clone()), &poles, &[0])?.sse;
-    // residues of each pole more than so few would have to show
-    let chance = threshold(all.len(), local.lines()) * case.noise_variance;
+    // each further common pole must explain more than chance
+    let of_pole = threshold(all.len(), local.lines()) * case.noise_variance;
     let most = match poles.len() {
         0..=limits::SPLIT_POLES_MOST => limits::SPLIT_MOVING_MOST,
         _ => 1,
@@ -168,14 +176,17 @@ fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
                 .projection
                 .sse;
         }
-        if moving < common + (poles.len() - few) as f64 * chance {
+        // further unknowns of the common poles, those of one pole each: its residues
+        let own = few as f64 * (1.0 + frfs.len() as f64 / all.len() as f64);
+        let further = (poles.len() as f64 - own).max(1.0);
+        if moving < common + further * of_pole {
             return Ok(true);
         }
     }
     Ok(false)
 }
 
-/// Places, `few` of the poles of a group and of their mean, that explain most of `single`, found
+/// Starting places for `few` poles: those of a group, or its mean, that explain most of `single`,
 /// one after the other.
 fn starts(
     single: &Columns,

@@ -47,19 +47,20 @@ pub(crate) fn modelled(case: &Case) -> Option<Checked> {
 /// The check where the set says that blows went through a Hann window: it weighs a response by
 /// sin²(πt/T), so each mode has lines of the width of its own at 1/T to both sides.
 pub(crate) fn of_blows(case: &Case) -> Option<Checked> {
-    if !case.data.hann_on_blows {
-        return None;
-    }
-    let reach_hz = limits::BESIDE_LINES * case.data.line_spacing_hz();
-    let modes = || case.model.modes.iter().enumerate();
-    let beside = |(n, mode): &(usize, &Mode)| {
-        let near = |other: &Mode| (other.frequency_hz - mode.frequency_hz).abs() < reach_hz;
-        mode.in_band && modes().any(|(m, other)| m != *n && near(other))
+    let reach_hz = limits::BESIDE_LINES / case.data.hann_on_blows_s?;
+    let modes = || {
+        let all = case.model.modes.iter().enumerate();
+        all.filter(|(_, mode)| stands(mode))
     };
     let reason = Reason::new(
         "windowed-side-lobe",
         "the window sets lines at this distance beside every mode",
     );
+    let beside = |(n, mode): &(usize, &Mode)| {
+        let near = |other: &Mode| (other.frequency_hz - mode.frequency_hz).abs() < reach_hz;
+        let told = |known: &Reason| known.code == reason.code;
+        !mode.reasons.iter().any(told) && modes().any(|(m, other)| m != *n && near(other))
+    };
     let weak = modes()
         .filter(beside)
         .map(|(n, _)| (n, reason.clone()))

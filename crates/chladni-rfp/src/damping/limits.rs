@@ -56,6 +56,8 @@ pub(super) const SHAPE_TURN: f64 = 0.25;
 /// Difference of −2 ln likelihood that decides: for two models with as many unknowns each
 /// the wrong one wins by so much with a probability below Φ(−4) = 3e-5.
 pub(super) const DECIDES: f64 = 16.0;
+/// A form of angles below this, in the same unit, is no rounding: its poles fell together.
+pub(super) const FORM_LEAST: f64 = -1.0;
 /// Standard deviations of χ² that the angles of the better law may stand over its mean.
 pub(super) const ANGLES_EXPLAINED: f64 = 4.0;
 /// Loss factor from which on a pole of the band is background.

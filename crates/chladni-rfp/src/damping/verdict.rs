@@ -59,11 +59,8 @@ pub(crate) struct Fitted<'a> {
 /// # Errors
 /// A kernel that fails.
 pub(crate) fn verdict(work: &Columns, fitted: &Fitted) -> Result<Verdict, LinalgError> {
-    let is_mode = |pole: &Complex64| {
-        work.in_band(*pole) && pole.im > 0.0 && pole.im < limits::BROAD * pole.re
-    };
     let (modes, others): (Vec<usize>, Vec<usize>) =
-        (0..fitted.lambda.len()).partition(|&n| is_mode(&fitted.lambda[n]));
+        (0..fitted.lambda.len()).partition(|&n| is_mode(work, fitted.lambda[n]));
     if modes.is_empty() {
         return Ok(Verdict::Undecidable);
     }
@@ -90,37 +87,54 @@ pub(crate) fn verdict(work: &Columns, fitted: &Fitted) -> Result<Verdict, Linalg
     );
     let mut laws = [structural?, viscous?];
     for _ in 0..limits::RESTARTS {
-        if !overtaken(&mut laws, fitted.variance, fit)? {
+        if !overtaken(&mut laws, fitted.variance, fit) {
             break;
         }
     }
     Ok(weighed(&laws, fitted.variance, fitted.frfs))
 }
 
+/// True for a pole of the band that is no background.
+fn is_mode(work: &Columns, pole: Complex64) -> bool {
+    work.in_band(pole) && pole.im > 0.0 && pole.im < limits::BROAD * pole.re
+}
+
+/// The phase of all FRFs, degrees, that would pass for the other law: a quarter of the mean loss
+/// factor, as [`least_turn`] finds it in angles.
+pub(crate) fn confusing_turn(work: &Columns, lambda: &[Complex64]) -> f64 {
+    let modes = lambda.iter().filter(|&&pole| is_mode(work, pole));
+    let loss_factors: Vec<f64> = modes.map(|pole| pole.im / pole.re).collect();
+    let mean = loss_factors.iter().sum::<f64>() / loss_factors.len().max(1) as f64;
+    (0.25 * mean).to_degrees()
+}
+
 /// Fits the law that explains less again, from the poles and angles of the other, where they
-/// differ enough to decide: a search may have ended beside its place. True where it now explains
-/// more than the other.
+/// differ enough to decide: a search may have ended in a minimum that is not the best. True where
+/// it now explains more than the other.
 fn overtaken(
     laws: &mut [LawFit; 2],
     variance: f64,
     fit: impl Fn(Damping, &[(Complex64, f64)]) -> Result<LawFit, LinalgError>,
-) -> Result<bool, LinalgError> {
+) -> bool {
     let worse = usize::from(laws[1].sse > laws[0].sse);
     let [best, most] = [1 - worse, worse].map(|law| laws[law].sse);
-    if most - best < limits::DECIDES * variance {
-        return Ok(false);
+    if 2.0 * (most - best) < limits::DECIDES * variance {
+        return false;
     }
     let start = laws[1 - worse].lambda.iter().zip(&laws[1 - worse].turn);
     let start: Option<Vec<(Complex64, f64)>> = start
         .map(|(&pole, &turn)| Some((in_plane_of(LAWS[worse], pole)?, turn)))
         .collect();
-    let Some(start) = start else { return Ok(false) };
-    let again = fit(LAWS[worse], &start)?;
+    let Some(start) = start else { return false };
+    // both fits stand where a third cannot be made
+    let Ok(again) = fit(LAWS[worse], &start) else {
+        return false;
+    };
     let overtakes = again.sse < best;
     if again.sse < most {
         laws[worse] = again;
     }
-    Ok(overtakes)
+    overtakes
 }
 
 /// The verdict on the fits in the structural and in the viscous law.
@@ -138,7 +152,7 @@ fn weighed(laws: &[LawFit; 2], variance: f64, frfs: usize) -> Verdict {
         let scale = 1f64.max(angles[better] / k).max(scatter[better]);
         let explained = (angles[better] / scatter[better].max(1.0) - k) / (2.0 * k).sqrt();
         // poles that fell together leave no information that could be weighed
-        let sound = angles.iter().all(|angle| *angle >= 0.0);
+        let sound = angles.iter().all(|angle| *angle > limits::FORM_LEAST);
         (sound && gain.abs() > limits::DECIDES * scale && explained < limits::ANGLES_EXPLAINED)
             .then_some(LAWS[better])
     };

@@ -8,9 +8,7 @@ use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::window::block_errors::BlockErrors;
 use crate::data::window::kinds::Window;
 use crate::data::window::leakage::Leakage;
-use chladni_frf::{
-    BlockWindow, Damping, Dof, Estimation, Finding, Forcing, FrfKind, FrfSet, Node, ReferenceUnit,
-};
+use chladni_frf::{Damping, Dof, Estimation, Finding, FrfKind, FrfSet, Node, ReferenceUnit};
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -54,8 +52,9 @@ pub(crate) struct DataLayout {
     pub law: Damping,
     /// The window of the records, where it is known.
     pub window: Option<Window>,
-    /// True where the set says that blows went through a Hann window: no columns have its lines.
-    pub hann_on_blows: bool,
+    /// Length of records, s, where the set says that they are blows under a Hann window: no
+    /// columns have their lines.
+    pub hann_on_blows_s: Option<f64>,
     /// Its effect on the columns of poles; `None` where it has none.
     pub leakage: Option<Arc<Leakage>>,
     /// Errors that neighbouring lines share; `None` where they share none, or nobody knows.
@@ -155,7 +154,7 @@ impl DataLayout {
             g: Vec::new(),
             law: Damping::Structural,
             window: None,
-            hann_on_blows: false,
+            hann_on_blows_s: None,
             leakage: None,
             errors: None,
             line_variance: LineVariance::default(),
@@ -195,12 +194,10 @@ impl DataLayout {
             kernel.map(|kernel| Arc::new(Leakage::new(kernel, record, self.kind.omega_power())));
         let decay = decay_per_s.unwrap_or(0.0) * record_s;
         let errors = BlockErrors::new(window, made, decay, record);
-        let blows = |made: &Estimation| {
-            made.forcing == Some(Forcing::Transient) && made.window == BlockWindow::Hann
-        };
+        let blows = window.is_none() && made.is_some_and(Estimation::hann_on_blows);
         Self {
             window,
-            hann_on_blows: window.is_none() && made.is_some_and(blows),
+            hann_on_blows_s: blows.then_some(record_s),
             leakage,
             errors: errors.map(Arc::new),
             ..self

@@ -206,8 +206,8 @@ fn visible(data: &DataLayout, mut work: Columns) -> (Visible, Vec<Finding>) {
     let thinned_hz = data.line_hz.iter().copied().step_by(factor);
     // a window that is known is in the columns
     let shows = || windowed(&work, &thinned_hz.collect::<Vec<_>>());
-    let windowed = data.window.is_none() && (data.hann_on_blows || shows());
-    if windowed && !data.hann_on_blows {
+    let windowed = data.window.is_none() && (data.hann_on_blows_s.is_some() || shows());
+    if windowed && data.hann_on_blows_s.is_none() {
         warnings.push(broadened());
     }
     let noise = fourth_difference_noise(&work.b, noise_window(work.lines()));

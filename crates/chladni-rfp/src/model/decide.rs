@@ -48,7 +48,10 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
             // real shapes into complex ones and back
             told = match refused {
                 true => Verdict::Decided(law.other()),
-                false => Verdict::IfPhasesTrue(law.other(), confusing_turn(&there)),
+                false => {
+                    let turn = verdict::confusing_turn(&there.work, &there.refined.lambda);
+                    Verdict::IfPhasesTrue(law.other(), turn)
+                }
             };
             (found, searched) = (there, other);
         }
@@ -102,18 +105,6 @@ fn words_on_law(
         }
         _ => None,
     }
-}
-
-/// The phase of all FRFs, degrees, that would pass for the other law: laws turn residues of light
-/// modes apart by half a loss factor, and a turn beyond half of that is nearer to the other one.
-fn confusing_turn(found: &PoleEstimate) -> f64 {
-    let modes = found.refined.lambda.iter();
-    let loss_factors: Vec<f64> = modes
-        .filter(|pole| found.work.in_band(**pole))
-        .map(|pole| pole.im / pole.re)
-        .collect();
-    let mean = loss_factors.iter().sum::<f64>() / loss_factors.len().max(1) as f64;
-    (0.25 * mean).to_degrees()
 }
 
 /// The finding of references that no shape serves together.

@@ -27,9 +27,9 @@ pub(crate) struct TermBars {
     /// The same for independent errors, where the bars at hand are those of another
     /// estimator and only the ratio counts.
     white: Option<([f64; 2], ShapeDeviations)>,
-    /// Bars at hand hold that are larger by this factor: a residual that is not white makes bars
-    /// of its own. It is 1 where all FRFs share noise of a force; where the force is at rest before
-    /// each record they may, and the residual must contradict what noise of the responses makes.
+    /// Factor from which on the larger bar at hand, that of a residual which is not white, stays. 1:
+    /// all FRFs share noise of a force. [`limits::BARS_CONTRADICT`]: blows, which do not tell. ∞: the
+    /// new bar holds.
     larger_from: f64,
 }
 
@@ -120,7 +120,7 @@ pub(crate) fn line_bars(
             white,
             larger_from: match shares {
                 true => 1.0,
-                false if found.measured && !errors.leaks() => limits::BARS_CONTRADICT,
+                false if found.measured && errors.of_blows() => limits::BARS_CONTRADICT,
                 false => f64::INFINITY,
             },
         }

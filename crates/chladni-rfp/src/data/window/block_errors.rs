@@ -119,6 +119,11 @@ impl BlockErrors {
         self.force.is_some()
     }
 
+    /// True for records of blows.
+    pub fn of_blows(&self) -> bool {
+        self.force.is_none() && self.blocks.is_some()
+    }
+
     /// Blocks averaged, where they are known.
     pub fn blocks(&self) -> Option<f64> {
         self.blocks

@@ -37,8 +37,7 @@ fn window_of(made: &Estimation) -> Option<Window> {
         (Forcing::Continuous, BlockWindow::Rectangular) => Some(Window::Rectangular),
         (Forcing::Burst { part }, BlockWindow::Rectangular) => Some(Window::Burst { part }),
         // an exponential window moves the poles, and the columns with them
-        (Forcing::Transient, BlockWindow::Rectangular)
-        | (Forcing::Transient | Forcing::Periodic, BlockWindow::Exponential { .. }) => {
+        (Forcing::Transient, BlockWindow::Rectangular | BlockWindow::Exponential { .. }) => {
             Some(Window::Transient)
         }
         (Forcing::Periodic, BlockWindow::Rectangular) => Some(Window::None),
@@ -46,8 +45,8 @@ fn window_of(made: &Estimation) -> Option<Window> {
     }
 }
 
-/// Decay that the set itself says was added to every pole, 1/s: not under noise that goes on, of
-/// which the window only weighs a part.
+/// Decay that the set itself says was added to every pole, 1/s. Under noise that goes on more than
+/// that is added (eq. F4), and nothing is taken off.
 fn exponential_of(made: &Estimation) -> Option<f64> {
     let moved = made.forcing? != Forcing::Continuous;
     made.window.rate_per_s().filter(|_| moved)
