@@ -162,7 +162,8 @@ pub struct Estimation {
     pub estimator: Estimator,
     /// Window of each block.
     pub window: BlockWindow,
-    /// Course of the force, where it is known.
+    /// Course of the force, where it is known; with a local estimator only one that it cannot
+    /// bear.
     pub forcing: Option<Forcing>,
     /// Length T of the transform, s: of a block, or of the shortest record of a local
     /// method.
@@ -182,6 +183,13 @@ impl Estimation {
     /// response unlike, broadens every line and sets others at 1/`gate_s` beside it.
     pub fn hann_on_blows(&self) -> bool {
         self.forcing == Some(Forcing::Transient) && self.window == BlockWindow::Hann
+    }
+
+    /// True for local fits to a force whose neighbouring lines are alike, or that repeats: leakage
+    /// cannot be told from the response.
+    pub fn local_on_smooth_force(&self) -> bool {
+        let unsuited = matches!(self.forcing, Some(Forcing::Transient | Forcing::Periodic));
+        self.estimator.is_local() && unsuited
     }
 
     /// The estimation of two sets at once; `None` where they differ in more than

@@ -3,7 +3,7 @@
 use super::whole_record::{smooth_length, spectrum};
 use crate::limits::{
     ACTING, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LAST_PART, LEAST_POWER, LEAST_SAMPLES,
-    LINES, LONG_LAG, LOOKED_AT, OFFSET_MOST, PIECES,
+    LINES, LONG_LAG, LOOKED_AT, OFFSET_MOST, PIECES, SMOOTH_NEIGHBOUR,
 };
 use chladni_frf::{Forcing, Run};
 use chladni_linalg::fft;
@@ -18,7 +18,27 @@ pub(super) fn is_continuous_random(samples: &[f64]) -> bool {
     }
     let mut lines = spectrum(samples);
     lines[0] = Complex64::default();
-    has_rough_lines(&lines) && !repeats(lines)
+    neighbours(&lines) < LARGEST_NEIGHBOUR && !repeats(lines)
+}
+
+/// Course of a force that local fits of whole records cannot bear: where neighbouring lines are
+/// alike, leakage looks like the response; where the force repeats, most lines have none.
+pub(super) fn against_local_fits(runs: &[Run]) -> Option<Forcing> {
+    let references = runs.iter().flat_map(Run::references);
+    references
+        .filter_map(|channel| {
+            let samples = &channel.samples[..smooth_length(channel.samples.len())];
+            if samples.len() < LEAST_SAMPLES {
+                return None;
+            }
+            let mut lines = spectrum(samples);
+            lines[0] = Complex64::default();
+            if neighbours(&lines) > SMOOTH_NEIGHBOUR {
+                return Some(Forcing::Transient);
+            }
+            repeats(lines).then_some(Forcing::Periodic)
+        })
+        .next()
 }
 
 /// Course of the force over blocks of `block` samples, where all references agree on it.
@@ -108,14 +128,15 @@ fn is_steady(samples: &[f64]) -> bool {
     average > 0.0 && powers.iter().all(|&power| power >= LEAST_POWER * average)
 }
 
-fn has_rough_lines(lines: &[Complex64]) -> bool {
+/// |Σ X_k·X*_{k+1}| beside Σ|X|², sums over a few lines.
+fn neighbours(lines: &[Complex64]) -> f64 {
     let (mut neighbours, mut power) = (0.0, 0.0);
     for window in lines[1..].chunks_exact(LINES) {
         let products = window.windows(2).map(|pair| pair[0] * pair[1].conj());
         neighbours += products.sum::<Complex64>().norm();
         power += window.iter().map(Complex64::norm_sqr).sum::<f64>();
     }
-    neighbours < LARGEST_NEIGHBOUR * power
+    neighbours / power.max(f64::MIN_POSITIVE)
 }
 
 /// Autocorrelation at long lags, over the one at lag 0.
@@ -138,6 +159,7 @@ fn repeats(mut lines: Vec<Complex64>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_frf::{Channel, SignalUnit};
     use rand::{Rng, SeedableRng};
     use rand_distr::StandardNormal;
 
@@ -194,10 +216,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_course_of_a_force_over_its_blocks() {
-        use chladni_frf::{Channel, SignalUnit};
-        let run = |samples: Vec<f64>| Run {
+    fn run(samples: Vec<f64>) -> Run {
+        Run {
             file: "a".into(),
             line: 0,
             sample_rate_hz: 1.0,
@@ -207,7 +227,41 @@ mod tests {
                 is_reference: true,
                 samples,
             }],
+        }
+    }
+
+    #[test]
+    fn local_fits_bear_noise_of_the_whole_record_and_long_bursts() {
+        let count = 20_000;
+        let cut = |part: f64| -> Vec<f64> {
+            let acts = |k: usize| f64::from(u8::from((k as f64) < part * count as f64));
+            noise(count, 7)
+                .iter()
+                .enumerate()
+                .map(|(k, x)| x * acts(k))
+                .collect()
         };
+        let sweep = (0..20_000).map(|k| (1e-5 * f64::from(k).powi(2)).sin());
+        for part in [0.3, 0.6, 1.0] {
+            assert_eq!(against_local_fits(&[run(cut(part))]), None, "{part}");
+        }
+        let transient = Some(Forcing::Transient);
+        for part in [0.0005, 0.05, 0.1] {
+            assert_eq!(against_local_fits(&[run(cut(part))]), transient, "{part}");
+        }
+        assert_eq!(against_local_fits(&[run(sweep.collect())]), transient);
+        let periodic = noise(2000, 1).repeat(10);
+        let random = run(noise(count, 2));
+        assert_eq!(
+            against_local_fits(&[random, run(periodic)]),
+            Some(Forcing::Periodic)
+        );
+        // too short to be judged
+        assert_eq!(against_local_fits(&[run(vec![1.0; 900])]), None);
+    }
+
+    #[test]
+    fn the_course_of_a_force_over_its_blocks() {
         let block = 4000;
         let cut = |samples: Vec<f64>, part: f64| -> Vec<f64> {
             let acts = |k: usize| f64::from(u8::from(((k % block) as f64) < part * block as f64));

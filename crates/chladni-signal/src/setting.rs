@@ -1,6 +1,6 @@
 //! Decisions on what the options leave open.
 
-use super::excitation::{forcing, is_continuous_random};
+use super::excitation::{against_local_fits, forcing, is_continuous_random};
 use super::lpm::wanted_lines;
 use super::whole_record::{smooth_length, Grid};
 use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
@@ -110,11 +110,11 @@ impl Setting {
         }
     }
 
-    /// Course of the force over a block; a local method asks for none.
+    /// Course of the force over a block; of a local method only one that it cannot bear.
     pub(super) fn forcing(&self, runs: &[Run]) -> Option<Forcing> {
         match self {
             Self::Blocks(setting) => forcing(runs, setting.block),
-            Self::Local(_) => None,
+            Self::Local(_) => against_local_fits(runs),
         }
     }
 

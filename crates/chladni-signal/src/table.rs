@@ -162,6 +162,9 @@ impl Table {
         if estimation.hann_on_blows() {
             self.warnings.push(hann_on_blows());
         }
+        if estimation.local_on_smooth_force() {
+            self.warnings.push(local_on_smooth_force());
+        }
         let frf = FrfSet {
             frequency_hz: setting.frequency_hz(rate_hz),
             values: FrfValues::F64(self.values),
@@ -192,4 +195,13 @@ fn hann_on_blows() -> Finding {
         "say `window rectangular`, or exponential where responses do not die out, with a record of \
          its own for each blow",
     )
+}
+
+/// The finding of local fits to a force that they cannot bear.
+fn local_on_smooth_force() -> Finding {
+    let words = "local fits need a force that is noise through the whole record: with blows, sweeps \
+                 and short bursts neighbouring lines of the force are alike, and leakage looks like \
+                 the response; of a force that repeats most lines have none";
+    Finding::caution("local-on-smooth-force", words)
+        .help("say `estimator h1`, with a record of its own for each blow, sweep or period")
 }

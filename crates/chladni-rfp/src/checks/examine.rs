@@ -6,7 +6,9 @@
 //! (`measured/impulse.rs`), missing values (`data/screening.rs`).
 
 use crate::checks::case::{Case, Checked};
-use crate::checks::{delay, hidden, kind, moving, noise, reciprocal, split, window_bias};
+use crate::checks::{
+    delay, estimation, hidden, kind, moving, noise, reciprocal, split, window_bias,
+};
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
@@ -14,7 +16,7 @@ use chladni_frf::{ModalModel, Severity, Trust};
 use rayon::prelude::*;
 
 /// Every check that runs after a fit.
-const CHECKS: [fn(&Case) -> Option<Checked>; 12] = [
+const CHECKS: [fn(&Case) -> Option<Checked>; 13] = [
     kind::wrong_kind,
     noise::few_values,
     noise::noise_alone,
@@ -26,7 +28,8 @@ const CHECKS: [fn(&Case) -> Option<Checked>; 12] = [
     reciprocal::not_reciprocal,
     window_bias::possible_bias,
     window_bias::modelled,
-    window_bias::of_blows,
+    estimation::of_blows,
+    estimation::of_local_fits,
 ];
 
 /// Runs all checks; what they find joins the model's findings.

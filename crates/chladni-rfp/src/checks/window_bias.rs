@@ -11,7 +11,7 @@ use crate::data::layout::DataLayout;
 use crate::data::window::kinds::Window;
 use crate::data::window::leakage::Leakage;
 use crate::model::modes::widen_scale;
-use chladni_frf::{Finding, ModalModel, Mode, Reason, Scaling, Trust};
+use chladni_frf::{Finding, ModalModel, Mode, Scaling, Trust};
 use std::f64::consts::PI;
 
 /// The check where the window is known: its effect is in the columns, as long as the
@@ -42,36 +42,6 @@ pub(crate) fn modelled(case: &Case) -> Option<Checked> {
         .value("bias_relative", worst)
         .help("window none shows the broadened lines");
     Some(finding.into())
-}
-
-/// The check where the set says that blows went through a Hann window: it weighs a response by
-/// sin²(πt/T), so each mode has lines of the width of its own at 1/T to both sides.
-pub(crate) fn of_blows(case: &Case) -> Option<Checked> {
-    let reach_hz = limits::BESIDE_LINES / case.data.hann_on_blows_s?;
-    let modes = || {
-        let all = case.model.modes.iter().enumerate();
-        all.filter(|(_, mode)| stands(mode))
-    };
-    let reason = Reason::new(
-        "windowed-side-lobe",
-        "the window sets lines at this distance beside every mode",
-    );
-    let beside = |(n, mode): &(usize, &Mode)| {
-        let near = |other: &Mode| (other.frequency_hz - mode.frequency_hz).abs() < reach_hz;
-        let told = |known: &Reason| known.code == reason.code;
-        !mode.reasons.iter().any(told) && modes().any(|(m, other)| m != *n && near(other))
-    };
-    let weak = modes()
-        .filter(beside)
-        .map(|(n, _)| (n, reason.clone()))
-        .collect();
-    let words = "the FRFs were made of blows under a Hann window, which broadens every line and sets \
-                 others beside it: loss factors are upper bounds, and poles a line or two apart may \
-                 be one mode";
-    let finding = Finding::caution("windowed", words)
-        .modes_hz(case.model.in_band_modes().map(|mode| mode.frequency_hz))
-        .help("estimate the FRFs again without that window, one record for each blow");
-    Some(Checked { finding, weak })
 }
 
 /// The check where the window is not known: how much too high damping can be.
@@ -213,7 +183,8 @@ fn widen(mode: &mut Mode, scaling: Scaling, of_loss: f64, of_scale: f64) {
     widen_scale(mode, of_scale);
 }
 
-fn stands(mode: &Mode) -> bool {
+/// True for a mode of the band that was not rejected.
+pub(super) fn stands(mode: &Mode) -> bool {
     mode.in_band && mode.trust != Trust::Rejected
 }
 

@@ -55,6 +55,8 @@ pub(crate) struct DataLayout {
     /// Length of records, s, where the set says that they are blows under a Hann window: no
     /// columns have their lines.
     pub hann_on_blows_s: Option<f64>,
+    /// True where the set says that local fits made it of a force that does not suit them.
+    pub local_on_smooth_force: bool,
     /// Its effect on the columns of poles; `None` where it has none.
     pub leakage: Option<Arc<Leakage>>,
     /// Errors that neighbouring lines share; `None` where they share none, or nobody knows.
@@ -155,6 +157,7 @@ impl DataLayout {
             law: Damping::Structural,
             window: None,
             hann_on_blows_s: None,
+            local_on_smooth_force: false,
             leakage: None,
             errors: None,
             line_variance: LineVariance::default(),
@@ -198,6 +201,7 @@ impl DataLayout {
         Self {
             window,
             hann_on_blows_s: blows.then_some(record_s),
+            local_on_smooth_force: made.is_some_and(Estimation::local_on_smooth_force),
             leakage,
             errors: errors.map(Arc::new),
             ..self
