@@ -32,6 +32,9 @@ pub(super) const RESTARTS: usize = 4;
 /// Promised decrease of the sum of squares by a step, in units of the noise variance,
 /// below which it is not made: a thousandth of what decides.
 pub(super) const PROMISED: f64 = 1e-2;
+/// Steps that together must bring what [`PROMISED`] asks of each: where a pole of noise stands at
+/// the end of its room, each promises more than it brings.
+pub(super) const STEPS_TOGETHER: usize = 10;
 /// Largest step of an angle, rad.
 pub(super) const TURN: f64 = 0.3;
 /// Largest step of a pole, half-bandwidths, and the part of its loss that a pole keeps at
@@ -53,6 +56,9 @@ pub(super) const FREQUENCY_SHIFT: f64 = 0.25;
 pub(super) const LOSS_SHIFT: f64 = 0.28;
 /// Turn of a mass-normalised shape under the wrong law, over η: that of √(1 + jη/2).
 pub(super) const SHAPE_TURN: f64 = 0.25;
+/// Difference of −2 ln likelihood that a mode may make, at most, and has no say: fifty such modes
+/// make a thirtieth of what decides.
+pub(super) const SAYS_NOTHING: f64 = 0.01;
 /// Difference of −2 ln likelihood that decides: for two models with as many unknowns each
 /// the wrong one wins by so much with a probability below Φ(−4) = 3e-5.
 pub(super) const DECIDES: f64 = 16.0;

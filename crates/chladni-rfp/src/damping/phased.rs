@@ -97,7 +97,8 @@ impl Common {
         let mut here = Point::new(self, work, &lambda, &turn)?;
         let mut damping = tol::LM_START;
         let mut system = here.system();
-        for _ in 0..limits::STEPS {
+        let mut looked_at = here.sse;
+        for made in 1..=limits::STEPS {
             let (information, gradient) = &system;
             let mut damped = information.clone();
             damped
@@ -123,6 +124,13 @@ impl Common {
             }
             if damping > tol::LM_GIVE_UP {
                 break;
+            }
+            if made % limits::STEPS_TOGETHER == 0 {
+                let least = limits::STEPS_TOGETHER as f64 * limits::PROMISED * variance;
+                if looked_at - here.sse < least {
+                    break;
+                }
+                looked_at = here.sse;
             }
         }
         let n = lambda.len();

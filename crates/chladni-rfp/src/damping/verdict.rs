@@ -8,11 +8,12 @@
 use crate::damping::limits;
 use crate::damping::phased::{Common, LawFit};
 use crate::damping::places::in_plane_of;
+use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use chladni_frf::{Damping, Finding};
 use chladni_linalg::{matmul, LinalgError};
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -59,8 +60,10 @@ pub(crate) struct Fitted<'a> {
 /// # Errors
 /// A kernel that fails.
 pub(crate) fn verdict(work: &Columns, fitted: &Fitted) -> Result<Verdict, LinalgError> {
-    let (modes, others): (Vec<usize>, Vec<usize>) =
-        (0..fitted.lambda.len()).partition(|&n| is_mode(work, fitted.lambda[n]));
+    let says = |n: &usize| {
+        is_mode(work, fitted.lambda[*n]) && most_said(work, fitted, *n) > limits::SAYS_NOTHING
+    };
+    let (modes, others): (Vec<usize>, Vec<usize>) = (0..fitted.lambda.len()).partition(says);
     if modes.is_empty() {
         return Ok(Verdict::Undecidable);
     }
@@ -97,6 +100,16 @@ pub(crate) fn verdict(work: &Columns, fitted: &Fitted) -> Result<Verdict, Linalg
 /// True for a pole of the band that is no background.
 fn is_mode(work: &Columns, pole: Complex64) -> bool {
     work.in_band(pole) && pole.im > 0.0 && pole.im < limits::BROAD * pole.re
+}
+
+/// Difference of −2 ln likelihood that the turn of a mode's residues by η/2 makes where no other
+/// mode is near, which would hide a part of it.
+fn most_said(work: &Columns, fitted: &Fitted, n: usize) -> f64 {
+    let power = |values: ArrayView1<Complex64>| values.iter().map(|v| v.norm_sqr()).sum::<f64>();
+    let pole = fitted.lambda[n];
+    let column = power(basis(work, &[pole], &[]).column(0));
+    let turn = 0.5 * pole.im / pole.re;
+    2.0 / fitted.variance * column * power(fitted.coefficients.row(n)) * turn * turn
 }
 
 /// The phase of all FRFs, degrees, that would pass for the other law: a quarter of the mean loss
