@@ -58,9 +58,10 @@ pub struct ChannelGain {
 }
 
 impl ChannelGain {
-    /// True where the channel moves nothing.
+    /// True where the channel moves nothing, and that is known.
     pub fn is_dead(&self) -> bool {
-        self.odd && self.re.hypot(self.im) <= tolerances::DEAD_GAIN
+        let size = self.re.hypot(self.im);
+        self.odd && size <= tolerances::DEAD_GAIN && self.std <= tolerances::DEAD_GAIN
     }
 }
 

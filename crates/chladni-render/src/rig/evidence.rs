@@ -1,34 +1,36 @@
 //! The most probable gains and shifts around given ones, at the prior of the largest
 //! evidence.
 //!
-//! The noise is σ² + s²‖A‖². The scales of s, gains, common shift and shifts are those of
-//! the largest evidence (Laplace); a channel that needs more than its scale is called odd
-//! where the evidence for that is beyond doubt.
+//! The noise is σ² + s²‖A‖². The scales of s, the level of all gains, gains, common shift and
+//! shifts are those of the largest evidence (Laplace); a channel that needs more than its scale
+//! beside the level is called odd where the evidence for that is beyond doubt.
 
-use super::normal::Normal;
+use super::normal::{Normal, LEVEL};
 use super::parts::Parts;
 use super::seen::Seen;
 use crate::tolerances;
 use chladni_frf::{Error, ErrorKind, Result};
-use ndarray::{Array1, Array2};
+use ndarray::{s, Array1, Array2};
 use rayon::prelude::*;
 
-/// Prior standard deviations: unexplained part of the mobility over its rms, gains, common
-/// shift, shifts of single modes.
+/// Prior standard deviations: unexplained part of the mobility over its rms, gains, their level,
+/// common shift, shifts of single modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scales {
     /// Unexplained part.
     pub(crate) unexplained: f64,
     /// Gains.
     pub(crate) gains: f64,
+    /// Level that all gains share.
+    pub(crate) level: f64,
     /// Common relative shift of natural frequencies.
     pub(crate) common: f64,
     /// Relative shifts of each.
     pub(crate) modes: f64,
 }
 
-/// Scales that are tried, each with each, rising: each next one of the shifts is less likely
-/// by `tolerances::WIDER_SCALE`.
+/// Scales that are tried, each with each, rising: each next one of the level and of the shifts is
+/// less likely by `tolerances::WIDER_SCALE`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tried {
     gains: &'static [f64],
@@ -57,6 +59,7 @@ impl Tried {
 pub(super) struct Posterior {
     /// The odds of its scales counted.
     pub(super) ln_evidence: f64,
+    /// The unknowns of [`Parts`]; within a step gains beside their level, which comes last.
     pub(super) theta: Array1<f64>,
     pub(super) covariance: Array2<f64>,
     pub(super) scales: Scales,
@@ -100,7 +103,7 @@ impl Parts {
                 {
                     odd.push(channel);
                 }
-                _ => return Ok(Posterior { odd, ..plain }),
+                _ => return Ok(self.joined(plain, odd)),
             }
         }
     }
@@ -118,16 +121,19 @@ impl Parts {
             let shifts = normal.eliminated(&gain_precision)?;
             for (widened, &common) in tried.common.iter().enumerate() {
                 for (further, &modes) in tried.modes.iter().enumerate() {
-                    let scales = Scales {
-                        unexplained: *unexplained,
-                        gains,
-                        common,
-                        modes,
-                    };
-                    let doubt = tolerances::WIDER_SCALE * (widened + further) as f64;
-                    let evidence = shifts.ln_evidence(&self.shift_precision(&scales))? - doubt;
-                    if best.is_none_or(|(most, ..)| evidence > most) {
-                        best = Some((evidence, scales, normal));
+                    for (off, &level) in tolerances::LEVEL_SCALES.iter().enumerate() {
+                        let scales = Scales {
+                            unexplained: *unexplained,
+                            gains,
+                            level,
+                            common,
+                            modes,
+                        };
+                        let doubt = tolerances::WIDER_SCALE * (widened + further + off) as f64;
+                        let evidence = shifts.ln_evidence(&self.shift_precision(&scales))? - doubt;
+                        if best.is_none_or(|(most, ..)| evidence > most) {
+                            best = Some((evidence, scales, normal));
+                        }
                     }
                 }
             }
@@ -144,6 +150,30 @@ impl Parts {
             scales,
             odd: Vec::new(),
         })
+    }
+
+    /// The posterior of gains that hold their level.
+    fn joined(&self, apart: Posterior, odd: Vec<usize>) -> Posterior {
+        let (unknowns, gains) = (self.unknowns(), 2 * self.actuators());
+        let mut theta = apart.theta.slice(s![..unknowns]).to_owned();
+        let mut rows = apart.covariance.slice(s![..unknowns, ..]).to_owned();
+        for i in 0..gains {
+            let level = unknowns + i % LEVEL;
+            theta[i] += apart.theta[level];
+            let mut row = rows.row_mut(i);
+            row += &apart.covariance.row(level);
+        }
+        let mut covariance = rows.slice(s![.., ..unknowns]).to_owned();
+        for i in 0..gains {
+            let mut column = covariance.column_mut(i);
+            column += &rows.column(unknowns + i % LEVEL);
+        }
+        Posterior {
+            theta,
+            covariance,
+            odd,
+            ..apart
+        }
     }
 
     /// The channel whose gain needs a wider prior most, and what the evidence gains by it.
@@ -183,10 +213,11 @@ impl Parts {
             .collect()
     }
 
-    /// The same of the shift of each mode, and of the common one.
+    /// The same of the shift of each mode, of the common one and of the level of all gains.
     fn shift_precision(&self, scales: &Scales) -> Vec<f64> {
         let mut precision = vec![2.0 / scales.modes.powi(2); 2 * self.modes()];
         precision.push(1.0 / scales.common.powi(2));
+        precision.extend([2.0 / scales.level.powi(2); LEVEL]);
         precision
     }
 }

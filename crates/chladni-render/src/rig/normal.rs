@@ -2,7 +2,8 @@
 //!
 //! Around θ the fields are M·θ + b behind white noise. Evidence is asked for many priors of
 //! the shifts under each prior of the gains: the gains, most of the unknowns, are eliminated
-//! once for all of them.
+//! once for all of them. A gain is the level of all channels plus an error of its own: the level
+//! comes after all other unknowns (theory.md, eq. 58).
 
 use super::parts::Parts;
 use super::seen::Seen;
@@ -11,6 +12,9 @@ use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::{s, Array1, Array2, ArrayView1, ArrayViewMut1, Axis};
 use num_complex::Complex64;
+
+/// Real unknowns of the level that all gains share.
+pub(super) const LEVEL: usize = 2;
 
 /// Whitened normal equations of all fields, at one scale of the unexplained part.
 pub(super) struct Normal {
@@ -46,7 +50,7 @@ impl Parts {
         let size = self.size();
         let shares: Vec<Share> = fields.iter().map(|seen| self.share(theta, seen)).collect();
         let normal = |&unexplained: &f64| {
-            let unknowns = self.unknowns();
+            let unknowns = self.unknowns() + LEVEL;
             let mut normal = Normal {
                 matrix: Array2::zeros((unknowns, unknowns)),
                 right: Array1::zeros(unknowns),
@@ -71,7 +75,8 @@ impl Parts {
     fn share(&self, theta: &Array1<f64>, seen: &Seen) -> Share {
         let (field, slope) = self.field(theta, &seen.drive);
         let parts = if seen.magnitudes_only { 1 } else { 2 };
-        let mut rows = Array2::<f64>::zeros((parts * seen.rows.len(), self.unknowns()));
+        let unknowns = self.unknowns();
+        let mut rows = Array2::<f64>::zeros((parts * seen.rows.len(), unknowns + LEVEL));
         let mut left = Array1::<f64>::zeros(rows.nrows());
         for (k, (&row, &measured)) in seen.rows.iter().zip(&seen.velocity).enumerate() {
             let foretold = field[row];
@@ -96,7 +101,12 @@ impl Parts {
                 left[2 * k + 1] = difference.im;
             }
         }
-        left += &rows.dot(theta);
+        left += &rows.slice(s![.., ..unknowns]).dot(theta);
+        for part in 0..LEVEL {
+            let of_gains = rows.slice(s![.., part..2 * self.actuators(); 2]);
+            let all = of_gains.sum_axis(Axis(1));
+            rows.column_mut(unknowns + part).assign(&all);
+        }
         Share {
             matrix: chladni_linalg::matmul_h(rows.view(), rows.view()),
             right: rows.t().dot(&left),

@@ -257,6 +257,7 @@ mod tests {
                 scales: Scales {
                     unexplained: 0.0,
                     gains: 0.0,
+                    level: 0.0,
                     common: 0.0,
                     modes: 0.0,
                 },

@@ -60,13 +60,17 @@ pub const UNEXPLAINED_SCALES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 /// See [`UNEXPLAINED_SCALES`].
 pub const GAIN_SCALES: [f64; 3] = [0.003, 0.03, 0.1];
 
+/// Scales of the level that all gains share: that of a calibrated rig, and any, from a trigger that
+/// turns all phases to one setting of all amplifiers.
+pub const LEVEL_SCALES: [f64; 2] = [0.003, 1.0];
+
 /// See [`UNEXPLAINED_SCALES`].
 pub const COMMON_SCALES: [f64; 3] = [1e-4, 1e-3, 4e-3];
 
 /// See [`UNEXPLAINED_SCALES`].
 pub const MODE_SCALES: [f64; 3] = [3e-4, 1e-3, 4e-3];
 
-/// ln of the odds against each next one of [`COMMON_SCALES`] and [`MODE_SCALES`] before any
+/// ln of the odds against each next one of [`LEVEL_SCALES`], [`COMMON_SCALES`] and [`MODE_SCALES`] before any
 /// field is seen: a rig is changed at an amplifier sooner than at its modes, and a first field
 /// tells the two apart by little. Without odds 5 % and 5° of amplifiers are put down to modes
 /// in one rig of six (0.982 after one field in place of 0.999, 80 rigs). Two fingers are served
