@@ -4,11 +4,14 @@
 //! Nothing is guessed: frequency and unit must stand in the file. A response that occurs
 //! more than once is a repeat; the mean counts, and what repeats scatter says how sure it is.
 
-use crate::limits::VELOCITY;
-use crate::unit_label;
+mod peak;
+mod remarks;
+
+use crate::limits::{FASTEST_M_PER_S, STILL_M_PER_S};
 use chladni_frf::{Dof, Error, FieldPoint, MeasuredField, Result};
 use chladni_text::read_text;
 use num_complex::Complex64;
+use remarks::Remarks;
 use std::path::Path;
 
 const EXPECTED: &str = "a measured field, CSV";
@@ -27,17 +30,15 @@ pub fn read_field(file: &Path) -> Result<MeasuredField> {
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::BadData`] with line and field: no frequency, no unit, a unit
-/// that is no velocity, other columns, a row that is none, no row.
+/// that is no velocity or not of peak values, two of them, other columns, a row that is
+/// none, a speed that nothing has, no row, no response that moves.
 pub fn parse_field(text: &str) -> Result<MeasuredField> {
-    let mut remarks = Remarks::default();
+    let remarks = Remarks::of(text)?;
+    let to_m_per_s = remarks.unit.as_ref().map_or(1.0, |unit| unit.value);
     let mut columns: Option<Columns> = None;
     let mut rows: Vec<(Dof, Vec<Row>)> = Vec::new();
-    for (number, line) in (1u64..).zip(text.lines().map(str::trim)) {
-        if line.is_empty() {
-            continue;
-        }
-        if let Some(remark) = line.strip_prefix('#') {
-            remarks.take(remark, number)?;
+    for (number, line) in numbered(text) {
+        if line.is_empty() || line.starts_with('#') {
             continue;
         }
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
@@ -45,7 +46,8 @@ pub fn parse_field(text: &str) -> Result<MeasuredField> {
             columns = Some(Columns::of(&cells).map_err(|error| error.at_line(number))?);
             continue;
         };
-        let (dof, row) = columns.row(&cells).map_err(|error| error.at_line(number))?;
+        let row = columns.row(&cells, to_m_per_s);
+        let (dof, row) = row.map_err(|error| error.at_line(number))?;
         match rows.iter_mut().find(|(known, _)| known.same_axis(dof)) {
             Some((known, repeats)) => {
                 let turn = known.direction.sign() * dof.direction.sign();
@@ -74,16 +76,41 @@ pub fn parse_field(text: &str) -> Result<MeasuredField> {
     let unit = remarks
         .unit
         .ok_or_else(|| missing("unit", "# unit = m/s", "the unit of the velocities (peak)"))?;
-    let points = rows
+    let points: Vec<FieldPoint> = rows
         .into_iter()
-        .map(|(response, repeats)| mean(response, &repeats, unit))
+        .map(|(response, repeats)| mean(response, &repeats, unit.value))
         .collect();
+    let moves = |point: &FieldPoint| point.velocity_m_per_s.norm() > STILL_M_PER_S;
+    if !points.iter().any(moves) {
+        return Err(nothing_moves(points.len(), columns));
+    }
     Ok(MeasuredField {
-        frequency_hz,
-        weights_sha256: remarks.weights_sha256,
+        frequency_hz: frequency_hz.value,
+        weights_sha256: remarks.weights_sha256.map(|sha256| sha256.value),
         magnitudes_only: !columns.complex,
         points,
     })
+}
+
+/// The lines of a text with their numbers, without blanks around them.
+fn numbered(text: &str) -> impl Iterator<Item = (u64, &str)> {
+    (1u64..).zip(text.lines().map(str::trim))
+}
+
+/// The error of a field in which every value is zero.
+fn nothing_moves(responses: usize, columns: Columns) -> Error {
+    let field = if columns.complex {
+        "re,im"
+    } else {
+        "magnitude"
+    };
+    Error::bad_data("every value of the field is zero: nothing was measured")
+        .field(field)
+        .found(format!(
+            "{responses} responses, none above {STILL_M_PER_S:e} m/s"
+        ))
+        .expected("at least one response that moves")
+        .help("see whether laser and amplifiers were on, and measure the field again")
 }
 
 fn missing(field: &str, line: &str, expected: &str) -> Error {
@@ -92,56 +119,6 @@ fn missing(field: &str, line: &str, expected: &str) -> Error {
         .found(format!("no line `# {field} = ...`"))
         .expected(expected)
         .help(format!("add the line `{line}` at the top of the file"))
-}
-
-/// The lines with `#`.
-#[derive(Default)]
-struct Remarks {
-    frequency_hz: Option<f64>,
-    /// Factor to m/s.
-    unit: Option<f64>,
-    weights_sha256: Option<String>,
-}
-
-impl Remarks {
-    fn take(&mut self, remark: &str, line: u64) -> Result<()> {
-        let Some((key, value)) = remark.split_once('=') else {
-            return Ok(());
-        };
-        let (key, value) = (key.trim(), value.trim());
-        let wrong = |expected: &str| {
-            Error::bad_data("not understood")
-                .at_line(line)
-                .field(key)
-                .found(value)
-                .expected(expected)
-        };
-        match key {
-            "frequency_hz" => {
-                let hz = value
-                    .parse()
-                    .ok()
-                    .filter(|hz: &f64| hz.is_finite() && *hz > 0.0);
-                self.frequency_hz = Some(hz.ok_or_else(|| wrong("a frequency in Hz"))?);
-            }
-            "unit" => {
-                // what follows in brackets is a remark
-                let label = value.split([' ', '\t']).next().unwrap_or_default();
-                let unit = unit_label::parse(label).filter(|unit| unit.powers == VELOCITY);
-                let unit = unit.ok_or_else(|| wrong("a velocity: m/s, mm/s or um/s (peak)"))?;
-                self.unit = Some(unit.factor);
-            }
-            "weights_sha256" => {
-                let hexadecimal = value.len() == 64 && value.chars().all(|c| c.is_ascii_hexdigit());
-                if !hexadecimal {
-                    return Err(wrong("64 hexadecimal digits"));
-                }
-                self.weights_sha256 = Some(value.to_ascii_lowercase());
-            }
-            _ => {}
-        }
-        Ok(())
-    }
 }
 
 /// Columns of the table.
@@ -175,7 +152,8 @@ impl Columns {
         Ok(Self { complex, std })
     }
 
-    fn row(self, cells: &[&str]) -> Result<(Dof, Row)> {
+    /// A row of numbers that `to_m_per_s` turns into peak velocities.
+    fn row(self, cells: &[&str], to_m_per_s: f64) -> Result<(Dof, Row)> {
         let values = if self.complex { 2 } else { 1 };
         let expected = 1 + values + usize::from(self.std);
         // a deviation that is left empty is not given
@@ -187,13 +165,17 @@ impl Columns {
         let dof = cells[0].parse::<Dof>();
         let dof = dof.map_err(|message| Error::bad_word(&message, cells[0]).field("response"))?;
         let number = |name: &str, text: &str| {
+            let wrong = |message: &str| Error::bad_data(message).field(name).found(text);
             let number = text.parse::<f64>().ok().filter(|value| value.is_finite());
-            number.ok_or_else(|| {
-                Error::bad_data("no number")
-                    .field(name)
-                    .found(text)
-                    .expected("a finite number")
-            })
+            let number = number.ok_or_else(|| wrong("no number").expected("a finite number"))?;
+            if (number * to_m_per_s).abs() > FASTEST_M_PER_S {
+                return Err(wrong("no speed that a vibration can have")
+                    .expected(format!(
+                        "at most {FASTEST_M_PER_S:e} m/s, the speed of light"
+                    ))
+                    .help("correct the unit, or leave out a response that was not measured"));
+            }
+            Ok(number)
         };
         let not_negative = |name: &str, text: &str| match number(name, text)? {
             value if value >= 0.0 => Ok(value),
@@ -338,5 +320,81 @@ mod tests {
             "magnitude"
         );
         assert!(refused(HEAD).to_string().contains("no row"));
+    }
+
+    #[test]
+    fn values_that_no_vibration_has_are_refused_with_line_and_column() {
+        for (header, row, name) in [
+            ("response,re,im", "2:+Z,1e300,0", "re"),
+            ("response,re,im", "2:+Z,0,-1e12", "im"),
+            ("response,re,im,std", "2:+Z,1,0,1e200", "std"),
+            ("response,magnitude", "2:+Z,1e300", "magnitude"),
+        ] {
+            let good = row.replace("1e300", "1").replace("-1e12", "1");
+            let good = good.replace("1e200", "1").replace("2:+Z", "1:+Z");
+            let error = refused(&format!("{HEAD}{header}\n{good}\n{row}\n"));
+            assert_eq!(
+                (error.line, error.field.as_deref()),
+                (Some(5), Some(name)),
+                "{row}"
+            );
+            let expected = error.expected.unwrap_or_default();
+            assert!(expected.contains("m/s"), "{row}: {expected}");
+        }
+        // the unit counts: 1e9 um/s are a kilometre per second
+        let slow = "# frequency_hz = 300\n# unit = um/s\nresponse,re,im\n1:+Z,1e9,0\n";
+        assert!(parse_field(slow).is_ok());
+        assert!(parse_field(&slow.replace("um/s", "m/s")).is_err());
+    }
+
+    #[test]
+    fn a_field_of_zeros_is_refused() {
+        for rows in [
+            "response,re,im\n1:+Z,0,0\n2:+Z,-0,0\n",
+            "response,magnitude,std\n1:+Z,0,1e-6\n",
+            "response,re,im\n1:+Z,1e-300,0\n",
+        ] {
+            let error = refused(&format!("{HEAD}{rows}"));
+            assert!(error.to_string().contains("nothing was measured"), "{rows}");
+            assert!(error.field.is_some() && error.help.is_some(), "{rows}");
+        }
+        let one = format!("{HEAD}response,re,im\n1:+Z,0,0\n2:+Z,0,1e-9\n");
+        assert!(parse_field(&one).is_ok());
+    }
+
+    #[test]
+    fn words_after_the_unit_are_understood_or_refused() {
+        let with = |unit: &str| {
+            let rows = "response,re,im,std\n1:+Z,0,2,1\n";
+            parse_field(&format!("# frequency_hz = 300\n# unit = {unit}\n{rows}"))
+        };
+        for (unit, factor) in [
+            ("mm/s", 1e-3),
+            ("mm/s peak", 1e-3),
+            ("m/s\t[peak]", 1.0),
+            ("m/s   (or mm/s, um/s; peak; phase as e^{+jωt})", 1.0),
+            ("mm/s rms", 2f64.sqrt() * 1e-3),
+        ] {
+            let [point] = with(unit).unwrap().points[..] else {
+                panic!("{unit}")
+            };
+            let (value, std) = (point.velocity_m_per_s.im, point.std_m_per_s.unwrap());
+            assert!((value / (2.0 * factor) - 1.0).abs() < 1e-12, "{unit}");
+            assert!((std / factor - 1.0).abs() < 1e-12, "{unit}");
+        }
+        for (unit, word) in [
+            ("m/s peak-to-peak", "peak-to-peak"),
+            ("mm/s pk-pk", "pk-pk"),
+            ("mm/s dB", "dB"),
+            ("m/s (peak, from rms)", "rms"),
+        ] {
+            let error = with(unit).unwrap_err();
+            assert_eq!(
+                (error.line, error.found.as_deref()),
+                (Some(2), Some(word)),
+                "{unit}"
+            );
+            assert!(error.help.unwrap_or_default().contains("peak"), "{unit}");
+        }
     }
 }

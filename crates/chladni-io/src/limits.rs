@@ -89,6 +89,12 @@ pub(crate) const TABLE_HEAD_BYTES: u64 = 1 << 20;
 
 /// Powers of m, kg, s, V, rad, cycle of a velocity.
 pub(crate) const VELOCITY: [i32; 6] = [1, 0, -1, 0, 0, 0];
+/// Largest velocity of a field, m/s: nothing is faster than light, and powers of it are
+/// still numbers.
+pub(crate) const FASTEST_M_PER_S: f64 = 3e8;
+/// Velocity up to which nothing moves, m/s: an atom's width takes the age of the universe at
+/// 200 times as much, and powers of it are still above zero.
+pub(crate) const STILL_M_PER_S: f64 = 1e-30;
 
 // mat/unpack.rs
 

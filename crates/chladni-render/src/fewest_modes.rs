@@ -213,7 +213,8 @@ fn fewest(
     };
     let (ranked, whole) = (folding::ranked(model, &setup.operator), solve(&setup)?);
     let wanted = judge.served(&whole);
-    for explicit in 0..ranked.len() {
+    let Decision { method, .. } = options.method.decide(&setup.problem, options.effort);
+    for explicit in method.least_modes()..ranked.len() {
         let smaller = reduced(&setup, model, &ranked, explicit);
         // the whole model's own drive tells cheaply where the search cannot end yet
         if wanted[0] == 1.0 && !judge.error_fits(&smaller.problem, &whole) {

@@ -377,6 +377,10 @@ pub const CALIBRATED_DRIVE_ERROR: f64 = 0.005;
 /// Size of an odd channel's factor below which it is dead.
 pub const DEAD_GAIN: f64 = 0.1;
 
+/// Standard deviation of that gain up to which it counts: a sound channel lies five deviations
+/// away. A healthy one called dead, behind a common factor of 0.8, had 0.25.
+pub const DEAD_GAIN_STD: f64 = 0.2;
+
 /// Natural frequencies nearer than this, relative, are those of one model: decimals of a
 /// file.
 pub const SAME_MODE: f64 = 1e-9;

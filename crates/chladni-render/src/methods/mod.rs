@@ -93,6 +93,12 @@ impl Method {
         )
     }
 
+    /// The least number of explicit modes with which it finds a drive; residual terms alone
+    /// do for all but the one that goes through modal coefficients.
+    pub(crate) fn least_modes(self) -> usize {
+        usize::from(self == Self::Modal)
+    }
+
     /// The drive for a scene laid over `model`.
     pub(crate) fn solve(
         self,

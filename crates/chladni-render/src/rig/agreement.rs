@@ -88,6 +88,8 @@ pub(crate) struct Likeness {
     pub(crate) coefficient: f64,
     /// See [`Agreement::level_db`].
     pub(crate) level_db: f64,
+    /// The same coefficient of the conjugate of the field; 0 where phases are unknown.
+    conjugate: f64,
     phase_deg: f64,
     responses: usize,
     magnitudes_only: bool,
@@ -98,12 +100,17 @@ impl Likeness {
     pub(crate) fn of(predicted: &Array1<Complex64>, field: &LaidField) -> Self {
         let measured = &field.phased(predicted);
         let pairs = predicted.iter().zip(measured);
-        let inner: Complex64 = pairs.map(|(a, b)| a.conj() * b).sum();
+        let inner: Complex64 = pairs.clone().map(|(a, b)| a.conj() * b).sum();
+        let turned: Complex64 = pairs.map(|(a, b)| a * b).sum();
         let square = |values: &Array1<Complex64>| values.iter().map(Complex64::norm_sqr).sum();
         let [own, other]: [f64; 2] = [square(predicted), square(measured)];
         let quotient = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
         Self {
             coefficient: quotient(inner.norm_sqr(), own * other),
+            conjugate: match field.magnitudes_only {
+                true => 0.0,
+                false => quotient(turned.norm_sqr(), own * other),
+            },
             level_db: 10.0 * quotient(other, own).max(f64::MIN_POSITIVE).log10(),
             phase_deg: inner.arg().to_degrees(),
             responses: predicted.len(),
@@ -125,6 +132,22 @@ impl Likeness {
             && self.level_db.abs() > most_db
     }
 
+    /// True where the field turns the wrong way in time.
+    fn is_conjugated(&self) -> bool {
+        let same = tolerances::SAME_FORM[0];
+        let leaves = tolerances::CONJUGATE_LEAVES * (1.0 - self.coefficient);
+        self.responses >= tolerances::LEVEL_RESPONSES
+            && self.coefficient < same
+            && self.conjugate >= same
+            && 1.0 - self.conjugate < leaves
+    }
+
+    /// True where the field may as well have nothing to do with its drive.
+    fn is_unlike(&self) -> bool {
+        let many = self.responses >= tolerances::LEVEL_RESPONSES;
+        many && !self.magnitudes_only && self.coefficient < tolerances::UNLIKE
+    }
+
     /// The level and the coefficient in words.
     fn in_words(&self) -> String {
         format!(
@@ -133,8 +156,32 @@ impl Likeness {
         )
     }
 
-    /// The finding of a field that has the right form at a wrong level.
+    /// The finding of a field that has the right form at a wrong level, the form of its
+    /// conjugate, or no form that its drive could make.
     pub(crate) fn finding(&self) -> Option<Finding> {
+        if self.is_conjugated() {
+            let words = format!(
+                "the conjugate of the field agrees with the prediction ({:.3} in form), the field does \
+                 not ({:.3}): it turns the wrong way in time",
+                self.conjugate, self.coefficient
+            );
+            let finding = Finding::caution("field-conjugated", words)
+                .value("coefficient", self.coefficient)
+                .value("of_conjugate", self.conjugate);
+            return Some(finding.help(CONJUGATE_HELP));
+        }
+        if self.is_unlike() {
+            let words = format!(
+                "the field has nothing of the form that its weights should make (agreement {:.3}): it \
+                 may be that of other weights, of other points, or of nothing but noise",
+                self.coefficient
+            );
+            let finding = Finding::caution("field-unlike", words);
+            return Some(finding.value("coefficient", self.coefficient).help(
+                "see that these weights were played, that points have their names, and that the \
+                 panel moved",
+            ));
+        }
         self.is_level_off(tolerances::LEVEL_OFF_DB).then(|| {
             let words = format!("the field lies at {}", self.in_words());
             Finding::caution("field-level-off", words)
@@ -144,11 +191,22 @@ impl Likeness {
         })
     }
 
-    /// Refuses such a field, from which a correction would learn large gains.
+    /// Refuses a field that turns the wrong way, or lies at a level from which a correction would
+    /// learn large gains.
     ///
     /// # Errors
     /// [`chladni_frf::ErrorKind::BadData`].
     pub(crate) fn check(&self) -> Result<()> {
+        if self.is_conjugated() {
+            return Err(Error::bad_data("the field turns the wrong way in time")
+                .field("velocity")
+                .found(format!(
+                    "agreement {:.3} with the prediction, {:.3} of its conjugate",
+                    self.coefficient, self.conjugate
+                ))
+                .expected("phases of e^(+jωt)")
+                .help(CONJUGATE_HELP));
+        }
         if !self.is_level_off(tolerances::LEVEL_REFUSED_DB) {
             return Ok(());
         }
@@ -165,5 +223,6 @@ impl Likeness {
     }
 }
 
+const CONJUGATE_HELP: &str = "change the sign of its imaginary parts, or of its phases";
 const LEVEL_HELP: &str = "check the unit of the field (m/s, mm/s, um/s; peak) and the gain of the \
                           amplifiers; a gain that is meant belongs in the calibration";

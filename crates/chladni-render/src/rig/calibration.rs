@@ -61,7 +61,7 @@ impl ChannelGain {
     /// True where the channel moves nothing, and that is known.
     pub fn is_dead(&self) -> bool {
         let size = self.re.hypot(self.im);
-        self.odd && size <= tolerances::DEAD_GAIN && self.std <= tolerances::DEAD_GAIN
+        self.odd && size <= tolerances::DEAD_GAIN && self.std <= tolerances::DEAD_GAIN_STD
     }
 }
 
@@ -239,6 +239,14 @@ impl Calibration {
                     .field(format!("gains[{}].std", k + 1))
                     .found(gain.std)
                     .expected("0 or more"));
+            }
+            let is_same = |other: &ChannelGain| other.reference.same_axis(gain.reference);
+            if self.gains[..k].iter().any(is_same) {
+                return Err(Error::bad_data("a channel has two gains")
+                    .field(format!("gains[{}].reference", k + 1))
+                    .found(gain.reference)
+                    .expected("one gain for each channel")
+                    .help("leave one of them out"));
             }
         }
         for (k, table) in self.gain_tables.iter().enumerate() {

@@ -18,7 +18,8 @@ use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
 use crate::weights::Weights;
-use chladni_frf::{Dof, Error, MeasuredField, ModalModel, Result};
+use chladni_frf::{Dof, Error, Finding, MeasuredField, ModalModel, Result};
+use num_complex::Complex64;
 
 /// A drive for `scene`, corrected by the fields that were measured under earlier weights,
 /// oldest first.
@@ -112,6 +113,7 @@ pub fn calibrate(
     findings.extend(solution.findings);
     let given = best_of(&corrected, solution.drive, &seen);
     let correction = corrected_by(&setup, &seen, &learned, &given);
+    findings.extend(common_factor(&learned.estimators.structured));
     findings.retain(|finding| finding.code != "scan-due");
     findings.extend(correction.scan_reason.as_deref().map(scan_due));
     let calibration = learned.calibration([own, model], &corrected, before, &correction);
@@ -145,6 +147,25 @@ fn corrected_by(setup: &Setup, seen: &[Seen], learned: &Learned, given: &Given) 
         gains: gains(setup, structured),
         common_shift: structured.common,
     }
+}
+
+/// The finding of a factor that all channels share.
+fn common_factor(structured: &Structured) -> Option<Finding> {
+    if structured.scales.level < tolerances::LEVEL_SCALES[1] {
+        return None;
+    }
+    let even = (0..structured.gains.len()).filter(|i| !structured.odd.contains(i));
+    let gains: Vec<Complex64> = even.map(|i| 1.0 + structured.gains[i]).collect();
+    let factor = gains.iter().sum::<Complex64>() / gains.len().max(1) as f64;
+    let words = format!(
+        "all channels have the factor {:.3}{:+.3}j in common: a trigger, a delay, or the level of \
+         all amplifiers",
+        factor.re, factor.im
+    );
+    let finding = Finding::note("common-factor", words)
+        .value("re", factor.re)
+        .value("im", factor.im);
+    Some(finding.help("nothing to do: the gains hold it"))
 }
 
 /// The reason that a new scan is due; `None` where it is not.

@@ -4,6 +4,7 @@
 use super::agreement::{agreement, Agreement, Likeness};
 use super::calibrated::Calibrated;
 use super::field::{noise_assumed, LaidField, Prediction};
+use super::lone_points::without_lone_points;
 use super::prior::{design, prior_drift};
 use crate::drift::Drift;
 use crate::evaluate::{laid, Laid, On};
@@ -89,9 +90,12 @@ pub fn evaluate_field(
     if laid_field.noise_assumed {
         findings.push(noise_assumed());
     }
-    let likeness = Likeness::of(&prediction.velocity, &laid_field);
+    let mut sound = laid_field.clone();
+    let all = &operator.responses;
+    findings.extend(without_lone_points(&mut sound, &prediction.mobility, all)?);
+    let likeness = Likeness::of(&prediction.velocity, &sound);
     findings.splice(0..0, likeness.finding());
-    let agreement = agreement(model, &operator, &laid_field, &prediction, &likeness)?;
+    let agreement = agreement(model, &operator, &sound, &prediction, &likeness)?;
     // between few responses nothing is interpolated
     let area = (laid_field.rows.len() == operator.responses.len())
         .then(|| measured.area(&zones))

@@ -5,7 +5,7 @@
 //! shifts are those of the largest evidence (Laplace); a channel that needs more than its scale
 //! beside the level is called odd where the evidence for that is beyond doubt.
 
-use super::normal::{Normal, LEVEL};
+use super::normal::Normal;
 use super::parts::Parts;
 use super::seen::Seen;
 use crate::tolerances;
@@ -158,7 +158,7 @@ impl Parts {
         let mut theta = apart.theta.slice(s![..unknowns]).to_owned();
         let mut rows = apart.covariance.slice(s![..unknowns, ..]).to_owned();
         for i in 0..gains {
-            let level = unknowns + i % LEVEL;
+            let level = unknowns + i % tolerances::LEVEL_PARTS;
             theta[i] += apart.theta[level];
             let mut row = rows.row_mut(i);
             row += &apart.covariance.row(level);
@@ -166,7 +166,7 @@ impl Parts {
         let mut covariance = rows.slice(s![.., ..unknowns]).to_owned();
         for i in 0..gains {
             let mut column = covariance.column_mut(i);
-            column += &rows.column(unknowns + i % LEVEL);
+            column += &rows.column(unknowns + i % tolerances::LEVEL_PARTS);
         }
         Posterior {
             theta,
@@ -217,7 +217,7 @@ impl Parts {
     fn shift_precision(&self, scales: &Scales) -> Vec<f64> {
         let mut precision = vec![2.0 / scales.modes.powi(2); 2 * self.modes()];
         precision.push(1.0 / scales.common.powi(2));
-        precision.extend([2.0 / scales.level.powi(2); LEVEL]);
+        precision.extend([2.0 / scales.level.powi(2); tolerances::LEVEL_PARTS]);
         precision
     }
 }

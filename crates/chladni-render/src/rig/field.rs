@@ -7,6 +7,7 @@ use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
 /// Measured values in the order of the operator's rows.
+#[derive(Clone)]
 pub(crate) struct LaidField {
     /// Rows of the operator that were measured.
     pub(crate) rows: Vec<usize>,

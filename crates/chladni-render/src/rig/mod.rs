@@ -25,6 +25,7 @@ mod gain_table;
 mod given;
 mod kalman;
 mod learned;
+mod lone_points;
 mod normal;
 mod over_time;
 mod parts;

@@ -13,9 +13,6 @@ use chladni_frf::Result;
 use ndarray::{s, Array1, Array2, ArrayView1, ArrayViewMut1, Axis};
 use num_complex::Complex64;
 
-/// Real unknowns of the level that all gains share.
-pub(super) const LEVEL: usize = 2;
-
 /// Whitened normal equations of all fields, at one scale of the unexplained part.
 pub(super) struct Normal {
     matrix: Array2<f64>,
@@ -50,7 +47,7 @@ impl Parts {
         let size = self.size();
         let shares: Vec<Share> = fields.iter().map(|seen| self.share(theta, seen)).collect();
         let normal = |&unexplained: &f64| {
-            let unknowns = self.unknowns() + LEVEL;
+            let unknowns = self.unknowns() + tolerances::LEVEL_PARTS;
             let mut normal = Normal {
                 matrix: Array2::zeros((unknowns, unknowns)),
                 right: Array1::zeros(unknowns),
@@ -76,7 +73,8 @@ impl Parts {
         let (field, slope) = self.field(theta, &seen.drive);
         let parts = if seen.magnitudes_only { 1 } else { 2 };
         let unknowns = self.unknowns();
-        let mut rows = Array2::<f64>::zeros((parts * seen.rows.len(), unknowns + LEVEL));
+        let mut rows =
+            Array2::<f64>::zeros((parts * seen.rows.len(), unknowns + tolerances::LEVEL_PARTS));
         let mut left = Array1::<f64>::zeros(rows.nrows());
         for (k, (&row, &measured)) in seen.rows.iter().zip(&seen.velocity).enumerate() {
             let foretold = field[row];
@@ -102,7 +100,7 @@ impl Parts {
             }
         }
         left += &rows.slice(s![.., ..unknowns]).dot(theta);
-        for part in 0..LEVEL {
+        for part in 0..tolerances::LEVEL_PARTS {
             let of_gains = rows.slice(s![.., part..2 * self.actuators(); 2]);
             let all = of_gains.sum_axis(Axis(1));
             rows.column_mut(unknowns + part).assign(&all);

@@ -9,6 +9,7 @@ use super::agreement::Likeness;
 use super::calibrated::movable_modes;
 use super::evidence::Tried;
 use super::field::{noise_assumed, LaidField};
+use super::lone_points::without_lone_points;
 use super::parts::Parts;
 use super::seen::Seen;
 use super::structured::Structured;
@@ -58,8 +59,14 @@ pub fn poles_of_fields(
     let mut seen = Vec::with_capacity(played.len());
     for (weights, field, sha256) in played {
         let drive = drive_of(weights, &operator, frequency_hz)?;
-        let field = LaidField::new(field, &operator, sha256.as_deref())?;
-        let predicted = operator.mobility.select(Axis(0), &field.rows).dot(&drive);
+        let mut field = LaidField::new(field, &operator, sha256.as_deref())?;
+        let mobility = operator.mobility.select(Axis(0), &field.rows);
+        findings.extend(without_lone_points(
+            &mut field,
+            &mobility,
+            &operator.responses,
+        )?);
+        let predicted = mobility.dot(&drive);
         Likeness::of(&predicted, &field).check()?;
         if field.noise_assumed && findings.is_empty() {
             findings.push(noise_assumed());

@@ -2,6 +2,7 @@
 
 use super::agreement::Likeness;
 use super::field::{noise_assumed, LaidField};
+use super::lone_points::without_lone_points;
 use crate::evaluate::{laid, Laid, On};
 use crate::problem::Drive;
 use crate::scene::Scene;
@@ -105,10 +106,14 @@ pub(super) fn see(
                 .expected("weights that drive at least one sound actuator")
                 .help("give the weights that were played"));
         }
-        let field = LaidField::new(field, &setup.operator, sha256.as_deref())?;
+        let mut field = LaidField::new(field, &setup.operator, sha256.as_deref())?;
         let mobility = setup.operator.mobility.select(Axis(0), &field.rows);
+        let responses = &setup.operator.responses;
+        findings.extend(without_lone_points(&mut field, &mobility, responses)?);
         let predicted = mobility.dot(&whole);
-        Likeness::of(&predicted, &field).check()?;
+        let likeness = Likeness::of(&predicted, &field);
+        likeness.check()?;
+        findings.extend(likeness.finding());
         assumed |= field.noise_assumed;
         all.push(Seen::of(field, whole));
     }

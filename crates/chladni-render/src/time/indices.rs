@@ -3,7 +3,7 @@
 
 use crate::time::judge::TimeMeasure;
 use crate::time::plan::Chain;
-use crate::time::table::{Level, Measure, TimeTable};
+use crate::time::table::{Level, Measure, Ramps, TimeTable};
 use chladni_frf::Finding;
 use serde::{Deserialize, Serialize};
 
@@ -128,10 +128,10 @@ pub(crate) fn is_met(indices: &TimeIndices, table: &TimeTable) -> bool {
     cold && hot == 1.0
 }
 
-/// Findings on the outcome.
-pub(crate) fn said(indices: &TimeIndices, table: &TimeTable) -> Vec<Finding> {
+/// Findings on the outcome of a drive that came and went by `ramps`.
+pub(crate) fn said(indices: &TimeIndices, table: &TimeTable, ramps: Ramps) -> Vec<Finding> {
     [
-        cold_over(indices.by(table.measure), table.measure),
+        cold_over(indices.by(table.measure), table.measure, ramps),
         cold_instants(&indices.peak, table.measure),
         hot_not_held(&indices.peak, table.level),
         burst_short(&indices.summed, table),
@@ -141,7 +141,7 @@ pub(crate) fn said(indices: &TimeIndices, table: &TimeTable) -> Vec<Finding> {
     .collect()
 }
 
-fn cold_over(judged: &TimeMeasure, measure: Measure) -> Option<Finding> {
+fn cold_over(judged: &TimeMeasure, measure: Measure, ramps: Ramps) -> Option<Finding> {
     let over = judged
         .worst_cold_db
         .filter(|_| judged.ever_over_ratio > 0.0)?;
@@ -153,7 +153,10 @@ fn cold_over(judged: &TimeMeasure, measure: Measure) -> Option<Finding> {
     let finding = Finding::caution("time-cold-over", words)
         .value("worst_cold_db", over)
         .value("over_s", judged.over_s)
-        .help("take longer ramps, or ramps = \"modal\"");
+        .help(match ramps {
+            Ramps::Modal => "take longer ramps",
+            Ramps::Plain | Ramps::Program => "take longer ramps, or ramps = \"modal\"",
+        });
     Some(finding)
 }
 
@@ -223,6 +226,20 @@ mod tests {
         let finding = hot_not_held(&still(), Level::Steady).unwrap();
         assert!(finding.text.ends_with("it does not move"), "{finding:?}");
         assert!(finding.values.is_empty(), "{finding:?}");
+    }
+
+    #[test]
+    fn nobody_is_told_to_take_the_ramps_that_were_taken() {
+        let loud = TimeMeasure {
+            worst_cold_db: Some(1.0),
+            ever_over_ratio: 0.5,
+            ..still()
+        };
+        for ramps in Ramps::ALL {
+            let help = cold_over(&loud, Measure::Peak, ramps).unwrap().help;
+            assert!(help.starts_with("take longer ramps"), "{ramps:?}: {help}");
+            assert_eq!(help.contains("modal"), ramps != Ramps::Modal, "{help}");
+        }
     }
 
     #[test]

@@ -134,7 +134,7 @@ pub fn play(
         .map(|(chain, &gain)| TimeEvent::of(chain, gain))
         .collect();
     let indices = indices(&driven.heard, area.as_ref(), events, &stage);
-    findings.extend(said(&indices, &table));
+    findings.extend(said(&indices, &table, rehearsal.ramps));
     dedup(&mut findings);
     Ok(Played {
         references: stage.voices[0].operator.references.clone(),

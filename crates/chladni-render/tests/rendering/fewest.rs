@@ -226,6 +226,22 @@ fn viscous_models_fold_their_modes_too() {
 }
 
 #[test]
+fn the_method_of_modal_coefficients_is_given_at_least_one_mode() {
+    let options = RenderOptions {
+        method: Method::Modal.into(),
+        modes: Count::Auto,
+        ..Default::default()
+    };
+    for frequency_hz in [300.0, 330.0] {
+        let scene = at(frequency_hz, [2, 2], 1);
+        let weights = render(truth(), &scene, &options).unwrap().weights;
+        let steps = weights.modal.unwrap();
+        assert!(weights.modes_used >= 1, "{frequency_hz} Hz");
+        assert_eq!(steps.frequency_hz.len(), weights.modes_used);
+    }
+}
+
+#[test]
 fn counts_are_words_or_numbers() {
     assert_eq!(
         ["all", "auto", "12"].map(|text| text.parse::<Count>().unwrap()),

@@ -253,3 +253,15 @@ fn the_table_of_the_page_is_read() {
         ]
     );
 }
+
+#[test]
+fn a_channel_named_twice_in_gains_is_refused() {
+    let mut twice = constants(300.0);
+    twice.gains.push(twice.gains[0].clone());
+    let error = Calibration::parse(&twice.to_json().unwrap()).unwrap_err();
+    assert_eq!(
+        error.found,
+        Some(truth().references[0].to_string()),
+        "{error}"
+    );
+}

@@ -14,6 +14,7 @@ mod rig;
 mod robust;
 mod scene_file;
 mod signals;
+mod spoilt_fields;
 mod stress;
 mod time;
 mod time_refused;

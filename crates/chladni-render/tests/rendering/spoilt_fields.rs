@@ -1,0 +1,129 @@
+//! Fields that are spoilt as a whole or at single points: what a correction makes of them.
+
+use crate::common::rig::Rig;
+use crate::common::{cell_scene, truth};
+use chladni_frf::MeasuredField;
+use chladni_render::{
+    calibrate, evaluate_field, poles_of_fields, render, Calibration, RenderOptions, Scene, Weights,
+};
+use num_complex::Complex64;
+
+fn corner() -> Scene {
+    cell_scene([2, 2], 1, "")
+}
+
+fn drive() -> Weights {
+    let options = RenderOptions::default();
+    render(truth(), &corner(), &options).unwrap().weights
+}
+
+/// The field of `rig` at all responses, 1 % noise.
+fn measured(weights: &Weights, mut rig: Rig) -> MeasuredField {
+    rig.measured(weights, 0.01, &(0..77).collect::<Vec<_>>())
+}
+
+fn calibrated(weights: &Weights, field: MeasuredField) -> (Weights, Calibration) {
+    let played = [(weights.clone(), field, None)];
+    calibrate(truth(), &corner(), &played, &RenderOptions::default()).unwrap()
+}
+
+#[test]
+fn a_factor_of_all_channels_makes_none_of_them_odd() {
+    let weights = drive();
+    for factor in [
+        Complex64::from_polar(1.0, 0.2),
+        Complex64::new(0.0, 1.0),
+        Complex64::new(-1.0, 0.0),
+        Complex64::new(1.4, 0.0),
+        Complex64::new(0.05, 0.0),
+    ] {
+        let mut rig = Rig::new(300.0, 3);
+        rig.gains.mapv_inplace(|gain| gain * factor);
+        let field = measured(&weights, rig);
+        let (_, known) = calibrated(&weights, field.clone());
+        for gain in &known.gains {
+            let off = (Complex64::new(gain.re, gain.im) / factor - 1.0).norm();
+            assert!(!gain.odd && off < 0.05, "{factor}: {gain:?}");
+        }
+        assert!(known.dead.is_empty());
+        for mode in &known.modes {
+            let moved = mode.frequency_hz / mode.model_hz - 1.0;
+            assert!(moved.abs() < 2e-3, "{factor}: {mode:?}");
+        }
+        let poles = poles_of_fields(truth(), &[(weights.clone(), field, None)]).unwrap();
+        assert!(
+            poles.common_shift.abs() < 1e-3,
+            "{factor}: {}",
+            poles.common_shift
+        );
+    }
+}
+
+#[test]
+fn a_dead_channel_behind_a_common_factor_is_still_found() {
+    let weights = drive();
+    let mut rig = Rig::new(300.0, 4).channel(12, 0.0);
+    rig.gains.mapv_inplace(|gain| -gain);
+    let (_, known) = calibrated(&weights, measured(&weights, rig));
+    assert_eq!(known.dead, [truth().references[12]]);
+    assert_eq!(known.gains.iter().filter(|gain| gain.odd).count(), 1);
+}
+
+#[test]
+fn a_point_that_no_motion_explains_is_named_and_teaches_nothing() {
+    let weights = drive();
+    let rig = || Rig::new(300.0, 5).scattered(0.02, 2.0).channel(12, 0.0);
+    let clean = measured(&weights, rig());
+    let points = &clean.points;
+    let square = points
+        .iter()
+        .map(|p| p.velocity_m_per_s.norm_sqr())
+        .sum::<f64>();
+    let rms = (square / points.len() as f64).sqrt();
+    for (place, size) in [(20, 10.0), (41, 3.0)] {
+        let mut field = clean.clone();
+        field.points[place].velocity_m_per_s += Complex64::from_polar(size * rms, 1.0);
+        let spoilt = field.points[place].response;
+        let judged = evaluate_field(&weights, &corner(), truth(), &field, None).unwrap();
+        let (corrected, known) = calibrated(&weights, field);
+        for findings in [&judged.findings[..], &corrected.findings[..]] {
+            let named = findings.iter().find(|one| one.code == "field-point-off");
+            assert_eq!(named.unwrap().dofs, [spoilt]);
+        }
+        assert_eq!(known.dead, [truth().references[12]], "{place}");
+        assert_eq!(known.gains.iter().filter(|gain| gain.odd).count(), 1);
+    }
+    let (corrected, _) = calibrated(&weights, clean);
+    assert!(corrected
+        .findings
+        .iter()
+        .all(|one| one.code != "field-point-off"));
+}
+
+#[test]
+fn a_field_that_turns_the_wrong_way_is_refused_and_one_of_other_weights_is_named() {
+    let weights = drive();
+    let mut turned = measured(&weights, Rig::new(300.0, 6));
+    for point in &mut turned.points {
+        point.velocity_m_per_s = point.velocity_m_per_s.conj();
+    }
+    let judged = evaluate_field(&weights, &corner(), truth(), &turned, None).unwrap();
+    assert_eq!(judged.findings[0].code, "field-conjugated");
+    let played = [(weights.clone(), turned, None)];
+    let error = calibrate(truth(), &corner(), &played, &RenderOptions::default()).unwrap_err();
+    assert_eq!(error.field.as_deref(), Some("velocity"), "{error}");
+    let other = render(
+        truth(),
+        &cell_scene([2, 2], 4, ""),
+        &RenderOptions::default(),
+    )
+    .unwrap();
+    let field = measured(&other.weights, Rig::new(300.0, 7));
+    let judged = evaluate_field(&weights, &corner(), truth(), &field, None).unwrap();
+    assert_eq!(judged.findings[0].code, "field-unlike");
+    let (corrected, _) = calibrated(&weights, field);
+    assert!(corrected
+        .findings
+        .iter()
+        .any(|one| one.code == "field-unlike"));
+}
