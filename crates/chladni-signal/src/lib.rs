@@ -52,6 +52,7 @@
 //! "A comparison of H1, H2 and Hv", IMAC 3 (1985).
 
 mod blocks;
+mod clipped;
 mod estimators;
 mod excitation;
 mod force_noise;

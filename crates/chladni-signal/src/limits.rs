@@ -1,6 +1,20 @@
 //! Every constant of this room: meaning, unit, and where it comes from. Facts of a format
 //! stand beside its parser.
 
+// clipped.rs
+
+/// Samples at the largest value from which on a record may be clipped.
+pub(crate) const CLIPPED_SAMPLES: usize = 5;
+/// Values above 0 that a record has at least: of fewer the largest is nothing special.
+pub(crate) const CLIPPED_LEVELS: usize = 20;
+/// Part of the record at that value from which on it has two levels, or is still.
+pub(crate) const CLIPPED_MOST: f64 = 0.4;
+/// Values from this part of the largest on lie a little below it.
+pub(crate) const CLIPPED_UNDER: f64 = 0.98;
+/// Samples at the largest value over those a little below it. A sine on 100 steps has 0.7 of
+/// them, noise clipped at three standard deviations 3.5.
+pub(crate) const CLIPPED_BESIDE: f64 = 2.0;
+
 // estimators.rs
 
 /// References whose smallest normalised principal power is below this act as one.

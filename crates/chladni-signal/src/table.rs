@@ -1,5 +1,6 @@
 //! Values of all FRFs while they are estimated.
 
+use super::clipped::clipped;
 use super::force_noise::Correction;
 use super::setting::Setting;
 use super::{units, Estimate, Group};
@@ -153,6 +154,7 @@ impl Table {
         rate_hz: f64,
     ) -> Result<Estimate> {
         self.warnings.extend(self.masked_lines(runs)?);
+        self.warnings.extend(clipped(runs));
         let (kind, reference_unit) = units::kind_of(runs)?;
         let estimation = Estimation {
             averages: self.averages,

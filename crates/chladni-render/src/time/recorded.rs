@@ -208,6 +208,11 @@ pub fn evaluate_signal(
     let tones_hz: Vec<f64> = tones.iter().map(|tone| tone.frequency_hz).collect();
     let bands = bands_hz(&tones_hz);
     findings.extend(too_close(&tones_hz, ramp_s));
+    let shortest_s = events
+        .iter()
+        .map(|event| event.ramp_s)
+        .fold(f64::INFINITY, f64::min);
+    findings.extend(few_periods(&tones_hz, shortest_s));
     let step_s = tolerances::JUDGE_STEP_S;
     let mut envelopes = Vec::new();
     for (tone, band_hz) in tones.iter().zip(bands) {
@@ -306,9 +311,33 @@ fn too_close(tones_hz: &[f64], ramp_s: f64) -> Option<Finding> {
     })
 }
 
+/// A ramp of so few periods that its spectrum reaches through 0 Hz, where a signal of real numbers
+/// does not tell a tone from its mirror image.
+fn few_periods(tones_hz: &[f64], ramp_s: f64) -> Option<Finding> {
+    let lowest_hz = tones_hz.iter().copied().fold(f64::INFINITY, f64::min);
+    let periods = ramp_s * lowest_hz;
+    (periods <= tolerances::RAMP_SPREAD).then(|| {
+        let words = format!(
+            "a ramp of {:.1} ms is {periods:.1} periods of {lowest_hz} Hz: a recording does not tell its \
+             envelope to better than some decibels",
+            1e3 * ramp_s
+        );
+        Finding::caution("time-ramp-few-periods", words)
+            .value("periods", periods)
+            .help("judge the weights with their ramps instead of the signal, or take longer ramps")
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ramps_of_few_periods_are_named() {
+        assert!(few_periods(&[330.0, 300.0], 0.003).is_some());
+        assert!(few_periods(&[300.0], 0.005).is_some());
+        assert!(few_periods(&[300.0], 0.008).is_none());
+    }
 
     #[test]
     fn every_line_belongs_to_the_nearest_tone() {

@@ -136,7 +136,7 @@ pub(super) const RULES: [Rule; 23] = [
     ),
     Rule::doubt("odd-even", "odd and even lines disagree", |seen| {
         let apart = seen.own.odd_even()?;
-        (apart > DISAGREE).then(|| format!("{apart:.1} half-bandwidths"))
+        (apart > DISAGREE).then(|| half_bandwidths(apart))
     }),
     Rule::doubt(
         "hardly-needed",
@@ -181,7 +181,7 @@ pub(super) const RULES: [Rule; 23] = [
     ),
     Rule::doubt("scatters", "its frequency differs between FRFs", |seen| {
         let scatter = seen.own.scatter?;
-        (scatter > DISAGREE).then(|| format!("{scatter:.1} half-bandwidths"))
+        (scatter > DISAGREE).then(|| half_bandwidths(scatter))
     }),
     Rule::severe(
         "one-line-spike",
@@ -257,3 +257,10 @@ pub(super) const RULES: [Rule; 23] = [
         |seen| plain(seen.frfs == 1 && seen.near(HALF_PAIR)),
     ),
 ];
+/// A distance in words; far apart is far apart.
+fn half_bandwidths(apart: f64) -> String {
+    match apart > 1000.0 {
+        true => "more than 1000 half-bandwidths".into(),
+        false => format!("{apart:.1} half-bandwidths"),
+    }
+}
