@@ -346,4 +346,90 @@ mod tests {
         let wild = |omega: f64| 0.05 * (40.0 * omega).sin();
         assert_eq!(weighed(&laws(wild), 2.0 * 1e-8, 12), Verdict::Undecidable);
     }
+
+    /// Receptances on 900 lines of modes (x, loss factor) in one law, real residues.
+    fn lines(law: Damping, modes: &[(f64, f64)], residues: &Array2<Complex64>) -> Columns {
+        let x: Vec<f64> = (0..900)
+            .map(|k| (0.1 + 0.001 * f64::from(k)).powi(2))
+            .collect();
+        let work = Columns {
+            g: vec![1.0; 900],
+            b: Array2::zeros((900, 0)),
+            x,
+            law,
+            leakage: None,
+        };
+        let b = matmul(basis(&work, &poles(modes), &[]).view(), residues.view());
+        work.with_columns(b)
+    }
+
+    fn poles(modes: &[(f64, f64)]) -> Vec<Complex64> {
+        let pole = |&(x, loss): &(f64, f64)| Complex64::new(x, x * loss);
+        modes.iter().map(pole).collect()
+    }
+
+    #[test]
+    fn poles_of_noise_have_no_say_in_the_law() {
+        let modes: Vec<(f64, f64)> = [(0.09, 0.02), (0.3, 0.03), (0.6, 0.01)]
+            .into_iter()
+            .chain((0..20).map(|n| (0.62 + 0.015 * f64::from(n), 1e-5)))
+            .collect();
+        // those of noise are a thousandth as large
+        let residues = Array2::from_shape_fn((modes.len(), 4), |(n, c)| {
+            let size = if n < 3 { 1.0 } else { 1e-3 };
+            Complex64::from(size * (1.0 + 0.5 * ((3 * n + 2 * c) as f64).sin()))
+        });
+        let variance = 1e-2;
+        for law in LAWS {
+            let work = lines(law, &modes, &residues);
+            let lambda = poles(&modes);
+            let fitted = Fitted {
+                lambda: &lambda,
+                powers: &[-1, 0, 1],
+                coefficients: &residues,
+                variance,
+                frfs: 4,
+            };
+            let says: Vec<usize> = (0..modes.len())
+                .filter(|&n| most_said(&work, &fitted, n) > limits::SAYS_NOTHING)
+                .collect();
+            assert_eq!(says, [0, 1, 2]);
+            assert_eq!(verdict(&work, &fitted).unwrap().law(), Some(law));
+            // none of them says anything
+            let weak = residues.mapv(|value| 1e-3 * value);
+            let silent = Fitted {
+                coefficients: &weak,
+                variance: 1e4,
+                ..fitted
+            };
+            assert_eq!(verdict(&work, &silent).unwrap(), Verdict::Undecidable);
+        }
+    }
+
+    #[test]
+    fn a_law_that_a_search_left_half_way_starts_again_from_the_other() {
+        let modes = [(0.09, 0.02), (0.3, 0.03)];
+        let residues = Array2::from_shape_fn((2, 4), |(n, c)| {
+            Complex64::from(1.0 + 0.5 * ((3 * n + 2 * c) as f64).sin())
+        });
+        let work = lines(Damping::Viscous, &modes, &residues);
+        let common = Common::new(&work, &[], &[-1, 0, 1]).unwrap();
+        let variance = 1e-12;
+        let fit = |law: Damping, start: &[(Complex64, f64)]| {
+            common.fit(&work.axis().in_law(law), start, variance)
+        };
+        let start: Vec<(Complex64, f64)> = poles(&modes).into_iter().map(|p| (p, 0.0)).collect();
+        let good = fit(Damping::Structural, &start).unwrap();
+        let (sse, spoilt) = (good.sse, good.sse * 1e6 + 1.0);
+        // as if the search in the true law had ended far away
+        let lost = LawFit {
+            sse: spoilt,
+            ..fit(Damping::Viscous, &start).unwrap()
+        };
+        let mut laws = [good, lost];
+        assert!(overtaken(&mut laws, variance, fit));
+        assert!(laws[1].sse < 1e-2 * sse, "{} {sse}", laws[1].sse);
+        // what stands cannot be overtaken
+        assert!(!overtaken(&mut laws, variance, fit));
+    }
 }

@@ -82,3 +82,62 @@ pub(crate) fn record_s(frf: &FrfSet, options: &FitOptions) -> Result<f64, FitErr
         0.0
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_frf::Estimator;
+
+    fn made(window: BlockWindow, forcing: Option<Forcing>) -> Estimation {
+        Estimation {
+            estimator: Estimator::H1,
+            window,
+            forcing,
+            transform_s: 2.0,
+            gate_s: 2.0,
+            hop_s: 2.0,
+            averages: [3; 2],
+            lines_per_value: 1,
+        }
+    }
+
+    #[test]
+    fn an_exponential_window_moves_poles_whatever_the_force_but_continuous_noise() {
+        let window = BlockWindow::Exponential { rate_per_s: 1.5 };
+        let of = |forcing| exponential_of(&made(window, forcing));
+        for forcing in [
+            Forcing::Transient,
+            Forcing::Periodic,
+            Forcing::Burst { part: 0.4 },
+        ] {
+            assert_eq!(of(Some(forcing)), Some(1.5), "{forcing:?}");
+        }
+        assert_eq!(of(Some(Forcing::Continuous)), None);
+        // nobody says
+        assert_eq!(of(None), None);
+        let plain = made(BlockWindow::Rectangular, Some(Forcing::Transient));
+        assert_eq!(exponential_of(&plain), None);
+    }
+
+    #[test]
+    fn blows_under_a_hann_window_have_no_line_shape_and_say_so() {
+        let blows = made(BlockWindow::Hann, Some(Forcing::Transient));
+        assert!(blows.hann_on_blows() && window_of(&blows).is_none());
+        let noise = made(BlockWindow::Hann, Some(Forcing::Continuous));
+        assert!(!noise.hann_on_blows() && window_of(&noise) == Some(Window::Hann));
+    }
+
+    #[test]
+    fn local_fits_say_where_their_force_does_not_suit_them() {
+        let local = |forcing| Estimation {
+            estimator: Estimator::Lrm,
+            ..made(BlockWindow::Rectangular, forcing)
+        };
+        for forcing in [Forcing::Transient, Forcing::Periodic] {
+            assert!(local(Some(forcing)).local_on_smooth_force());
+        }
+        assert!(!local(None).local_on_smooth_force());
+        let blows = made(BlockWindow::Rectangular, Some(Forcing::Transient));
+        assert!(!blows.local_on_smooth_force());
+    }
+}
