@@ -193,13 +193,25 @@ impl Estimation {
     }
 
     /// The estimation of two sets at once; `None` where they differ in more than
-    /// averages.
+    /// averages. Of local estimators a force that does not suit them stands for both.
     pub fn joined(self, other: Self) -> Option<Self> {
+        let forcing = match self.estimator.is_local() {
+            true => self.forcing.or(other.forcing),
+            false => self.forcing,
+        };
+        let other = match other.estimator.is_local() {
+            true => Self { forcing, ..other },
+            false => other,
+        };
         let averages = [
             self.averages[0].min(other.averages[0]),
             self.averages[1].max(other.averages[1]),
         ];
-        let joined = Self { averages, ..self };
+        let joined = Self {
+            averages,
+            forcing,
+            ..self
+        };
         (joined == Self { averages, ..other }).then_some(joined)
     }
 }

@@ -1,4 +1,4 @@
-//! What follows the unit of a field: whether its values are peaks.
+//! The words after the unit of a field: whether its values are peaks.
 //!
 //! A word for peak changes nothing, and neither does a remark in brackets, as long as it
 //! names no other measure of an amplitude. `rms` alone is known, too: a sine has √2 of it
@@ -10,10 +10,13 @@ const BRACKETS: [char; 6] = ['(', '[', '{', ')', ']', '}'];
 const BETWEEN_WORDS: [char; 5] = [' ', '\t', ',', ';', ':'];
 
 /// Words for peak, as [`letters`].
-const PEAK: [&str; 11] = [
+const PEAK: [&str; 14] = [
     "peak",
     "pk",
     "amplitude",
+    "0p",
+    "zerop",
+    "peakvalues",
     "0peak",
     "0pk",
     "0topeak",
@@ -39,8 +42,8 @@ const OTHER: [&str; 13] = [
     "peak2peak",
     "peaktopeak",
 ];
-/// Beginnings of words for levels.
-const LEVEL: [&str; 2] = ["db", "decibel"];
+/// Words for levels.
+const LEVEL: [&str; 5] = ["db", "decibel", "decibels", "dbv", "dbmps"];
 /// Other measures in several words.
 const OTHER_IN_WORDS: [&str; 3] = ["peaktopeak", "pktopk", "pkpk"];
 
@@ -93,7 +96,7 @@ fn names_other(word: &str) -> bool {
     parts
         .map(letters)
         .chain([letters(word)])
-        .any(|part| OTHER.contains(&part.as_str()) || LEVEL.iter().any(|&w| part.starts_with(w)))
+        .any(|part| OTHER.contains(&part.as_str()) || LEVEL.contains(&part.as_str()))
 }
 
 /// Letters and digits alone, small.
@@ -117,6 +120,7 @@ mod tests {
             "[peak]",
             "  pk",
             "0-pk",
+            "0-p",
             "zero-to-peak",
             "amplitude",
             "Peak amplitude",

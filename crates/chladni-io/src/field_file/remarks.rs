@@ -1,4 +1,4 @@
-//! What the lines with `#` of a field say: frequency, unit, and the weights that were
+//! The lines with `#` of a field: frequency, unit, and the weights that were
 //! played. Lines with other keys are remarks for people.
 
 use super::numbered;
@@ -7,7 +7,7 @@ use crate::limits::VELOCITY;
 use crate::unit_label;
 use chladni_frf::{Error, Result};
 
-/// What a line with `#` says.
+/// The value that a line with `#` gives.
 pub(super) struct Said<T> {
     pub(super) value: T,
     /// The words of the file.

@@ -42,12 +42,14 @@ pub struct PointAgreement {
 
 /// Holds the measured field against its prediction.
 ///
+/// * `raw`, `field`: as it was measured, and with lone points replaced
+///
 /// # Errors
 /// Those of the factorisations.
 pub(crate) fn agreement(
     model: &ModalModel,
     operator: &Operator,
-    field: &LaidField,
+    [raw, field]: [&LaidField; 2],
     prediction: &Prediction,
     likeness: &Likeness,
 ) -> Result<Agreement> {
@@ -60,7 +62,8 @@ pub(crate) fn agreement(
         })
         .sum::<f64>()
         / measured.len() as f64;
-    let points = field.rows.iter().zip(measured.iter().zip(predicted));
+    let measured = raw.phased(predicted);
+    let points = raw.rows.iter().zip(measured.iter().zip(predicted));
     let points = points
         .map(|(&row, (measured, predicted))| {
             let ratio = measured / predicted;
@@ -172,8 +175,9 @@ impl Likeness {
         }
         if self.is_unlike() {
             let words = format!(
-                "the field has nothing of the form that its weights should make (agreement {:.3}): it \
-                 may be that of other weights, of other points, or of nothing but noise",
+                "the field has hardly any of the form that its weights should make (agreement {:.3}): \
+                 it may be that of other weights, of other points, of nothing but noise, or of a fault \
+                 as large as the field",
                 self.coefficient
             );
             let finding = Finding::caution("field-unlike", words);

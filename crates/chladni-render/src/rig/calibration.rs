@@ -58,10 +58,12 @@ pub struct ChannelGain {
 }
 
 impl ChannelGain {
-    /// True where the channel moves nothing, and that is known.
-    pub fn is_dead(&self) -> bool {
+    /// True where the channel moves nothing beside others whose factors have the size `level`,
+    /// and that is known.
+    pub(crate) fn is_dead_beside(&self, level: f64) -> bool {
         let size = self.re.hypot(self.im);
-        self.odd && size <= tolerances::DEAD_GAIN && self.std <= tolerances::DEAD_GAIN_STD
+        let known = self.std <= level * tolerances::DEAD_GAIN_STD;
+        self.odd && known && size <= level * tolerances::DEAD_GAIN
     }
 }
 

@@ -2,7 +2,7 @@
 //! tell, and on its posterior covariance.
 
 use super::calibrated::{dead_of, Calibrated};
-use super::calibration::{scan_due, Calibration, ChannelGain};
+use super::calibration::{scan_due, Calibration, ChannelGain, Estimator};
 use super::correction::{Correction, TakenField};
 use super::expectation::most_expected;
 use super::given::{best_of, measured_ratio, Count, Given};
@@ -113,7 +113,15 @@ pub fn calibrate(
     findings.extend(solution.findings);
     let given = best_of(&corrected, solution.drive, &seen);
     let correction = corrected_by(&setup, &seen, &learned, &given);
-    findings.extend(common_factor(&learned.estimators.structured));
+    let structured = &learned.estimators.structured;
+    if learned.chosen == Estimator::Structured {
+        let phases = seen.iter().any(|seen| !seen.magnitudes_only);
+        findings.extend(common_factor(structured, phases));
+    }
+    // one dead channel can leave as little of a field's form: it explains the rest
+    let explained = structured.scales.unexplained < tolerances::SCAN_UNEXPLAINED
+        && structured.odd.len() < tolerances::MOST_ODD;
+    findings.retain(|finding| !(explained && finding.code == "field-unlike"));
     findings.retain(|finding| finding.code != "scan-due");
     findings.extend(correction.scan_reason.as_deref().map(scan_due));
     let calibration = learned.calibration([own, model], &corrected, before, &correction);
@@ -149,18 +157,24 @@ fn corrected_by(setup: &Setup, seen: &[Seen], learned: &Learned, given: &Given) 
     }
 }
 
-/// The finding of a factor that all channels share.
-fn common_factor(structured: &Structured) -> Option<Finding> {
+/// The finding of a factor that all channels share; its phase is known where a field has phases.
+fn common_factor(structured: &Structured, phases: bool) -> Option<Finding> {
     if structured.scales.level < tolerances::LEVEL_SCALES[1] {
         return None;
     }
     let even = (0..structured.gains.len()).filter(|i| !structured.odd.contains(i));
     let gains: Vec<Complex64> = even.map(|i| 1.0 + structured.gains[i]).collect();
-    let factor = gains.iter().sum::<Complex64>() / gains.len().max(1) as f64;
+    if gains.is_empty() {
+        return None;
+    }
+    let factor = gains.iter().sum::<Complex64>() / gains.len() as f64;
+    let told = match phases {
+        true => format!("{:.3}{:+.3}j", factor.re, factor.im),
+        false => format!("{:.3}", factor.norm()),
+    };
     let words = format!(
-        "all channels have the factor {:.3}{:+.3}j in common: a trigger, a delay, or the level of \
-         all amplifiers",
-        factor.re, factor.im
+        "all channels have the factor {told} in common: a trigger, a delay, or the level of all \
+         amplifiers"
     );
     let finding = Finding::note("common-factor", words)
         .value("re", factor.re)

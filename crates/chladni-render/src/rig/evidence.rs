@@ -55,6 +55,16 @@ impl Tried {
     };
 }
 
+/// The search for scales around θ.
+#[derive(Clone, Copy)]
+struct Around<'a> {
+    tried: &'a Tried,
+    /// Size of the level of all gains there: errors of each multiply it.
+    level: f64,
+    /// True where some field has phases; else none tells the phase of the level.
+    phases: bool,
+}
+
 /// A linear model of all fields around θ.
 pub(super) struct Posterior {
     /// The odds of its scales counted.
@@ -78,17 +88,22 @@ impl Parts {
     ) -> Result<Posterior> {
         let normals = self.normals(theta, fields);
         let alternatives = (self.actuators() as f64).ln();
+        let around = Around {
+            tried,
+            level: self.level(theta),
+            phases: fields.iter().any(|seen| !seen.magnitudes_only),
+        };
         loop {
             // the best of each scale of gains: an odd channel goes with narrow ones
             let posteriors: Vec<Posterior> = tried
                 .gains
                 .par_iter()
-                .map(|&gains| self.best_of_gains(&normals, (gains, tried), &odd))
+                .map(|&gains| self.best_of_gains(&normals, gains, around, &odd))
                 .collect::<Result<_>>()?;
             let wider = posteriors
                 .iter()
                 .filter_map(|posterior| {
-                    let (channel, gain) = self.oddest(posterior, &odd)?;
+                    let (channel, gain) = self.oddest(posterior, around.level, &odd)?;
                     Some((posterior.ln_evidence + gain, channel))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
@@ -112,10 +127,12 @@ impl Parts {
     fn best_of_gains(
         &self,
         normals: &[(f64, Normal)],
-        (gains, tried): (f64, &Tried),
+        gains: f64,
+        around: Around,
         odd: &[usize],
     ) -> Result<Posterior> {
-        let gain_precision = self.gain_precision(gains, odd);
+        let tried = around.tried;
+        let gain_precision = self.gain_precision(gains, around.level, odd);
         let mut best: Option<(f64, Scales, &Normal)> = None;
         for (unexplained, normal) in normals {
             let shifts = normal.eliminated(&gain_precision)?;
@@ -130,7 +147,8 @@ impl Parts {
                             modes,
                         };
                         let doubt = tolerances::WIDER_SCALE * (widened + further + off) as f64;
-                        let evidence = shifts.ln_evidence(&self.shift_precision(&scales))? - doubt;
+                        let precision = self.shift_precision(&scales, around.phases);
+                        let evidence = shifts.ln_evidence(&precision)? - doubt;
                         if best.is_none_or(|(most, ..)| evidence > most) {
                             best = Some((evidence, scales, normal));
                         }
@@ -141,7 +159,7 @@ impl Parts {
         let (ln_evidence, scales, normal) =
             best.ok_or_else(|| Error::new(ErrorKind::Internal, "no scale of shifts"))?;
         let mut precision = gain_precision;
-        precision.extend(self.shift_precision(&scales));
+        precision.extend(self.shift_precision(&scales, around.phases));
         let (theta, covariance) = normal.posterior(&precision)?;
         Ok(Posterior {
             theta,
@@ -177,9 +195,9 @@ impl Parts {
     }
 
     /// The channel whose gain needs a wider prior most, and what the evidence gains by it.
-    fn oddest(&self, posterior: &Posterior, odd: &[usize]) -> Option<(usize, f64)> {
-        let wide = 2.0 / tolerances::ODD_GAIN_ERROR.powi(2);
-        let narrow = 2.0 / posterior.scales.gains.powi(2);
+    fn oddest(&self, posterior: &Posterior, level: f64, odd: &[usize]) -> Option<(usize, f64)> {
+        let wide = 2.0 / (level * tolerances::ODD_GAIN_ERROR).powi(2);
+        let narrow = 2.0 / (level * posterior.scales.gains).powi(2);
         let change = wide - narrow;
         let gain = |i: usize| {
             let (a, b) = (2 * i, 2 * i + 1);
@@ -203,21 +221,25 @@ impl Parts {
     }
 
     /// Prior precision of the real and the imaginary part of each gain error.
-    fn gain_precision(&self, gains: f64, odd: &[usize]) -> Vec<f64> {
+    fn gain_precision(&self, gains: f64, level: f64, odd: &[usize]) -> Vec<f64> {
         let std = |i: usize| match odd.contains(&(i / 2)) {
             true => tolerances::ODD_GAIN_ERROR,
             false => gains,
         };
         (0..2 * self.actuators())
-            .map(|i| 2.0 / std(i).powi(2))
+            .map(|i| 2.0 / (level * std(i)).powi(2))
             .collect()
     }
 
     /// The same of the shift of each mode, of the common one and of the level of all gains.
-    fn shift_precision(&self, scales: &Scales) -> Vec<f64> {
+    fn shift_precision(&self, scales: &Scales, phases: bool) -> Vec<f64> {
         let mut precision = vec![2.0 / scales.modes.powi(2); 2 * self.modes()];
         precision.push(1.0 / scales.common.powi(2));
-        precision.extend([2.0 / scales.level.powi(2); tolerances::LEVEL_PARTS]);
+        let turn = match phases {
+            true => scales.level,
+            false => tolerances::LEVEL_SCALES[0],
+        };
+        precision.extend([scales.level, turn].map(|std| 2.0 / std.powi(2)));
         precision
     }
 }

@@ -15,6 +15,8 @@ pub(crate) struct LaidField {
     pub(crate) velocity: Array1<Complex64>,
     /// Standard deviation of each, m/s.
     pub(crate) std: Array1<f64>,
+    /// The same where the file says it.
+    pub(crate) stated: Vec<Option<f64>>,
     /// True where phases are unknown.
     pub(crate) magnitudes_only: bool,
     /// True where the file does not say how sure its values are.
@@ -69,19 +71,30 @@ impl LaidField {
         }
         points.sort_by_key(|point| point.0);
         let velocity: Array1<Complex64> = points.iter().map(|point| point.1).collect();
-        let size = rms(&velocity);
-        let assumed = tolerances::FIELD_NOISE * size;
-        let least = tolerances::LEAST_FIELD_NOISE * size;
+        let stated: Vec<Option<f64>> = points.iter().map(|point| point.2).collect();
         Ok(Self {
             rows: points.iter().map(|point| point.0).collect(),
-            std: points
-                .iter()
-                .map(|point| point.2.unwrap_or(assumed).max(least))
-                .collect(),
-            noise_assumed: points.iter().any(|point| point.2.is_none()),
+            std: deviations(&stated, &velocity),
+            noise_assumed: stated.iter().any(Option::is_none),
+            stated,
             magnitudes_only: field.magnitudes_only,
             velocity,
         })
+    }
+
+    /// Puts other values at some places, which are as sure as the rest.
+    pub(crate) fn replace(&mut self, values: &[(usize, Complex64)]) {
+        let is_kept = |k: &usize| values.iter().all(|(place, _)| place != k);
+        let kept: Vec<f64> = (0..self.stated.len())
+            .filter(is_kept)
+            .filter_map(|k| self.stated[k])
+            .collect();
+        let square = kept.iter().map(|std| std * std).sum::<f64>() / kept.len().max(1) as f64;
+        for &(place, value) in values {
+            self.velocity[place] = value;
+            self.stated[place] = (!kept.is_empty()).then(|| square.sqrt());
+        }
+        self.std = deviations(&self.stated, &self.velocity);
     }
 
     /// The values with the phases of `predicted` where they have none of their own.
@@ -97,6 +110,15 @@ impl LaidField {
             })
             .collect()
     }
+}
+
+/// Standard deviations as stated; where they are not, a share of the rms of all values.
+fn deviations(stated: &[Option<f64>], velocity: &Array1<Complex64>) -> Array1<f64> {
+    let size = rms(velocity);
+    let assumed = tolerances::FIELD_NOISE * size;
+    let least = tolerances::LEAST_FIELD_NOISE * size;
+    let of = |std: &Option<f64>| std.unwrap_or(assumed).max(least);
+    stated.iter().map(of).collect()
 }
 
 /// Checks that `field` is that of weights with this `sha256`, made for `asked` Hz.

@@ -109,7 +109,14 @@ impl Learned {
     ) -> Calibration {
         let gains = self.gains(before, told);
         let mut dead: Vec<Dof> = before.map_or(Vec::new(), |known| known.dead.clone());
-        let died = gains.iter().filter(|gain| gain.is_dead());
+        let mut sizes: Vec<f64> = gains
+            .iter()
+            .filter(|gain| !gain.odd)
+            .map(|gain| gain.re.hypot(gain.im))
+            .collect();
+        sizes.sort_by(f64::total_cmp);
+        let level = sizes.get(sizes.len() / 2).map_or(1.0, |size| *size);
+        let died = gains.iter().filter(|gain| gain.is_dead_beside(level));
         dead.extend(died.map(|gain| gain.reference));
         Calibration {
             format: CALIBRATION_FORMAT.into(),

@@ -60,19 +60,18 @@ pub(super) fn without_lone_points(
     let measured = field.velocity.select(Axis(0), &others).insert_axis(Axis(1));
     let sizes = lstsq(motions.select(Axis(0), &others).view(), measured.view());
     let told = motions.dot(&sizes.map_err(unsolvable)?.column(0));
-    for &place in &lone {
-        field.velocity[place] = told[place];
-    }
+    let values: Vec<(usize, Complex64)> = lone.iter().map(|&k| (k, told[k])).collect();
+    field.replace(&values);
     let names: Vec<String> = lone.iter().map(|&k| responses[k].to_string()).collect();
     let words = format!(
-        "the field at {} is none that the panel can have beside its other points: what these tell is \
-         taken instead",
+        "no motion of the panel explains the field at {}: the value that all other points predict is \
+         used there",
         names.join(", ")
     );
     Ok(Some(
         Finding::caution("field-point-off", words)
             .dofs(lone.iter().map(|&k| responses[k]))
-            .help("measure these points again: dust, a speckle, a reflection beside the panel"),
+            .help("measure these points again; look for dust, a speckle, a reflection"),
     ))
 }
 
@@ -87,14 +86,17 @@ fn loneliest(basis: &Array2<Complex64>, field: &Array1<Complex64>) -> Option<usi
     let residual = left(basis, field);
     let squares = residual.mapv(|value| value.norm_sqr());
     let (all, size) = (squares.sum(), rms(field));
-    let freedom = field.len().checked_sub(basis.ncols() + 2)? as f64;
+    let freedom = field.len().checked_sub(basis.ncols() + 1)?;
+    if freedom == 0 {
+        return None;
+    }
     let off = |k: usize| {
         let free = 1.0 - basis.row(k).iter().map(|v| v.norm_sqr()).sum::<f64>();
         if free < tolerances::LEAST_FREE {
             return None;
         }
         let own = squares[k] / free;
-        let noise = ((all - own).max(0.0) / freedom).sqrt();
+        let noise = ((all - own).max(0.0) / freedom as f64).sqrt();
         let beyond = own.sqrt() > tolerances::LONE_DEVIATIONS * noise;
         let large = squares[k].sqrt() / free > tolerances::LONE_SIZE * size;
         (beyond && large).then_some((k, own))

@@ -21,7 +21,7 @@ pub(super) struct Normal {
     ln_likelihood: f64,
 }
 
-/// The equations of the shifts alone, gains eliminated under a prior of theirs.
+/// The equations of the shifts and of the level alone, gains eliminated under a prior of theirs.
 pub(super) struct Eliminated {
     matrix: Array2<f64>,
     right: Array1<f64>,

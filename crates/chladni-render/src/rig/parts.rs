@@ -12,6 +12,7 @@ use super::field::rms;
 use crate::modal_field::{answer, halves};
 use crate::operator::Operator;
 use crate::problem::Drive;
+use crate::tolerances;
 use chladni_frf::{Damping, ModalModel, Mode, Trust};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -102,6 +103,13 @@ impl Parts {
 
     pub(super) fn gain(&self, theta: &Array1<f64>, i: usize) -> Complex64 {
         Complex64::new(1.0 + theta[2 * i], theta[2 * i + 1])
+    }
+
+    /// Size of the level of all gains, by which errors of each count; at least a hundredth.
+    pub(super) fn level(&self, theta: &Array1<f64>) -> f64 {
+        let gains = (0..self.actuators()).map(|i| self.gain(theta, i));
+        let mean = gains.sum::<Complex64>() / self.actuators().max(1) as f64;
+        mean.norm().max(tolerances::LEAST_LEVEL)
     }
 
     /// Mobility with the poles of θ, its gains left out.

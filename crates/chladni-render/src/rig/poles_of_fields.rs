@@ -55,7 +55,7 @@ pub fn poles_of_fields(
     };
     let frequency_hz = first.frequency_hz;
     let operator = Operator::of_model(model, frequency_hz, None)?;
-    let mut findings = Vec::new();
+    let (mut findings, mut assumed) = (Vec::new(), false);
     let mut seen = Vec::with_capacity(played.len());
     for (weights, field, sha256) in played {
         let drive = drive_of(weights, &operator, frequency_hz)?;
@@ -67,11 +67,14 @@ pub fn poles_of_fields(
             &operator.responses,
         )?);
         let predicted = mobility.dot(&drive);
-        Likeness::of(&predicted, &field).check()?;
-        if field.noise_assumed && findings.is_empty() {
-            findings.push(noise_assumed());
-        }
+        let likeness = Likeness::of(&predicted, &field);
+        likeness.check()?;
+        findings.extend(likeness.finding());
+        assumed |= field.noise_assumed;
         seen.push(Seen::of(field, drive));
+    }
+    if assumed {
+        findings.push(noise_assumed());
     }
     let parts = Parts::new(model, &operator);
     if parts.modes() == 0 {

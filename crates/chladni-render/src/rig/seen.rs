@@ -67,7 +67,7 @@ pub(super) fn see(
 ) -> Result<Vec<Seen>> {
     let mut assumed = false;
     let mut all = Vec::with_capacity(played.len());
-    for (weights, field, sha256) in played {
+    for (number, (weights, field, sha256)) in (1..).zip(played) {
         let asked = scene.frequency_hz;
         if (weights.frequency_hz - asked).abs() > tolerances::SAME_FREQUENCY * asked {
             return Err(Error::bad_data("the weights are for another frequency")
@@ -109,11 +109,15 @@ pub(super) fn see(
         let mut field = LaidField::new(field, &setup.operator, sha256.as_deref())?;
         let mobility = setup.operator.mobility.select(Axis(0), &field.rows);
         let responses = &setup.operator.responses;
-        findings.extend(without_lone_points(&mut field, &mobility, responses)?);
+        let off = without_lone_points(&mut field, &mobility, responses)?;
         let predicted = mobility.dot(&whole);
         let likeness = Likeness::of(&predicted, &field);
         likeness.check()?;
-        findings.extend(likeness.finding());
+        let of_field = |finding: Finding| match played.len() {
+            1 => finding,
+            _ => finding.about(format_args!("field {number}")),
+        };
+        findings.extend(off.into_iter().chain(likeness.finding()).map(of_field));
         assumed |= field.noise_assumed;
         all.push(Seen::of(field, whole));
     }

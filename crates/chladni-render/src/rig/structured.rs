@@ -66,8 +66,13 @@ impl Parts {
             if change <= tolerances::STRUCTURED_CHANGE * size {
                 break;
             }
+            let [before, now] = [&theta, &best.theta].map(|theta| self.level(theta));
+            let odd = match (now / before - 1.0).abs() > tolerances::LEVEL_MOVED {
+                true => Vec::new(),
+                false => best.odd,
+            };
             theta.assign(&best.theta);
-            best = self.likeliest(&theta, fields, tried, best.odd)?;
+            best = self.likeliest(&theta, fields, tried, odd)?;
         }
         let theta = best.theta;
         let count = self.actuators();

@@ -1,6 +1,6 @@
 //! Fields that are spoilt as a whole or at single points: what a correction makes of them.
 
-use crate::common::rig::Rig;
+use crate::common::rig::{magnitudes, Rig};
 use crate::common::{cell_scene, truth};
 use chladni_frf::MeasuredField;
 use chladni_render::{
@@ -126,4 +126,75 @@ fn a_field_that_turns_the_wrong_way_is_refused_and_one_of_other_weights_is_named
         .findings
         .iter()
         .any(|one| one.code == "field-unlike"));
+}
+
+#[test]
+fn amplifiers_scatter_beside_their_common_factor() {
+    let weights = drive();
+    for (factor, seed) in [(0.5, 11), (0.5, 12), (10.0, 13)] {
+        let mut rig = Rig::new(300.0, seed).scattered(0.02, 2.0);
+        let gains = rig.gains.mapv(|gain| gain * factor);
+        rig.gains.assign(&gains);
+        let (_, known) = calibrated(&weights, measured(&weights, rig));
+        let mut square = 0.0;
+        for (gain, truth) in known.gains.iter().zip(&gains) {
+            assert!(!gain.odd, "{factor} {seed}: {gain:?}");
+            square += (Complex64::new(gain.re, gain.im) - truth).norm_sqr();
+        }
+        let rms = (square / gains.len() as f64).sqrt() / factor;
+        assert!(rms < 0.06, "{factor} {seed}: {rms}");
+    }
+}
+
+#[test]
+fn magnitudes_tell_the_size_of_a_common_factor_and_leave_its_phase() {
+    let weights = drive();
+    let mut rig = Rig::new(300.0, 14);
+    rig.gains.mapv_inplace(|gain| gain * 1.4);
+    let (corrected, known) = calibrated(&weights, magnitudes(measured(&weights, rig)));
+    for gain in &known.gains {
+        assert!(
+            gain.std < 0.1 && (gain.re - 1.4).abs() < 0.1 && gain.im.abs() < 0.1,
+            "{gain:?}"
+        );
+    }
+    let said = corrected
+        .findings
+        .iter()
+        .find(|one| one.code == "common-factor");
+    assert!(!said.unwrap().to_string().contains('j'), "{said:?}");
+}
+
+#[test]
+fn one_point_does_not_set_the_noise_of_all() {
+    let weights = drive();
+    let rig = || Rig::new(300.0, 15).channel(12, 0.0);
+    let mut field = measured(&weights, rig());
+    for point in &mut field.points {
+        point.std_m_per_s = None;
+    }
+    field.points[30].velocity_m_per_s *= 1e4;
+    let (_, known) = calibrated(&weights, field);
+    assert_eq!(known.dead, [truth().references[12]]);
+}
+
+#[test]
+fn one_dead_channel_is_no_field_of_other_weights() {
+    let weights = drive();
+    for channel in 0..34 {
+        let field = measured(&weights, Rig::new(300.0, 16).channel(channel, 0.0));
+        let judged = evaluate_field(&weights, &corner(), truth(), &field, None).unwrap();
+        assert!(
+            judged.findings.iter().all(|one| one.code != "field-unlike"),
+            "{channel}"
+        );
+        let (corrected, _) = calibrated(&weights, field);
+        assert!(
+            corrected
+                .findings
+                .iter()
+                .all(|one| one.code != "field-unlike"),
+            "{channel}"
+        );
+    }
 }

@@ -35,7 +35,7 @@ pub(crate) fn of_blows(case: &Case) -> Option<Checked> {
     Some(Checked { finding, weak })
 }
 
-/// Local fits to a force of which neighbouring lines are alike, or most have nothing: leakage and
+/// Local fits to a force of which neighbouring lines are alike, or most carry nothing: leakage and
 /// response cannot be told apart, and the variance of the lines does not hold it.
 pub(crate) fn of_local_fits(case: &Case) -> Option<Checked> {
     if !case.data.local_on_smooth_force {

@@ -56,7 +56,7 @@ pub(super) const FREQUENCY_SHIFT: f64 = 0.25;
 pub(super) const LOSS_SHIFT: f64 = 0.28;
 /// Turn of a mass-normalised shape under the wrong law, over η: that of √(1 + jη/2).
 pub(super) const SHAPE_TURN: f64 = 0.25;
-/// Difference of −2 ln likelihood that a mode may make, at most, and has no say: fifty such modes
+/// Difference of −2 ln likelihood up to which a mode is left out of the verdict: fifty such modes
 /// make a thirtieth of what decides.
 pub(super) const SAYS_NOTHING: f64 = 0.01;
 /// Difference of −2 ln likelihood that decides: for two models with as many unknowns each

@@ -97,8 +97,8 @@ impl Common {
         let mut here = Point::new(self, work, &lambda, &turn)?;
         let mut damping = tol::LM_START;
         let mut system = here.system();
-        let mut looked_at = here.sse;
-        for made in 1..=limits::STEPS {
+        let (mut looked_at, mut made) = (here.sse, 0);
+        for _ in 0..limits::STEPS {
             let (information, gradient) = &system;
             let mut damped = information.clone();
             damped
@@ -119,18 +119,19 @@ impl Common {
                     ((lambda, turn), here) = (moved, point);
                     system = here.system();
                     damping *= tol::LM_DOWN;
+                    made += 1;
                 }
                 None => damping = (damping * tol::LM_UP).max(tol::LM_LEAST),
             }
             if damping > tol::LM_GIVE_UP {
                 break;
             }
-            if made % limits::STEPS_TOGETHER == 0 {
+            if made == limits::STEPS_TOGETHER {
                 let least = limits::STEPS_TOGETHER as f64 * limits::PROMISED * variance;
                 if looked_at - here.sse < least {
                     break;
                 }
-                looked_at = here.sse;
+                (looked_at, made) = (here.sse, 0);
             }
         }
         let n = lambda.len();

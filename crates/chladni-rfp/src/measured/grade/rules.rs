@@ -257,6 +257,7 @@ pub(super) const RULES: [Rule; 23] = [
         |seen| plain(seen.frfs == 1 && seen.near(HALF_PAIR)),
     ),
 ];
+
 /// A distance in words; far apart is far apart.
 fn half_bandwidths(apart: f64) -> String {
     match apart > 1000.0 {
