@@ -105,11 +105,14 @@ impl Parts {
         Complex64::new(1.0 + theta[2 * i], theta[2 * i + 1])
     }
 
-    /// Size of the level of all gains, by which errors of each count; at least a hundredth.
+    /// Size of the level of all gains, by which errors of each count; at least a hundredth. The
+    /// median, which odd channels do not move.
     pub(super) fn level(&self, theta: &Array1<f64>) -> f64 {
-        let gains = (0..self.actuators()).map(|i| self.gain(theta, i));
-        let mean = gains.sum::<Complex64>() / self.actuators().max(1) as f64;
-        mean.norm().max(tolerances::LEAST_LEVEL)
+        let gains = (0..self.actuators()).map(|i| self.gain(theta, i).norm());
+        let mut sizes: Vec<f64> = gains.collect();
+        sizes.sort_by(f64::total_cmp);
+        let median = sizes.get(sizes.len() / 2).map_or(1.0, |size| *size);
+        median.max(tolerances::LEAST_LEVEL)
     }
 
     /// Mobility with the poles of θ, its gains left out.

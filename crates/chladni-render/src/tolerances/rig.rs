@@ -96,7 +96,7 @@ pub const LEAST_LEVEL: f64 = 0.01;
 
 /// Change of that level in a step after which channels are called odd anew: with 1 for a level of
 /// ten, usual amplifiers look odd.
-pub const LEVEL_MOVED: f64 = 0.1;
+pub const LEVEL_MOVED: f64 = 0.5;
 
 /// Scales of the level that all gains share: that of a calibrated rig, and any, from a trigger that
 /// turns all phases to one setting of all amplifiers.
