@@ -257,7 +257,7 @@ fn the_table_of_the_page_is_read() {
 #[test]
 fn a_channel_named_twice_in_gains_is_refused() {
     let mut twice = constants(300.0);
-    twice.gains.push(twice.gains[0].clone());
+    twice.gains.push(twice.gains[0]);
     let error = Calibration::parse(&twice.to_json().unwrap()).unwrap_err();
     assert_eq!(
         error.found,
