@@ -75,7 +75,7 @@ pub(super) fn without_lone_points(
     ))
 }
 
-/// What `basis` leaves of a field.
+/// The part of a field outside `basis`.
 fn left(basis: &Array2<Complex64>, field: &Array1<Complex64>) -> Array1<Complex64> {
     let sizes = basis.t().mapv(|value| value.conj()).dot(field);
     field - &basis.dot(&sizes)

@@ -20,7 +20,7 @@ use ndarray::Axis;
 use num_complex::Complex64;
 use std::ops::Range;
 
-/// Why a mode is doubted: that moving modes replace, that stands among such, or only looks so.
+/// The reason to doubt a mode: moving modes replace it, it stands among such, or only looks so.
 const EXPLAINED: &str = "one mode that moves between FRFs explains it and a neighbour as well";
 const LIKE_MOST: &str =
     "most close modes of this set are one that moves between FRFs, and it stands close to others";
@@ -148,12 +148,11 @@ fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
     let rows = poles
         .iter()
         .map(|&pole| axis.window(pole, limits::SPLIT_WINDOW.0, limits::SPLIT_WINDOW.1));
-    let rows = rows
-        .reduce(|all, own| Range {
-            start: all.start.min(own.start),
-            end: all.end.max(own.end),
-        })
-        .expect("two modes");
+    let rows = rows.reduce(|all, own| Range {
+        start: all.start.min(own.start),
+        end: all.end.max(own.end),
+    });
+    let Some(rows) = rows else { return Ok(false) };
     let all: Vec<usize> = frfs.concat();
     let Some((local, own)) = without_others(case, group, rows, &all) else {
         return Ok(false);
