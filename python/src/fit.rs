@@ -16,9 +16,8 @@ use pyo3::prelude::*;
 /// iv or gn; rfp_bands: their number, None: by the peaks; rfp_local: each FRF by itself
 /// (all three: methods rfp and grfp alone). window: of the records that the FRFs were
 /// averaged from, as the set says where it is None: hann, hamming, blackman, flattop,
-/// rectangular, kaiser:BETA, burst:PART, transient or none. exponential_window_per_s: decay
-/// of a hammer test's
-/// window. progress: called with the name of each stage.
+/// rectangular, kaiser:BETA, burst:PART, hann-burst:PART, transient or none.
+/// exponential_window_per_s: decay of a hammer test's window. progress: called with the name of each stage.
 #[pyfunction]
 #[pyo3(signature = (frf, *, band=None, modes=None, damping=None, method="auto", shapes="auto", window=None, exponential_window_per_s=None, rfp_weight=None, rfp_bands=None, rfp_local=false, seed=0, progress=None))]
 #[allow(clippy::too_many_arguments)] // keywords on the Python side

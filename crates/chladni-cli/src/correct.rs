@@ -1,7 +1,7 @@
 //! `chladni correct`: a drive corrected by measured fields.
 
 use crate::indices::{indices_table, weights_table};
-use crate::render::{value_of, write_weights};
+use crate::render::{doubt, value_of, write_weights};
 use chladni_console::input::{read_weights, source};
 use chladni_console::output::{Output, WEIGHTS};
 use chladni_console::table::{counted, significant};
@@ -80,7 +80,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         console.stage("writing");
         text += &write_calibration(&calibration, path, output)?;
     }
-    let doubt = (!weights.feasible).then(|| "the scene is not met: see above".to_owned());
+    let doubt = doubt(weights.feasible, &weights.findings);
     let outcome = match (&args.output, &output) {
         (Some(path), Some(output)) => {
             console.stage("writing");

@@ -1,7 +1,7 @@
 //! `chladni play`: drive signals of a scene in time.
 
 use crate::limits::{PLAY_FRAMES, PNG_SCALE, STRESS_DRAWS};
-use crate::render::of_scene;
+use crate::render::{doubt, of_scene};
 use crate::signal_files::SignalFiles;
 use crate::time_table::{stress_table, time_table};
 use chladni_console::input::{read_weights, source};
@@ -154,8 +154,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         json["stress_seed"] = json!(args.seed);
         text += &format!("\n{}", stress_table(rows));
     }
-    let doubt =
-        (!played.feasible).then(|| "the scene is not met in time: see the warnings".to_owned());
+    let doubt = doubt(played.feasible, &played.findings);
     let outcome = match &args.output {
         Some(path) => Outcome::written(path, json, text),
         None => Outcome::shown(json, text),

@@ -336,7 +336,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if let Some((files, drive)) = drive {
         drive.write(files)?;
     }
-    let doubt = (!weights.feasible).then(|| "the scene is not met: see above".to_owned());
+    let doubt = doubt(weights.feasible, &weights.findings);
     let text = text::text(&weights, &rendered, console.verbose);
     let outcome = match &args.output {
         Some(path) => Outcome::written(path, summary(&weights, path)?, text),
@@ -346,6 +346,18 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         next: next_step(args, &weights, model.band_hz),
         ..outcome.doubted(doubt)
     })
+}
+
+/// The reason not to take a drive for one that serves its scene.
+pub fn doubt(feasible: bool, findings: &[Finding]) -> Option<String> {
+    let untrusted = findings
+        .iter()
+        .any(|finding| finding.code == "untrusted-model");
+    match (feasible, untrusted) {
+        (false, _) => Some("the scene is not met: see above".into()),
+        (true, true) => Some("the model is not to be trusted: see above".into()),
+        (true, false) => None,
+    }
 }
 
 /// Renders one scene; the weights know their sources.

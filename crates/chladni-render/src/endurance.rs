@@ -52,7 +52,7 @@ impl Endurance {
         let finger = Finger::LIGHT;
         let mut amplifiers = StressOptions::default();
         let usual = amplifiers.gain_error();
-        let gain_error = calibrated.map_or(usual, |left| left.min(usual));
+        let gain_error = calibrated.unwrap_or(usual);
         amplifiers.amplitude_relative *= gain_error / usual;
         amplifiers.phase_deg *= gain_error / usual;
         let panel = Panel::new(setup, model);

@@ -10,6 +10,7 @@ use crate::plane::Position;
 use crate::tolerances;
 use chladni_frf::{
     Direction, Dof, Error, Finding, FrfKind, FrfSet, ModalModel, Node, ReferenceUnit, Result,
+    Severity,
 };
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -96,6 +97,7 @@ impl Operator {
             );
         }
         operator.findings.extend(outside_band(model, frequency_hz));
+        operator.findings.extend(untrusted(model));
         Ok(operator)
     }
 
@@ -378,6 +380,20 @@ pub(crate) fn outside_band(model: &ModalModel, frequency_hz: f64) -> Option<Find
         .value("band_high_hz", high)
         .help("take a drive frequency inside the band, or fit the model around this one");
     Some(finding)
+}
+
+/// The finding about a model that its own fit does not trust, with the first reason that it gave.
+fn untrusted(model: &ModalModel) -> Option<Finding> {
+    let quality = &model.quality;
+    let is_fault = |finding: &&Finding| finding.severity == Severity::Fault;
+    let reason = quality.findings.iter().find(is_fault);
+    let reason = reason.map_or_else(String::new, |fault| format!(": {}", fault.text));
+    let words = format!(
+        "the fit of this model is not to be trusted{reason}; nor is what is rendered with it"
+    );
+    let finding = Finding::fault("untrusted-model", words)
+        .help("mend what the fit complains of, and fit again");
+    (!quality.trusted).then_some(finding)
 }
 
 /// Sizes that agree and finite numbers: a hand-made model may have neither.

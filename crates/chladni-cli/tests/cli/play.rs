@@ -160,6 +160,12 @@ fn signals_that_cannot_be_are_refused_before_anything_is_written() {
         ("burst.toml -o drive.wav --rate 700", 2, "with its ramps"),
         ("burst.toml -o drive.wav --full-scale 1e-9", 2, "clips"),
         ("burst.toml -o drive.wav --full-scale -1", 2, "auto"),
+        // silence, or little more
+        (
+            "burst.toml -o drive.wav --full-scale 100 --format i16",
+            2,
+            "steps of i16",
+        ),
         ("burst.toml -o drive.wav --format i8", 2, "i16"),
         (
             "burst.toml -o drive.wav --channel-map map.csv",

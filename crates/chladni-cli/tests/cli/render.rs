@@ -50,6 +50,37 @@ fn as_few_modes_and_actuators_as_the_scene_needs() {
 }
 
 #[test]
+fn a_model_that_its_fit_does_not_trust_serves_no_scene() {
+    let folder = prepared();
+    let model = folder.text("model.json");
+    folder.write(
+        "doubted.json",
+        model.replace("\"trusted\": true", "\"trusted\": false"),
+    );
+    folder.write("beyond.toml", scene(5000, 1, ""));
+    let run = folder.run("render doubted.json corner.toml").exits(1);
+    assert!(run.said().contains("the model is not to be trusted"));
+    assert!(
+        run.stdout.contains("but the model is not"),
+        "{}",
+        run.stdout
+    );
+    folder.write(
+        "burst.toml",
+        scene(330, 1, "[time]\n[[time.burst]]\nduration_s = 0.1\n"),
+    );
+    folder
+        .run("play doubted.json burst.toml --method fast")
+        .exits(1);
+    let run = folder.run("render model.json beyond.toml").exits(0);
+    assert!(
+        run.stdout.contains("fitted to other frequencies"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
 fn an_impossible_scene_exits_1_with_what_is_possible_and_what_was_asked() {
     let folder = prepared();
     folder.write(

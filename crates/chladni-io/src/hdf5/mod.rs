@@ -93,6 +93,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
 
 fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
     own.check_version()?;
+    own.check_read()?;
     document.geometry = own.geometry()?;
     document.functions = functions::read_functions(own)?;
     for function in &document.functions {

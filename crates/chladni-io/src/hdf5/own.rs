@@ -159,6 +159,21 @@ impl Own<'_> {
         })
     }
 
+    /// Refuses a file whose values cannot be known because what says so cannot be read.
+    pub(super) fn check_read(&self) -> Result<()> {
+        for name in ["frf_kind", "reference_unit", "time_sign"] {
+            let mut unread = self.root().unread_attributes.iter();
+            if let Some(why) = unread.find(|why| why.starts_with(&format!("attribute {name} "))) {
+                return Err(Error::bad_data("what the values are cannot be read")
+                    .field(format!("{name} of /"))
+                    .found(why)
+                    .expected("an attribute that can be read")
+                    .help("the file is damaged: copy it again from where it was made"));
+            }
+        }
+        Ok(())
+    }
+
     fn kind(&self) -> Result<Option<FrfKind>> {
         self.attribute("frf_kind")
     }

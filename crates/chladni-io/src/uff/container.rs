@@ -51,6 +51,12 @@ pub(super) fn number_line(text: &[u8]) -> Option<(u32, bool)> {
     }
 }
 
+/// True for a line that holds the number of a dataset and nothing else, as one opens.
+pub(super) fn is_number_line(text: &[u8]) -> bool {
+    let alone = text.trim_ascii().iter().all(u8::is_ascii_digit);
+    number_line(text).is_some_and(|(_, binary)| binary || alone)
+}
+
 /// All datasets of a file in their order; what stands outside of datasets goes to
 /// `warnings`.
 pub(super) fn datasets<'a>(
@@ -95,18 +101,28 @@ pub(super) fn datasets<'a>(
             at = after;
         } else {
             let first = record.line;
+            let mut number = is_number_line(record.text).then_some(first);
             let mut next = at;
-            while next.next().is_some_and(|record| !is_marker(record.text)) {
+            while let Some(record) = next.next().filter(|record| !is_marker(record.text)) {
+                number = number.or(is_number_line(record.text).then_some(record.line));
                 at = next;
             }
-            warnings.push(Finding::note(
-                "not-read",
-                format!(
-                    "lines {first} to {}: text outside of any dataset is not read",
-                    at.line - 1
-                ),
-            ));
+            warnings.push(outside(first, at.line - 1, number));
         }
+    }
+}
+
+/// The finding of the lines `first` to `last` outside of any dataset, one of which may be the
+/// `number` line of one.
+pub(super) fn outside(first: u64, last: u64, number: Option<u64>) -> Finding {
+    let words = format!("lines {first} to {last}: text outside of any dataset is not read");
+    match number {
+        Some(line) => Finding::caution(
+            "not-read",
+            format!("{words}; line {line} has the number of a dataset, but no -1 stands above it"),
+        )
+        .help("write -1 into columns 5 and 6 of the line above it"),
+        None => Finding::note("not-read", words),
     }
 }
 

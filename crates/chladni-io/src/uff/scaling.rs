@@ -183,7 +183,7 @@ fn frf(
     let [_, numerator, denominator, _] = axes;
     let (above, below) = (
         unit_label::parse(&numerator.unit),
-        unit_label::parse(&denominator.unit),
+        unit_label::parse(&denominator.unit).or_else(|| assumed_newton(axes, units, warnings)),
     );
     let volts = below.filter(|unit| unit.is_voltage());
     let reference = match denominator.quantity {
@@ -245,6 +245,26 @@ fn kinds_contradict(
         label.0.unit(label.1)
     );
     (codes != label).then(|| Finding::caution("unit-contradicted", words))
+}
+
+/// The newton where the label of the motion alone is there, and nothing else tells the unit of the
+/// force.
+fn assumed_newton(
+    axes: &[Axis; 4],
+    units: Option<Units>,
+    warnings: &mut Vec<Finding>,
+) -> Option<Unit> {
+    let [_, numerator, denominator, _] = axes;
+    let unsaid = denominator.unit.is_empty() && denominator.quantity == EXCITATION_FORCE;
+    let newton = unit_label::parse("N").filter(|_| unsaid && units.is_none())?;
+    let is_motion = |unit: &Unit| unit.per(newton).frf_kind() == motion(numerator.quantity);
+    unit_label::parse(&numerator.unit).filter(is_motion)?;
+    let words = format!(
+        "the file states the unit of the motion ({}), not that of the force: N is assumed",
+        numerator.unit
+    );
+    warnings.push(Finding::caution("unit-assumed", words));
+    Some(newton)
 }
 
 /// Factor to SI of an FRF by `factors` of dataset 164 and of the label; of two, that of

@@ -6,7 +6,7 @@
 //! that is held; one that is not small is listed by its name.
 
 use super::binary;
-use super::container::{ends_in_header, no_number, number_line};
+use super::container::{ends_in_header, is_number_line, no_number, number_line, outside};
 use super::fields::{count_fields, count_tokens, Record};
 use super::header::{self, Units};
 use super::identifier::Identifier;
@@ -167,12 +167,12 @@ impl Datasets {
         if self.at_number {
             return Ok(Some((self.lines.line - 1, self.lines.line_at)));
         }
-        let mut outside: Option<u64> = None;
+        let mut beyond: Option<(u64, Option<u64>)> = None;
         let (mut marker, mut closing) = (None, self.after_closing.then_some(self.lines.line_at));
         while self.next_line()? {
             let first_behind = closing.take();
             if is_marker(&self.lines.text) {
-                self.note_outside(&mut outside);
+                self.note_outside(&mut beyond);
                 marker = Some((self.lines.line, self.lines.line_at));
             } else if !self.lines.is_blank() {
                 if marker.is_some() {
@@ -189,23 +189,21 @@ impl Datasets {
                     ));
                     return Ok(Some((self.lines.line - 1, byte)));
                 }
-                outside.get_or_insert(self.lines.line);
+                let line = self.lines.line;
+                let number = is_number_line(&self.lines.text).then_some(line);
+                let (_, found) = beyond.get_or_insert((line, number));
+                *found = found.or(number);
             }
         }
         self.lines.line += 1;
-        self.note_outside(&mut outside);
+        self.note_outside(&mut beyond);
         Ok(None)
     }
 
-    fn note_outside(&mut self, first: &mut Option<u64>) {
-        if let Some(first) = first.take() {
-            self.warnings.push(Finding::note(
-                "not-read",
-                format!(
-                    "lines {first} to {}: text outside of any dataset is not read",
-                    self.lines.line - 1
-                ),
-            ));
+    fn note_outside(&mut self, found: &mut Option<(u64, Option<u64>)>) {
+        if let Some((first, number)) = found.take() {
+            self.warnings
+                .push(outside(first, self.lines.line - 1, number));
         }
     }
 

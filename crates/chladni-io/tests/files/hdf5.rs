@@ -132,6 +132,20 @@ fn a_set_returns_as_it_was_written_and_twice_the_same_bytes() {
 }
 
 #[test]
+fn a_file_that_is_cut_off_is_refused_however_little_is_missing() {
+    let (folder, path) = folder_with("whole.h5");
+    write_frf(&path, &set(2, 2, 40), false).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    for left in [whole.len() - 1, 2 * whole.len() / 3] {
+        let cut = folder.path().join("cut.h5");
+        std::fs::write(&cut, &whole[..left]).unwrap();
+        let error = read_frf(&[cut], &ReadOptions::default()).unwrap_err();
+        assert_eq!(error.kind, ErrorKind::BadData);
+        assert!(error.to_string().contains("cut"), "{error}");
+    }
+}
+
+#[test]
 fn files_that_are_merged_say_how_they_were_made_where_they_agree() {
     let folder = tempfile::tempdir().unwrap();
     let files = ["a.h5", "b.h5"].map(|name| folder.path().join(name));

@@ -25,7 +25,8 @@ pub struct FieldEvaluation {
     pub indices: Indices,
     /// Agreement with the prediction, and the likeliest causes of what is left.
     pub agreement: Agreement,
-    /// The measured field; where phases are unknown, with those of the prediction.
+    /// The measured field; where phases are unknown, with those of the prediction, and at
+    /// points that the panel cannot have moved, with what the others tell.
     pub measured: Field,
     /// The prediction at the same responses.
     pub predicted: Field,
@@ -77,7 +78,10 @@ pub fn evaluate_field(
         mobility,
         drive: drive.clone(),
     };
-    let phased = laid_field.phased(&prediction.velocity);
+    let mut sound = laid_field.clone();
+    let all = &operator.responses;
+    let lone = without_lone_points(&mut sound, &prediction.mobility, all)?;
+    let phased = sound.phased(&prediction.velocity);
     let predicted = part(&Field::new(&operator, &zones, &drive), &laid_field.rows);
     let measured = Field {
         velocity_m_per_s: phased.to_vec(),
@@ -90,9 +94,7 @@ pub fn evaluate_field(
     if laid_field.noise_assumed {
         findings.push(noise_assumed());
     }
-    let mut sound = laid_field.clone();
-    let all = &operator.responses;
-    findings.extend(without_lone_points(&mut sound, &prediction.mobility, all)?);
+    findings.extend(lone);
     let likeness = Likeness::of(&prediction.velocity, &sound);
     let agreement = agreement(
         model,

@@ -289,6 +289,24 @@ fn scale(drive: &Array2<f64>, map: &ChannelMap, options: &SignalOptions) -> Resu
         )
         .help("`auto` takes the smallest round number above the peak"));
     }
+    let steps = options
+        .format
+        .steps()
+        .map(|steps| steps * peak / full_scale);
+    if let Some(steps) = steps.filter(|&steps| peak > 0.0 && steps < tolerances::LEAST_STEPS) {
+        return Err(usage(
+            "full_scale",
+            format!(
+                "{full_scale}, and a peak of {peak:.4e}, {steps:.3} steps of {}",
+                options.format.as_str()
+            ),
+            format!(
+                "a peak of at least {} steps: rounding would move the cold ground",
+                tolerances::LEAST_STEPS
+            ),
+        )
+        .help("`auto` takes the smallest round number above the peak; f32 has no steps"));
+    }
     Ok((peak, full_scale))
 }
 

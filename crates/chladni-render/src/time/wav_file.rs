@@ -29,6 +29,15 @@ impl SampleFormat {
         }
     }
 
+    /// Steps from 0 to full scale; `None`: a sample keeps its digits however small it is.
+    pub(crate) fn steps(self) -> Option<f64> {
+        match self {
+            Self::F32 => None,
+            Self::I24 => Some(f64::from(1u32 << 23)),
+            Self::I16 => Some(f64::from(1u32 << 15)),
+        }
+    }
+
     /// Bytes of a sample.
     pub fn bytes(self) -> usize {
         match self {

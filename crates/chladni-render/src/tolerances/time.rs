@@ -168,6 +168,10 @@ pub const EASE_S: f64 = 0.01;
 
 // signal.rs
 
+/// Steps of an integer sample that the peak of a drive must reach: rounding then stays some 40 dB
+/// below it, and cold ground lies 20 to 30 dB below hot ground.
+pub(crate) const LEAST_STEPS: f64 = 64.0;
+
 /// Most bytes of a sound file: its header counts them in 32 bits.
 pub const MOST_BYTES: f64 = 4_294_900_000.0;
 

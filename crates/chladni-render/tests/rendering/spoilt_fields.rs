@@ -4,7 +4,8 @@ use crate::common::rig::{magnitudes, Rig};
 use crate::common::{cell_scene, truth};
 use chladni_frf::MeasuredField;
 use chladni_render::{
-    calibrate, evaluate_field, poles_of_fields, render, Calibration, RenderOptions, Scene, Weights,
+    calibrate, evaluate_field, poles_of_fields, render, Calibration, FieldEvaluation,
+    RenderOptions, Scene, Weights,
 };
 use num_complex::Complex64;
 
@@ -80,11 +81,15 @@ fn a_point_that_no_motion_explains_is_named_and_teaches_nothing() {
         .map(|p| p.velocity_m_per_s.norm_sqr())
         .sum::<f64>();
     let rms = (square / points.len() as f64).sqrt();
+    let margin = |evaluated: &FieldEvaluation| evaluated.indices.points.margin_db.unwrap();
+    let sound = evaluate_field(&weights, &corner(), truth(), &clean, None).unwrap();
     for (place, size) in [(20, 10.0), (41, 3.0)] {
         let mut field = clean.clone();
         field.points[place].velocity_m_per_s += Complex64::from_polar(size * rms, 1.0);
         let spoilt = field.points[place].response;
         let judged = evaluate_field(&weights, &corner(), truth(), &field, None).unwrap();
+        // nor does it spoil the score
+        assert!((margin(&judged) - margin(&sound)).abs() < 1.0);
         let (corrected, known) = calibrated(&weights, field);
         for findings in [&judged.findings[..], &corrected.findings[..]] {
             let named = findings.iter().find(|one| one.code == "field-point-off");

@@ -22,11 +22,19 @@ use std::f64::consts::TAU;
 /// Line shapes compared with those of [`TAPERED`] windows.
 const UNTAPERED: [Window; 2] = [Window::None, Window::Rectangular];
 
+/// What a burst under Hann's window leaves: its lines are those of continuous noise under a window
+/// that falls off, of a structure with less damping.
+pub(super) const CUT_BURST: Window = Window::HannBurst {
+    part: limits::CUT_BURST,
+};
+
 /// Line shapes of windows, held against those of modes that stand alone.
 #[derive(Debug, Clone)]
 pub(super) struct LineShapes {
     /// Log-likelihood of each window, the likeliest first.
     ranks: Vec<(Window, f64)>,
+    /// That of [`CUT_BURST`].
+    burst: f64,
     /// Modes that were asked.
     pub modes: usize,
 }
@@ -38,6 +46,7 @@ impl LineShapes {
         let mut ranks: Vec<(Window, f64)> = UNTAPERED
             .into_iter()
             .chain(TAPERED)
+            .chain([CUT_BURST])
             .map(|w| (w, 0.0))
             .collect();
         let mut count = 0;
@@ -49,9 +58,11 @@ impl LineShapes {
                 count += 1;
             }
         }
+        let burst = ranks.pop().map_or(f64::NEG_INFINITY, |(_, score)| score);
         ranks.sort_by(|a, b| b.1.total_cmp(&a.1));
         (count > 0).then_some(Self {
             ranks,
+            burst,
             modes: count,
         })
     }
@@ -73,6 +84,11 @@ impl LineShapes {
     pub fn tapered_gain(&self) -> f64 {
         let untapered = self.ranks.iter().find(|(own, _)| UNTAPERED.contains(own));
         self.ranks[0].1 - untapered.map_or(0.0, |(_, score)| *score)
+    }
+
+    /// True where line shapes do not exclude [`CUT_BURST`].
+    pub fn may_be_burst(&self) -> bool {
+        self.ranks[0].1 - self.burst < limits::DECIDES
     }
 
     /// True for each of [`TAPERED`] that line shapes do not exclude.

@@ -5,7 +5,7 @@ use crate::checks::case::{Case, Checked};
 use crate::checks::correlation::{Correlation, TAPERED};
 use crate::checks::limits;
 use crate::checks::limits::DECIDES;
-use crate::checks::line_shape::LineShapes;
+use crate::checks::line_shape::{LineShapes, CUT_BURST};
 use crate::checks::witness::{decades, witness, Witness};
 use crate::data::layout::DataLayout;
 use crate::data::window::kinds::Window;
@@ -295,12 +295,17 @@ pub(crate) fn decided(found: &Evidence, under: &Case) -> Option<FoundWindow> {
     let errors = errors.or_else(|| witness(under).filter(says))?;
     let open = TAPERED.into_iter().zip(shapes.open());
     let others = open.filter_map(|(other, open)| (open && other != window).then_some(other));
-    let others: Vec<Window> = others.collect();
-    let names: Vec<String> = others.iter().map(Window::to_string).collect();
+    let burst = shapes.may_be_burst().then_some(CUT_BURST);
+    let others: Vec<Window> = others.chain(burst).collect();
+    let name = |window: &Window| match window.part() {
+        Some(part) => format!("bursts over {:.0} % of each record", 100.0 * part),
+        None => format!("a {window} window"),
+    };
+    let names: Vec<String> = others.iter().map(name).collect();
     let left_open = match names.is_empty() {
         true => String::new(),
         false => format!(
-            "; the error bars hold what a {} window would make of damping, which is possible, too",
+            "; the error bars hold what {} would make of damping, which is possible, too",
             names.join(" or ")
         ),
     };

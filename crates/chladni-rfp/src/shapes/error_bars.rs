@@ -9,6 +9,7 @@ use crate::data::columns::Columns;
 use crate::data::information::answer;
 use crate::poles::pole::Pole;
 use crate::shapes::inverse_root::{finite, inverse_root};
+use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
@@ -58,7 +59,8 @@ pub(crate) struct ShapeBars {
 
 /// Error bars of every term, for shapes scaled as told. Modes of the band, and those
 /// found together with them, are judged with the poles outside left free, as they were
-/// found, and the other way round. A shape that the data do not tell has infinite ones.
+/// found, and the other way round. A shape that the data do not tell has infinite ones, and so
+/// have those of poles outside where these have too many terms to ask.
 pub(crate) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> ShapeBars {
     let Noisy {
         work,
@@ -76,8 +78,12 @@ pub(crate) fn shape_bars(noisy: &Noisy, scales: &[Scale]) -> ShapeBars {
         let others: Vec<Complex64> = others.iter().map(|&n| twin(n)).collect();
         bars_of(noisy, rows, &others, scales).unwrap_or_default()
     };
-    let (of_inside, of_outside) =
-        rayon::join(|| of_rows(&inside, &outside), || of_rows(&outside, &inside));
+    let terms = (shapes.owner.iter()).filter(|owner| outside.contains(owner));
+    let asked = terms.count() * shapes.participation.ncols() <= limits::OUTSIDE_MOST;
+    let (of_inside, of_outside) = rayon::join(
+        || of_rows(&inside, &outside),
+        || of_rows(if asked { &outside } else { &[] }, &inside),
+    );
     let mut out = ShapeBars {
         shape: Array2::from_elem(shapes.shape.raw_dim(), f64::INFINITY),
         scale: vec![f64::INFINITY; scales.len()],

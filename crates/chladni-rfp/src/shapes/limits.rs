@@ -127,6 +127,12 @@ pub(super) const STRUCTURED_FINE_STEP: f64 = 1e-11;
 /// Part of its loss that a pole keeps at least by a step.
 pub(super) const STRUCTURED_LOSS_KEPT: f64 = 0.1;
 
+// error_bars.rs
+
+/// Unknowns of the terms outside the band, above which their shapes get no error bars: a wrong
+/// kind of FRF leaves poles of dozens of terms there, and the work goes with the third power.
+pub(super) const OUTSIDE_MOST: usize = 1500;
+
 // tangent.rs
 
 /// Modes farther apart than this many half-bandwidths are stepped apart: their columns

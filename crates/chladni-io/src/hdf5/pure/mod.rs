@@ -34,6 +34,14 @@ impl File {
             hdf5_pure::Error::Io(error) => Error::from_read(&error, path),
             error => library_error(error, path),
         })?;
+        let (held, said) = (file.file_size(), file.superblock().eof_address);
+        if said != u64::MAX && said > held {
+            return Err(Error::bad_data("the file is cut off")
+                .file(path)
+                .found(format!("{held} bytes"))
+                .expected(format!("the {said} bytes that its first lines tell of"))
+                .help("copy it again from where it was measured"));
+        }
         Ok(Self {
             path: path.to_path_buf(),
             place,
@@ -206,7 +214,7 @@ fn known_attributes(
             Some(attribute) => known.push((name, attribute)),
             None if value.is_some() => {} // an array of numbers or texts: nothing here asks for one
             None => unread.push(format!(
-                "attribute `{name}` ({}) cannot be read",
+                "attribute {name} ({}) cannot be read",
                 element_of(&datatype).describe()
             )),
         }

@@ -189,7 +189,7 @@ fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Vec<String>)>
             .attr(&name)
             .and_then(|attribute| Ok((attribute.dtype()?.to_descriptor()?, attribute)));
         let Ok((descriptor, attribute)) = described else {
-            unread.push(format!("attribute `{name}` cannot be read"));
+            unread.push(format!("attribute {name} cannot be read"));
             continue;
         };
         match (element_of(&descriptor), attribute.size()) {
@@ -212,12 +212,12 @@ fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Vec<String>)>
                         Ok(value) => known.push((name, Attribute::Integer(value))),
                         Err(_) => known.push((name, Attribute::Real(values[0] as f64))),
                     },
-                    _ => unread.push(format!("attribute `{name}` cannot be read")),
+                    _ => unread.push(format!("attribute {name} cannot be read")),
                 }
             }
             (Element::Text | Element::Integer | Element::Real { .. }, _) => {} // a list: nothing here asks for one
             (element, _) => unread.push(format!(
-                "attribute `{name}` ({}) cannot be read",
+                "attribute {name} ({}) cannot be read",
                 element.describe()
             )),
         }

@@ -1,6 +1,7 @@
 //! Datasets in the file: unknown, damaged, cut short.
 
 use super::{options, read_with, text_58, HEADER_151, ID_LINES, ONES, SI_164, TWO_COMPLEX};
+use chladni_frf::Severity;
 use chladni_io::uff::read;
 use std::path::Path;
 
@@ -26,6 +27,24 @@ fn unknown_datasets_are_listed_by_number_and_the_rest_is_read() {
         ]
     );
     assert_eq!(document.errors, []);
+}
+
+#[test]
+fn a_dataset_whose_opening_line_is_damaged_is_missed_aloud() {
+    let sound = text_58(TWO_COMPLEX, ONES);
+    let damaged = sound.replacen("    -1", "   x-1", 1);
+    for (text, severity) in [
+        ([&damaged, SI_164].concat(), Severity::Caution),
+        (["a title above\n", SI_164].concat(), Severity::Note),
+    ] {
+        let warnings = read_with(&text, &options()).warnings;
+        let found = warnings.iter().find(|one| one.code == "not-read");
+        assert_eq!(found.unwrap().severity, severity, "{warnings:?}");
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), &text).unwrap();
+        let listed = chladni_io::uff::scan(file.path(), &options()).unwrap();
+        assert_eq!(listed.warnings, warnings, "in pieces as in one");
+    }
 }
 
 #[test]

@@ -102,6 +102,19 @@ fn units_behind_the_nodes_hold_for_them_in_the_list_as_in_the_file() {
 }
 
 #[test]
+fn a_motion_with_a_unit_over_a_force_without_is_per_newton() {
+    let force = "        13    0    0    0 Force                                    ";
+    let function = with_axes(
+        "        12    0    0    0 Acceleration         g                   ",
+        force,
+        "",
+    );
+    assert_eq!(function.scale_to_si, 9.806_65);
+    assert_eq!(function.kind, Some(chladni_frf::FrfKind::Accelerance));
+    assert!(function.warnings[0].contains("N is assumed"));
+}
+
+#[test]
 fn a_label_that_contradicts_164_is_reported() {
     let force = "        13    0    0    0 Force                N                   ";
     let function = with_axes(

@@ -54,7 +54,6 @@ impl BlockErrors {
     ) -> Option<Self> {
         let points = limits::RECORD_POINTS;
         let place = |k: usize| (k as f64 + 0.5) / points as f64;
-        let flat = vec![1.0; points];
         let window = window.unwrap_or(Window::None);
         let blow = matches!(window, Window::None | Window::Transient);
         let (force, response) = match window {
@@ -74,17 +73,15 @@ impl BlockErrors {
                 let factor = |k: usize| (-decay * (place(k) - place(0))).exp();
                 (None, (0..points).map(factor).collect())
             }
-            Window::Burst { part } => {
-                let on = |k: usize| f64::from(u8::from(place(k) < part));
-                (Some((0..points).map(on).collect()), flat)
-            }
             _ => {
                 let values = window.values(points);
-                (Some(values.clone()), values)
+                let part = window.part().unwrap_or(1.0);
+                let force = |(k, w): (usize, &f64)| if place(k) < part { *w } else { 0.0 };
+                (Some(values.iter().enumerate().map(force).collect()), values)
             }
         };
         let continuous = made.map_or(!blow, |made| made.forcing == Some(Forcing::Continuous));
-        let rest = blow || matches!(window, Window::Burst { .. });
+        let rest = blow || window.part().is_some();
         let hop = match made {
             Some(made) if continuous => made.hop_s / made.gate_s * points as f64,
             None if !rest => limits::HOP_ASSUMED * points as f64,

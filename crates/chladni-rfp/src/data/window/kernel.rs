@@ -25,11 +25,12 @@ use std::f64::consts::{PI, TAU};
 pub(crate) enum WindowKernel {
     /// Blows, periodic signals: ρ = 1. The response is cut at the end of the record.
     Transient,
-    /// Noise over the first part of the record, the response to its end: ρ = 1, then
-    /// falling to 0 over the last `part`.
+    /// Noise over the first part of the record under a sum of cosines, the response to its end.
     Burst {
         /// Part of the record with noise, above 0 to 1.
         part: f64,
+        /// Terms of ρ.
+        waves: Vec<Wave>,
     },
     /// Continuous noise under a sum of cosines, ρ = Σ_q [a_q·(1 − u)·cos 2πqu + b_q·sin 2πqu].
     Cosines {
@@ -42,6 +43,17 @@ pub(crate) enum WindowKernel {
         /// a_0, a_1, ..., of sum 1.
         harmonics: Vec<f64>,
     },
+}
+
+/// The term of ρ that turns as e^{2πjqu}: what it is multiplied by.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Wave {
+    /// q.
+    turns: f64,
+    /// While the response lasts as long as the burst, u up to 1 − part.
+    early: Complex64,
+    /// Later, (1 − u) times the first plus the second.
+    late: [Complex64; 2],
 }
 
 /// c_n of windows Σ_n c_n e^{2πjnu} with c_{−n} = c_n. Hann: 1/2 − 1/2 cos 2πu.
@@ -81,6 +93,44 @@ impl WindowKernel {
         };
         Self::Cosines {
             waves: (0..=most).map(wave).collect(),
+        }
+    }
+
+    /// Noise over the first `part` of a record under Σ_n c_n e^{2πjnu} on force and response. ρ is
+    /// ∫₀^b of their product at the lag u, b the part or, from 1 − part on, 1 − u:
+    ///
+    /// Σ_q c_q e^{2πjqu}·Σ_n c_n S_b(n + q),  S_b(k) = ∫₀^b e^{2πjkt} dt
+    ///
+    /// over the same at u = 0.
+    pub(crate) fn burst(part: f64, coefficients: &[f64]) -> Self {
+        let most = coefficients.len() as i32 - 1;
+        let c = |n: i32| coefficients[n.unsigned_abs() as usize];
+        let whole = |k: i32| match k {
+            0 => Complex64::from(part),
+            _ => {
+                let turn = TAU * f64::from(k);
+                (Complex64::from_polar(1.0, turn * part) - 1.0) / Complex64::new(0.0, turn)
+            }
+        };
+        let early =
+            |q: i32| -> Complex64 { (-most..=most).map(|n| c(q) * c(n) * whole(n + q)).sum() };
+        let power: f64 = (-most..=most).map(|q| early(q).re).sum();
+        let wave = |q: i32| {
+            let others = (-most..=most).filter(|n| n + q != 0);
+            let across: f64 = others.map(|n| c(n) / f64::from(n + q)).sum();
+            let late = [
+                Complex64::from(c(q) * c(q)),
+                Complex64::new(0.0, c(q) * across / PI),
+            ];
+            Wave {
+                turns: TAU * f64::from(q),
+                early: early(q) / power,
+                late: late.map(|v| v / power),
+            }
+        };
+        Self::Burst {
+            part,
+            waves: (-most..=most).map(wave).collect(),
         }
     }
 
@@ -127,17 +177,22 @@ impl WindowKernel {
                 let ramps = Ramps::new(z, left);
                 [ramps.e, ramps.e_slope()]
             }
-            Self::Burst { part } => {
+            Self::Burst { part, waves } => {
                 let full = 1.0 - part;
-                let over = (-z * full).exp();
-                let flat = Ramps::new(z * full, over);
-                let falling = Ramps::new(z * part, (-z * *part).exp());
-                let fall = part * over;
-                [
-                    full * flat.e + fall * falling.f,
-                    full * full * flat.e_slope()
-                        + fall * (part * falling.f_slope() - full * falling.f),
-                ]
+                let mut sum = [Complex64::default(); 2];
+                for wave in waves {
+                    let z = z - Complex64::new(0.0, wave.turns);
+                    let over = (-z * full).exp();
+                    let flat = Ramps::new(z * full, over);
+                    let left = Ramps::new(z * part, (-z * *part).exp());
+                    let [falling, level] = wave.late;
+                    let late = (falling * left.f * part + level * left.e) * over * part;
+                    let moved = (falling * left.f_slope() * part + level * left.e_slope()) * part;
+                    sum[0] += wave.early * full * flat.e + late;
+                    sum[1] += wave.early * full * full * flat.e_slope() + over * part * moved
+                        - full * late;
+                }
+                sum
             }
             Self::Cosines { waves } => {
                 let mut sum = [Complex64::default(); 2];
@@ -273,6 +328,11 @@ mod tests {
         }
     }
 
+    /// Values at the points of the rule.
+    fn places_of<T>(of: impl Fn(f64) -> T) -> Vec<T> {
+        (0..=POINTS).map(|k| of(k as f64 / POINTS as f64)).collect()
+    }
+
     fn cosines(coefficients: &[f64], u: f64) -> f64 {
         let term = |(n, c): (usize, &f64)| {
             let twice = if n == 0 { 1.0 } else { 2.0 };
@@ -303,22 +363,38 @@ mod tests {
         check("transient", &WindowKernel::Transient, |_| 1.0);
         // corners on points of the rule, and a burst as long as the record
         for part in [0.25, 0.5, 0.9, 1.0] {
-            let kernel = WindowKernel::Burst { part };
-            let full = 1.0 - part;
-            for z in places() {
-                let both = |weight: &dyn Fn(f64) -> f64| {
-                    let flat = |u: f64| (-z * u * full).exp() * weight(u * full);
-                    let falling = |u: f64| {
-                        let place = full + part * u;
-                        (1.0 - u) * (-z * place).exp() * weight(place)
-                    };
-                    integral(flat) * full + integral(falling) * part
+            for (name, coefficients) in [("plain", &[1.0][..]), ("hann", &HANN), ("flat", &FLATTOP)]
+            {
+                let kernel = WindowKernel::burst(part, coefficients);
+                let window = |t| cosines(coefficients, t);
+                let until = |end: f64, lag: f64| {
+                    integral(|t| window(t * end) * window(t * end + lag)) * end
                 };
-                let [value, slope] = kernel.value_and_slope(z);
-                let error = (value - both(&|_| 1.0)).norm();
-                assert!(error < 1e-7, "burst {part}, z = {z}: {error:e}");
-                let error = (slope - both(&|u| -u)).norm();
-                assert!(error < 1e-7, "burst {part}, slope, z = {z}: {error:e}");
+                let power = until(part, 0.0);
+                let full = 1.0 - part;
+                // either side of the corner by itself
+                let early = places_of(|u| (u * full, until(part, u * full) / power * full));
+                let late = places_of(|u| {
+                    let lag = full + part * u;
+                    (lag, until(1.0 - lag, lag) / power * part)
+                });
+                for z in places() {
+                    let both = |weight: &dyn Fn(f64) -> f64| -> Complex64 {
+                        let at = |of: &[(f64, f64)], u: f64| {
+                            let (lag, rho) = of[(u * POINTS as f64).round() as usize];
+                            (-z * lag).exp() * rho * weight(lag)
+                        };
+                        integral(|u| at(&early, u)) + integral(|u| at(&late, u))
+                    };
+                    let [value, slope] = kernel.value_and_slope(z);
+                    let error = (value - both(&|_| 1.0)).norm();
+                    assert!(error < 1e-7, "{name}, burst {part}, z = {z}: {error:e}");
+                    let error = (slope - both(&|u| -u)).norm();
+                    assert!(
+                        error < 1e-7,
+                        "{name}, burst {part}, slope, z = {z}: {error:e}"
+                    );
+                }
             }
         }
     }
@@ -345,7 +421,8 @@ mod tests {
         let far = Complex64::new(400.0, 3000.0);
         for kernel in [
             WindowKernel::Transient,
-            WindowKernel::Burst { part: 0.5 },
+            WindowKernel::burst(0.5, &[1.0]),
+            WindowKernel::burst(0.5, &HANN),
             WindowKernel::cosines(&HANN),
             WindowKernel::cosines(&FLATTOP),
         ] {

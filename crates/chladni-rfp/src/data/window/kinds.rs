@@ -37,6 +37,11 @@ pub enum Window {
         /// That part, above 0 to 1.
         part: f64,
     },
+    /// The same with Hann's window over the whole of each record.
+    HannBurst {
+        /// Part of the record with noise, above 0 to 1.
+        part: f64,
+    },
 }
 
 impl FromStr for Window {
@@ -51,6 +56,7 @@ impl FromStr for Window {
                 Ok(Self::Kaiser { beta })
             }
             ("burst", Some(part)) if part > 0.0 && part <= 1.0 => Ok(Self::Burst { part }),
+            ("hann-burst", Some(part)) if part > 0.0 && part <= 1.0 => Ok(Self::HannBurst { part }),
             _ => Self::NAMED
                 .into_iter()
                 .find(|window| window.to_string() == text)
@@ -76,6 +82,7 @@ impl fmt::Display for Window {
             Self::Flattop => f.write_str("flattop"),
             Self::Kaiser { beta } => write!(f, "kaiser:{beta}"),
             Self::Burst { part } => write!(f, "burst:{part}"),
+            Self::HannBurst { part } => write!(f, "hann-burst:{part}"),
         }
     }
 }
@@ -93,11 +100,20 @@ impl Window {
     ];
     /// All, as they are written.
     pub const WORDS: &'static str = "none, transient, hann, hamming, blackman, flattop, \
-                                     rectangular, kaiser:BETA (0 to 40) or burst:PART (above 0 to 1)";
+                                     rectangular, kaiser:BETA (0 to 40), burst:PART or hann-burst:PART \
+                                     (above 0 to 1)";
 
     /// True for the windows of continuous random excitation.
     pub(crate) fn is_continuous(self) -> bool {
-        !matches!(self, Self::None | Self::Transient | Self::Burst { .. })
+        !matches!(self, Self::None | Self::Transient) && self.part().is_none()
+    }
+
+    /// Part of each record in which a burst lasts.
+    pub(crate) fn part(self) -> Option<f64> {
+        match self {
+            Self::Burst { part } | Self::HannBurst { part } => Some(part),
+            _ => None,
+        }
     }
 
     /// Its effect on the columns of a fit; `None`: nothing.
@@ -105,7 +121,9 @@ impl Window {
         Some(match self {
             Self::None => return None,
             Self::Transient => WindowKernel::Transient,
-            Self::Burst { part } => WindowKernel::Burst { part },
+            Self::Burst { part } | Self::HannBurst { part } => {
+                WindowKernel::burst(part, self.cosines())
+            }
             Self::Kaiser { .. } => {
                 let (values, harmonics) = limits::BY_VALUES;
                 WindowKernel::of_values(&self.values(values), harmonics)
@@ -117,7 +135,7 @@ impl Window {
     /// Coefficients c_n of Σ c_n e^{2πjnu}, n ≥ 0; of other windows those of none.
     fn cosines(self) -> &'static [f64] {
         match self {
-            Self::Hann => &HANN,
+            Self::Hann | Self::HannBurst { .. } => &HANN,
             Self::Hamming => &HAMMING,
             Self::Blackman => &BLACKMAN,
             Self::Flattop => &FLATTOP,
@@ -125,7 +143,8 @@ impl Window {
         }
     }
 
-    /// Factors on continuous noise at the middles of `points` equal parts of a record.
+    /// Factors on responses, and on continuous noise, at the middles of `points` equal parts of a
+    /// record.
     pub(crate) fn values(self, points: usize) -> Vec<f64> {
         let value = |k: usize| {
             let u = (k as f64 + 0.5) / points as f64;
@@ -161,10 +180,11 @@ mod tests {
 
     #[test]
     fn windows_are_read_as_they_are_written() {
-        for window in Window::NAMED
-            .into_iter()
-            .chain([Window::Kaiser { beta: 8.6 }, Window::Burst { part: 0.5 }])
-        {
+        for window in Window::NAMED.into_iter().chain([
+            Window::Kaiser { beta: 8.6 },
+            Window::Burst { part: 0.5 },
+            Window::HannBurst { part: 0.6 },
+        ]) {
             assert_eq!(window.to_string().parse(), Ok(window));
             assert!(Window::WORDS.contains(window.to_string().split(':').next().unwrap()));
         }
@@ -176,6 +196,7 @@ mod tests {
             "kaiser:nan",
             "burst:0",
             "burst:1.5",
+            "hann-burst",
         ] {
             let message = wrong.parse::<Window>().unwrap_err();
             assert!(message.contains("burst:PART"), "{message}");

@@ -36,6 +36,7 @@ fn window_of(made: &Estimation) -> Option<Window> {
         (Forcing::Continuous, BlockWindow::Hann) => Some(Window::Hann),
         (Forcing::Continuous, BlockWindow::Rectangular) => Some(Window::Rectangular),
         (Forcing::Burst { part }, BlockWindow::Rectangular) => Some(Window::Burst { part }),
+        (Forcing::Burst { part }, BlockWindow::Hann) => Some(Window::HannBurst { part }),
         // an exponential window moves the poles, and the columns with them
         (Forcing::Transient, BlockWindow::Rectangular | BlockWindow::Exponential { .. }) => {
             Some(Window::Transient)
