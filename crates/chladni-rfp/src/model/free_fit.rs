@@ -131,7 +131,17 @@ impl FreeFit {
             let held = (work, data.pairs.len());
             shapes.rise > most_by_chance(constraints, variance, rounding, held)
         };
-        while misfits(&shapes) && loose.iter().any(|&n| ranks[n] < full) {
+        if !misfits(&shapes) || loose.iter().all(|&n| ranks[n] == full) {
+            return Ok(shapes);
+        }
+        // of what all directions together leave, fewer explain no more
+        let mut all = ranks.clone();
+        loose.iter().for_each(|&n| all[n] = full);
+        let widest = low_rank_around(&free, &all, &given)?;
+        if misfits(&widest) {
+            return Ok(widest);
+        }
+        while misfits(&shapes) && ranks != all {
             for &n in &loose {
                 ranks[n] = (ranks[n] + 1).min(full);
             }
