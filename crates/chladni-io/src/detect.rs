@@ -162,7 +162,7 @@ fn universal_without_its_first_line(head: &[u8]) -> Option<Error> {
     let is_dataset = |line: &[u8]| {
         let number = line.get(..6).map(<[u8]>::trim_ascii_start);
         let is_known = |known: &&str| number == Some(known.as_bytes());
-        matches!(line.get(6), None | Some(b'b')) && DATASETS.iter().any(|known| is_known(known))
+        matches!(line.get(6), None | Some(b'b')) && DATASETS.iter().any(is_known)
     };
     // a count of points above a table is no dataset
     let is_row = |line: &[u8]| {

@@ -65,9 +65,9 @@ impl DofWords {
             None => {
                 // `1Z/Force` of `Velocity 1Z/Force 101Z`
                 if let Some((left, right)) = token.split_once('/') {
-                    if dof_pair(left).is_some() {
-                        self.add(left, true);
-                        self.add(right, false);
+                    if let Some((one, None)) = dof_pair(left) {
+                        self.0.push(Word::One(one, spelling(left)));
+                        self.0.extend(role_of(right).map(Word::Role));
                     }
                 }
                 return false;
