@@ -18,6 +18,10 @@ const HDF5_SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 /// The formats that can be read, for messages.
 const KNOWN: &str =
     "a universal file, HDF5, MATLAB, NumPy, a text table, WAV, or a model or weights as JSON";
+/// Numbers of datasets that universal files begin with.
+const DATASETS: [&str; 12] = [
+    "15", "18", "55", "58", "82", "151", "164", "780", "2411", "2412", "2414", "2420",
+];
 /// Value of `format` in a weights file.
 const WEIGHTS_FORMAT: &str = "chladni.weights";
 
@@ -32,8 +36,8 @@ const WEIGHTS_FORMAT: &str = "chladni.weights";
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::NoInput`] without the file; [`chladni_frf::ErrorKind::BadData`] for an
-/// empty file, other JSON and other binary files, with the way to export what can be
-/// read.
+/// empty file, a universal file below other lines, other JSON and other binary files, with
+/// the way to export what can be read.
 pub fn detect_format(file: &Path) -> Result<FileFormat> {
     let on_read = |error: std::io::Error| Error::from_read(&error, file);
     let mut input = door::open(file)?;
@@ -75,6 +79,9 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     }
     if head.starts_with(b"RIFF") && head.get(8..12) == Some(b"WAVE") {
         return Ok(FileFormat::Wav);
+    }
+    if let Some(error) = universal_without_its_first_line(&head) {
+        return Err(error.file(file));
     }
     if let Some(error) = foreign_binary(&head) {
         return Err(error.file(file));
@@ -146,6 +153,52 @@ fn is_universal(head: &[u8]) -> bool {
         .map(<[u8]>::trim_ascii)
         .find(|line| !line.is_empty());
     first_line == Some(b"-1")
+}
+
+/// A universal file below a title, or without its first delimiter line: its columns would
+/// be taken for those of a table.
+fn universal_without_its_first_line(head: &[u8]) -> Option<Error> {
+    // in columns 1 to 6; a `b` may follow
+    let is_dataset = |line: &[u8]| {
+        let number = line.get(..6).map(<[u8]>::trim_ascii_start);
+        let is_known = |known: &&str| number == Some(known.as_bytes());
+        matches!(line.get(6), None | Some(b'b')) && DATASETS.iter().any(is_known)
+    };
+    // a count of points above a table is no dataset
+    let is_row = |line: &[u8]| {
+        let first = line.trim_ascii_start().first();
+        first.is_none_or(|byte| byte.is_ascii_digit() || b"+-.,".contains(byte))
+    };
+    let mut lines = head
+        .split(|&byte| byte == b'\n')
+        .map(<[u8]>::trim_ascii_end)
+        .enumerate()
+        .filter(|(_, line)| !line.is_empty())
+        .peekable();
+    let mut before: Option<&[u8]> = None;
+    while let Some((at, line)) = lines.next() {
+        let is_below = match before {
+            Some(before) => before.trim_ascii() == b"-1",
+            None => lines.peek().is_some_and(|(_, next)| !is_row(next)),
+        };
+        if is_below && is_dataset(line) {
+            return Some(
+                Error::bad_data("a universal file whose first line is not -1")
+                    .at_line(at as u64 + 1)
+                    .found(format!(
+                        "dataset {}",
+                        String::from_utf8_lossy(line.trim_ascii())
+                    ))
+                    .expected("`    -1` as the first line, right in front of the first dataset")
+                    .help(
+                        "delete the lines above it, add `    -1` where it is missing, or export \
+                           the file again",
+                    ),
+            );
+        }
+        before = Some(line);
+    }
+    None
 }
 
 /// True for the mark of UTF-16.
@@ -251,6 +304,7 @@ mod tests {
         assert_eq!(format_of(b"\x93NUMPY\x01\x00").unwrap(), FileFormat::Numpy);
         assert_eq!(format_of(b"f,re,im\n1,2,3\n").unwrap(), FileFormat::Csv);
         assert_eq!(format_of(b"-1,2,3\n").unwrap(), FileFormat::Csv);
+        assert_eq!(format_of(b"    15\n1 2 3\n").unwrap(), FileFormat::Csv);
         assert_eq!(format_of(b"\xff\xfef\0,\0").unwrap(), FileFormat::Csv);
     }
 
@@ -263,6 +317,8 @@ mod tests {
             (b"{\"format\": \"other\"}", "chladni.model"),
             (b"{\"format\": ", "line 1"),
             (b"\xff\xfe \0 \0 \0 \0-\x001\0\n\0", "UTF-16"),
+            (b"Export of XYZ\r\n    -1\r\n    58\r\nNONE\r\n", "line 3"),
+            (b"    58\nNONE\nNONE\n", "first line is not -1"),
         ] {
             let error = format_of(bytes).unwrap_err();
             assert!(error.to_string().contains(words), "{error}");

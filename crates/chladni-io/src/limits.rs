@@ -50,10 +50,20 @@ pub(crate) const BLOCK: usize = 1 << 17;
 /// of a fit's processor time, and BLAKE3 names the file (`chladni bench profile`).
 pub(crate) const SHA256_UP_TO_BYTES: u64 = 1 << 30;
 
+// csv/groups.rs
+
+/// No measured magnitude in decibels is so large: it is 20 orders above 0 dB.
+pub(crate) const LARGEST_DECIBELS: f64 = 400.0;
+
 // csv/header.rs
 
 /// Rows looked at to tell decimal commas from commas between numbers.
 pub(crate) const ROWS_TRIED: usize = 50;
+
+// csv/said.rs
+
+/// Two labels of one unit give factors that differ by less, by their rounding.
+pub(crate) const SAME_UNIT: f64 = 1e-6;
 
 // csv/long.rs
 

@@ -21,6 +21,14 @@ impl Column<'_> {
     fn place(&self) -> String {
         format!("column {}", self.number + 1)
     }
+    /// Of the numbers against the part that the name says.
+    fn sign(&self) -> f64 {
+        if self.head.is_negative {
+            -1.0
+        } else {
+            1.0
+        }
+    }
     /// Name and unit, as they stand there.
     fn label(&self) -> String {
         match (self.name.is_empty(), self.name.contains(&self.head.unit)) {
@@ -60,6 +68,7 @@ impl Form {
                     .help("export real and imaginary part in linear units"));
             }
         }
+        refuse_minus(first)?;
         let (a, b) = (first.head.frf_unit(), second.head.frf_unit());
         let second_factor = match (a, b) {
             (Some(a), Some(b)) if (a.kind, a.reference) != (b.kind, b.reference) => {
@@ -74,6 +83,7 @@ impl Form {
             (Some(a), Some(b)) => b.to_si / a.to_si,
             _ => 1.0,
         };
+        let second_factor = second_factor * second.sign();
         let from = if first.head.unit.is_empty() || (a.is_none() && b.is_some()) {
             second
         } else {
@@ -94,6 +104,7 @@ impl Form {
         said: &Said,
         warnings: &mut Vec<Finding>,
     ) -> Result<Self> {
+        refuse_minus(magnitude)?;
         let label = if magnitude.head.unit.is_empty() {
             said.unit.as_deref().unwrap_or("")
         } else {
@@ -111,7 +122,7 @@ impl Form {
         };
         Ok(Self {
             polar: Some(Polar {
-                to_radians: phase_unit(phase, said, warnings)?.to_radians(),
+                to_radians: phase_unit(phase, said, warnings)?.to_radians() * phase.sign(),
                 decibel,
             }),
             second_factor: 1.0,
@@ -135,8 +146,22 @@ impl Form {
     }
 }
 
+/// Refuses a minus in front of a real part or a magnitude: it may be a dash.
+fn refuse_minus(first: &Column<'_>) -> Result<()> {
+    if !first.head.is_negative {
+        return Ok(());
+    }
+    Err(
+        Error::bad_data("a minus in front of a real part or a magnitude")
+            .field(first.place())
+            .found(first.label())
+            .expected("a minus in front of an imaginary part or a phase, or none")
+            .help("correct the header, or export the numbers with their own sign"),
+    )
+}
+
 fn decibels_without_reference(magnitude: &Column<'_>) -> Error {
-    Error::bad_data("a magnitude in dB without its reference")
+    Error::bad_data("a logarithm of a magnitude, or dB without its reference")
         .field(magnitude.place())
         .found(magnitude.label())
         .expected("a header like `Magnitude [dB re 1 m/s/N]`")

@@ -4,6 +4,7 @@ use super::form::push_once;
 use super::head::Head;
 use super::table::Table;
 use super::vocabulary::Part;
+use crate::limits::{LARGEST_DECIBELS, WRAPPED_DEGREES};
 use chladni_frf::{Error, Finding, Result};
 use std::collections::{HashMap, VecDeque};
 
@@ -90,9 +91,12 @@ pub(super) fn group_columns(
             Part::Unknown => (Part::Unknown, false, true),
             Part::Coherence => continue, // below
         };
-        let other = partners
-            .take(wanted, column)
-            .ok_or_else(|| unpaired(table, column, partner_name(wanted)))?;
+        let other = partners.take(wanted, column).ok_or_else(|| {
+            match heads.get(column + 1).map(|next| next.part) {
+                Some(Part::Unknown) if wanted != Part::Unknown => unknown_column(table, column + 1),
+                _ => unpaired(table, column, partner_name(wanted)),
+            }
+        })?;
         let polar = if wanted == Part::Unknown {
             unnamed_pair_is_polar(table, column, other, warnings)?
         } else {
@@ -226,8 +230,9 @@ fn unpaired(table: &Table, column: usize, expected: &str) -> Error {
 /// Columns whose names say nothing: a keyword decides, else the numbers must exclude
 /// magnitude and phase, linear or in decibels.
 ///
-/// A real part changes its sign over a band; an imaginary part that stays below 1 or goes
-/// beyond 360 is no phase.
+/// A real part changes its sign over a band, and so do decibels, which end at some
+/// hundreds. An imaginary part that stays below 1 is no phase; one beyond 360 is none where
+/// it leaps by more than half a turn from line to line, as no unwrapped phase does.
 fn unnamed_pair_is_polar(
     table: &Table,
     column: usize,
@@ -250,7 +255,10 @@ fn unnamed_pair_is_polar(
             .fold(0.0_f64, |most, value| most.max(value.abs()))
     };
     let changes_sign = first.iter().any(|value| *value < 0.0) && first.iter().any(|v| *v > 0.0);
-    let is_no_phase = largest(&second) <= 1.0 || largest(&second) > 360.0;
+    let leaps = (second.windows(2)).any(|pair| (pair[1] - pair[0]).abs() > WRAPPED_DEGREES / 2.0);
+    let is_no_decibel = largest(&first) > LARGEST_DECIBELS;
+    let is_no_phase =
+        largest(&second) <= 1.0 || (largest(&second) > WRAPPED_DEGREES && (leaps || is_no_decibel));
     let header_hints = ["mag", "phase", "ampl", "abs", "db"]
         .iter()
         .any(|word| table.header_text.to_lowercase().contains(word));

@@ -1,9 +1,12 @@
 //! The meaning of the header of a column: part of the FRF, unit, DOFs.
 
-use super::vocabulary::{is_decibel, is_filler, is_squared, known_words, part_of, words, Part};
+use super::dofs::{dof_pair, DofWords, Dofs};
+use super::vocabulary::{
+    is_beside_dof, is_decibel, is_filler, is_squared, known_words, part_of, words, Part, LAG,
+    MINUS, NEGATIVE,
+};
 use crate::unit_label::{self, frequency_unit, frf_unit, FrfUnit};
 use crate::PhaseUnit;
-use chladni_frf::Dof;
 
 /// Header of one column.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +16,9 @@ pub(super) struct Head {
     pub(super) base: String,
     /// Unit in brackets, at the end of the name, or of the unit row.
     pub(super) unit: String,
-    pub(super) dofs: Option<(Dof, Option<Dof>)>,
+    pub(super) dofs: Dofs,
+    /// The numbers have the other sign: `-Im`, `phase lag`.
+    pub(super) is_negative: bool,
     is_decibel: bool,
     /// Units of a phase among the words of the name.
     angles: Vec<PhaseUnit>,
@@ -45,35 +50,57 @@ impl Head {
             base: String::new(),
             is_decibel: is_decibel_unit,
             unit,
-            dofs: None,
+            dofs: Dofs::default(),
+            is_negative: false,
             angles: Vec::new(),
         };
         let mut others = Vec::new();
         let mut parts = Vec::new();
+        let mut dofs = DofWords::default();
+        let (mut is_described, mut is_lag) = (false, false);
+        let (mut token_before, mut word_before) = ("", String::new());
         for token in rest
-            .split(|c: char| c.is_whitespace() || "()[]{}_,;".contains(c))
+            .split(|c: char| c.is_whitespace() || "()[]{}_,;=".contains(c))
             .filter(|token| !token.is_empty())
         {
-            if let Some(dofs) = dof_pair(token) {
-                head.add_dofs(dofs);
+            let before = std::mem::replace(&mut token_before, token);
+            if dofs.add(token, ["/", "per"].contains(&before)) {
                 others.push(token.to_lowercase());
+                word_before.clear();
                 continue;
             }
             if token.len() > 2 && token.matches('|').count() == 2 {
                 parts.push(Part::Magnitude); // |H|
             }
+            // `- Im` at the beginning, but not `1Z - Im`
+            let is_minus = |text: &str| text.trim_start_matches(MINUS).is_empty();
+            let mut has_minus = token.starts_with(MINUS)
+                || (!before.is_empty() && is_minus(before) && others.is_empty());
             for word in words(token) {
                 head.is_decibel |= is_decibel(word);
                 let lower = word.to_lowercase();
                 if let Some(part) = part_of(word) {
+                    if NEGATIVE.contains(&word_before.as_str()) {
+                        has_minus = true;
+                        others.pop();
+                    }
+                    head.is_negative |= has_minus;
                     parts.push(part);
                 } else if let Some(angle) = PhaseUnit::named(word) {
                     head.angles.push(angle);
+                } else if lower == LAG {
+                    is_lag = true;
                 } else if !is_filler(&lower) {
-                    others.push(lower);
+                    is_described |= !is_beside_dof(&lower);
+                    others.push(lower.clone());
                 }
+                word_before = lower;
             }
         }
+        if is_described {
+            dofs.drop_loose();
+        }
+        head.dofs = dofs.dofs();
         parts.dedup();
         head.base = others.join(" ");
         head.part = match parts.as_slice() {
@@ -83,16 +110,8 @@ impl Head {
             &[part] => part,
             _ => Part::Unknown,
         };
+        head.is_negative |= is_lag && head.part == Part::Phase;
         head
-    }
-
-    /// A second DOF beside the first is the reference: `H_1Z_3Z`.
-    fn add_dofs(&mut self, (response, reference): (Dof, Option<Dof>)) {
-        self.dofs = match self.dofs {
-            None => Some((response, reference)),
-            Some((first, None)) => Some((first, Some(response))),
-            known => known,
-        };
     }
 
     /// Unit of the phase that the header names.
@@ -222,22 +241,6 @@ pub(super) fn looks_like_unit(text: &str) -> bool {
             && known_words(text) == 0)
 }
 
-/// A response and perhaps its reference: `12:+Z`, `1Z:3Z`, `12:+Z:101:+Z`,
-/// `12:+Z/101:+Z`.
-pub(super) fn dof_pair(text: &str) -> Option<(Dof, Option<Dof>)> {
-    let text = text.trim();
-    if !text.contains(|c: char| c.is_ascii_digit()) {
-        return None;
-    }
-    if let Ok(dof) = text.parse() {
-        return Some((dof, None));
-    }
-    text.match_indices([':', '/']).find_map(|(at, _)| {
-        let response = text[..at].parse().ok()?;
-        Some((response, Some(text[at + 1..].parse().ok()?)))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -278,6 +281,7 @@ mod tests {
             ("re mm/s", Part::Re, "mm/s"),
             ("Re 12:+Z/101:+Z", Part::Re, ""),
             ("real or imag", Part::Unknown, ""),
+            ("ln|H|", Part::Magnitude, ""),
         ] {
             let head = Head::parse(name, "");
             assert_eq!((head.part, head.unit.as_str()), (part, unit), "{name}");
@@ -302,22 +306,31 @@ mod tests {
     }
 
     #[test]
-    fn dofs_in_headers() {
-        let show = |name: &str| {
-            let dofs = Head::parse(name, "").dofs;
-            dofs.map(|(response, reference)| {
-                (
-                    response.to_string(),
-                    reference.map(|dof| dof.to_string()).unwrap_or_default(),
-                )
-            })
-        };
-        let pair = |a: &str, b: &str| Some((a.to_owned(), b.to_owned()));
-        assert_eq!(show("1Z:3Z [2]"), pair("1:+Z", "3:+Z"));
-        assert_eq!(show("Re(12:-Z:101:+Z)"), pair("12:-Z", "101:+Z"));
-        assert_eq!(show("12:+Z_re"), pair("12:+Z", ""));
-        assert_eq!(show("re_1Z_3Z"), pair("1:+Z", "3:+Z"));
-        assert_eq!(show("Re(x)"), None);
+    fn a_minus_in_front_of_a_part_counts() {
+        for (name, base) in [
+            ("-Im [m/s/N]", ""),
+            ("- Im", ""),
+            ("\u{2212}Im(H)", "h"),
+            ("12:+Z -imag", "12:+z"),
+            ("1Z_-Im", "1z"),
+            ("-1*Im", "1"),
+            ("1Z neg. Im", "1z"),
+            ("1Z phase lag [deg]", "1z"),
+        ] {
+            let head = Head::parse(name, "");
+            assert!(head.is_negative, "{name}");
+            assert_eq!(head.base, base, "{name}");
+        }
+        for name in [
+            "1Z - Im",
+            "1Z-Im",
+            "12:-Z Im",
+            "-1Z Im",
+            "lag 1 Im",
+            "H minus noise Im",
+        ] {
+            assert!(!Head::parse(name, "").is_negative, "{name}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use super::head::{looks_like_unit, without_brackets, Head};
 use super::table::Table;
 use super::text::{both_commas, Dialect, Line};
-use super::vocabulary::{known_words, part_of, words, Part};
+use super::vocabulary::{known_words, part_of, role_of, words, Part};
 use crate::limits::ROWS_TRIED;
 use crate::unit_label::frequency_unit;
 use chladni_frf::{Error, Result};
@@ -50,7 +50,7 @@ impl Table {
                     || cells.iter().all(|cell| looks_like_unit(cell))
                     || cells
                         .iter()
-                        .any(|cell| Head::parse(cell, "").dofs.is_some());
+                        .any(|cell| !Head::parse(cell, "").dofs.is_empty());
                 if is_header && words(line.text).next().is_some() {
                     cells.resize(self.columns, String::new());
                     fitting = Some(cells);
@@ -75,21 +75,39 @@ impl Table {
         Ok(())
     }
 
-    /// Adds DOFs or parts that stand in rows of their own above the names.
+    /// Adds DOFs or parts that stand in rows of their own above the names, with the word
+    /// for response or reference that begins such a row.
     fn add_rows_above(&mut self, candidates: &[Vec<String>]) {
+        let mut all_above = vec![String::new(); self.columns];
         for above in candidates.iter().rev() {
             let speaks = |cell: &String| {
                 let head = Head::parse(cell, "");
-                head.dofs.is_some() || words(cell).any(|word| part_of(word).is_some())
+                !head.dofs.is_empty() || words(cell).any(|word| part_of(word).is_some())
             };
             if !above[1..].iter().any(speaks) {
                 break;
             }
+            let role = words(&above[0]).find(|word| role_of(word).is_some());
             let cells = filled_forward(above.clone());
-            for (name, more) in self.names.iter_mut().zip(&cells).skip(1) {
-                if !name.is_empty() && !name.contains(more.as_str()) {
-                    *name = format!("{more} {name}").trim().to_owned();
+            let with_role = |cell: &String| match role.filter(|_| !cell.is_empty()) {
+                Some(role) => format!("{role} {cell}"),
+                None => cell.clone(),
+            };
+            let texts: Vec<String> = cells.iter().map(with_role).collect();
+            // a row that is written twice tells nothing new
+            let mut known = all_above.iter().zip(&texts).skip(1);
+            if known.all(|(known, text)| holds(known, text)) {
+                continue;
+            }
+            for (column, text) in texts.iter().enumerate().skip(1) {
+                if !holds(&self.names[column], &cells[column]) {
+                    all_above[column] = format!("{text} {}", all_above[column]);
                 }
+            }
+        }
+        for (name, above) in self.names.iter_mut().zip(&all_above).skip(1) {
+            if !name.is_empty() {
+                *name = format!("{above}{name}").trim().to_owned();
             }
         }
     }
@@ -175,6 +193,16 @@ impl Table {
                 .help("name the column in the header line, or leave it out")),
         }
     }
+}
+
+/// True where a name has this text between other signs than letters and digits: `1:+Z` is
+/// no part of `101:+Z`.
+fn holds(name: &str, text: &str) -> bool {
+    let ends = |c: Option<char>| !c.is_some_and(char::is_alphanumeric);
+    text.is_empty()
+        || name.match_indices(text).any(|(at, _)| {
+            ends(name[..at].chars().next_back()) && ends(name[at + text.len()..].chars().next())
+        })
 }
 
 /// The cells of a header line, cut as the numbers are and in every other way.

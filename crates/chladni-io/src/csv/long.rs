@@ -2,154 +2,16 @@
 
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
-use super::head::Head;
-use super::header::outside_brackets;
-use super::text::{both_commas, Cell, Dialect, Line};
-use super::vocabulary::{is_frequency, words, Part};
+use super::long_header::{DofColumns, LongTable};
+use super::table::not_finite;
+use super::text::{both_commas, Cell, Line};
+use super::vocabulary::Part;
 use super::{Said, Trace};
-use crate::limits::{HEADER_LINES, LONG_SPARSE_FACTOR, SAME_LINE, SPARSE_CELLS};
+use crate::limits::{LONG_SPARSE_FACTOR, SAME_LINE, SPARSE_CELLS};
 use chladni_frf::{Direction, Dof, Error, Finding, Result};
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::collections::HashMap;
-
-/// The place of each column.
-struct Columns {
-    response: DofColumns,
-    reference: DofColumns,
-    f: usize,
-    /// Real part or magnitude.
-    first: usize,
-    /// Imaginary part or phase.
-    second: usize,
-    is_polar: bool,
-    coherence: Option<usize>,
-    names: Vec<String>,
-    heads: Vec<Head>,
-    dialect: Dialect,
-}
-
-/// A DOF in one column (`12:+Z`) or two (node, direction).
-enum DofColumns {
-    Text(usize),
-    NodeAndDirection(usize, usize),
-}
-
-/// The header line and its columns, where the file is a long table.
-pub(super) struct LongTable<'a> {
-    columns: Columns,
-    above: &'a [Line<'a>],
-    rows: Vec<&'a Line<'a>>,
-    /// Rows that are comments, and the line of the first.
-    commented: Option<(usize, u64)>,
-}
-
-/// Finds the header of a long table.
-pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
-    lines
-        .iter()
-        .take(HEADER_LINES)
-        .enumerate()
-        .find_map(|(at, line)| {
-            let any = Dialect {
-                delimiter: Some('\t'),
-                decimal_comma: false,
-            };
-            let mut columns = any
-                .and_others()
-                .find_map(|dialect| header(&names_of(line.text, dialect), dialect))?;
-            let (comments, rows): (Vec<_>, Vec<_>) =
-                lines[at + 1..].iter().partition(|line| line.is_comment);
-            if columns.dialect.delimiter != Some(',') {
-                let numbers = [columns.f, columns.first, columns.second];
-                let has_comma = |row: &&Line<'_>| {
-                    let cells = columns.dialect.cells(row.text);
-                    numbers
-                        .iter()
-                        .any(|&column| cells.get(column).is_some_and(|cell| cell.contains(',')))
-                };
-                columns.dialect.decimal_comma = rows.iter().take(HEADER_LINES).any(has_comma);
-            }
-            let dialect = columns.dialect;
-            let mut commented = comments.iter().filter(|line| {
-                let cells = dialect.cells(line.text);
-                cells.len() == columns.names.len()
-                    && matches!(dialect.number(&cells[columns.f]), Cell::Value(_))
-            });
-            let first = commented.next().map(|line| line.number);
-            Some(LongTable {
-                above: &lines[..at],
-                commented: first.map(|line| (1 + commented.count(), line)),
-                columns,
-                rows,
-            })
-        })
-}
-
-/// The names of a header line; blanks in front of a unit in brackets do not cut.
-fn names_of(line: &str, dialect: Dialect) -> Vec<String> {
-    match dialect.delimiter {
-        None => outside_brackets(line),
-        Some(_) => {
-            let cells = dialect.cells(line).into_iter();
-            cells.map(Cow::into_owned).collect()
-        }
-    }
-}
-
-fn header(cells: &[String], dialect: Dialect) -> Option<Columns> {
-    let names: Vec<String> = cells
-        .iter()
-        .map(|cell| cell.trim().to_lowercase().replace([' ', '-'], "_"))
-        .collect();
-    let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
-    let dof = |one: &[&str], node: &[&str], direction: &[&str]| match (
-        find(one),
-        find(node),
-        find(direction),
-    ) {
-        (_, Some(node), Some(direction)) => Some(DofColumns::NodeAndDirection(node, direction)),
-        (Some(one), None, _) => Some(DofColumns::Text(one)),
-        _ => None,
-    };
-    let response = dof(
-        &["response", "response_dof"],
-        &["node", "response_node", "rsp_node"],
-        &["dir", "direction", "response_dir", "rsp_dir"],
-    )?;
-    let reference = dof(
-        &["reference", "reference_dof"],
-        &["ref_node", "reference_node"],
-        &[
-            "ref_dir",
-            "reference_dir",
-            "ref_direction",
-            "reference_direction",
-        ],
-    )?;
-    let heads: Vec<Head> = cells.iter().map(|cell| Head::parse(cell, "")).collect();
-    let part = |part: Part| heads.iter().position(|head| head.part == part);
-    let (first, second, is_polar) = match (part(Part::Re), part(Part::Im)) {
-        (Some(re), Some(im)) => (re, im, false),
-        _ => (part(Part::Magnitude)?, part(Part::Phase)?, true),
-    };
-    let is_axis = |name: &String| {
-        let first = name.split('_').flat_map(words).next();
-        first.is_some_and(|word| is_frequency(word) || word.ends_with("hz") || word == "omega")
-    };
-    Some(Columns {
-        response,
-        reference,
-        f: names.iter().position(is_axis)?,
-        first,
-        second,
-        is_polar,
-        coherence: part(Part::Coherence),
-        names: cells.iter().map(|cell| cell.trim().to_owned()).collect(),
-        heads,
-        dialect,
-    })
-}
 
 /// Rows of one (response, reference) pair.
 struct Pair {
@@ -187,6 +49,7 @@ impl LongTable<'_> {
             ));
         }
         self.refuse_doubled_columns()?;
+        warnings.extend(self.columns.unused());
         let f_to_hz = self.frequency_factor(said)?;
         let pairs = self.pairs(lenient, warnings)?;
         let form = self.form(&pairs, said, warnings)?;
@@ -224,6 +87,36 @@ impl LongTable<'_> {
             ));
         }
         Ok((axis.into_iter().map(|f| f * f_to_hz).collect(), traces))
+    }
+
+    /// The unit in a column of units: one in all rows that have one.
+    ///
+    /// # Errors
+    /// A row with another unit.
+    pub(super) fn unit(&self) -> Result<Option<String>> {
+        let Some(column) = self.columns.unit else {
+            return Ok(None);
+        };
+        let mut unit: Option<(String, u64)> = None;
+        for row in &self.rows {
+            let cells = self.columns.dialect.cells(row.text);
+            let Some(label) = cells.get(column).filter(|label| !label.is_empty()) else {
+                continue;
+            };
+            match &unit {
+                None => unit = Some((label.to_string(), row.number)),
+                Some((known, line)) if known != label => {
+                    return Err(Error::bad_data("units that differ from row to row")
+                        .at_line(row.number)
+                        .field(&self.columns.names[column])
+                        .found(format!("`{label}` after `{known}` in line {line}"))
+                        .expected("one unit in all rows")
+                        .help("write all values in one unit, or split the file"));
+                }
+                Some(_) => {}
+            }
+        }
+        Ok(unit.map(|(label, _)| label))
     }
 
     /// Two columns of one kind: none of them is the right one.
@@ -414,16 +307,8 @@ impl LongTable<'_> {
     }
 
     fn no_number(&self, row: &Line<'_>, cells: &[Cow<'_, str>], column: usize) -> Error {
-        Error::bad_data("not a finite number")
-            .at_line(row.number)
-            .field(&self.columns.names[column])
-            .found(if cells[column].is_empty() {
-                "an empty cell"
-            } else {
-                &cells[column]
-            })
-            .expected("a number")
-            .help("correct the cell, or read the file with `lenient`, which masks it")
+        let name = self.columns.names[column].clone();
+        not_finite(row.number, name, &cells[column], column == self.columns.f)
     }
 
     /// The pair on the common axis: its rows must lie on it, and may leave lines out.

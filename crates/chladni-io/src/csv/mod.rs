@@ -13,12 +13,14 @@
 //! its header must say; where two readings are possible, the table is refused and the
 //! message says what to write or which option to give.
 
+mod dofs;
 mod form;
 mod frequency;
 mod groups;
 mod head;
 mod header;
 mod long;
+mod long_header;
 mod remarks;
 mod said;
 mod table;
@@ -35,7 +37,7 @@ use super::{DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, FrfSet, ReferenceUnit, Result};
 use num_complex::Complex64;
 use remarks::lines_and_remarks;
-use said::Said;
+use said::{differ, two_units, Said};
 use std::io::Write;
 use std::path::Path;
 pub(super) use text::decode;
@@ -68,7 +70,7 @@ pub(super) fn read(
 pub(super) fn is_table(head: &[u8]) -> bool {
     let text = decode(head);
     let (lines, _) = lines_and_remarks(&text);
-    long::find(&lines).is_some()
+    long_header::find(&lines).is_some()
         || Dialect::any_finds_rows(&lines)
         || refuse_complex_lists(&lines).is_err()
 }
@@ -85,9 +87,12 @@ fn read_text(
     let mut warnings = Vec::new();
     let mut said = Said::from_remarks(&remarks, &mut warnings)?;
     said.told_phase_unit = options.phase_unit;
-    let (first_line, (frequency_hz, traces)) = match long::find(&lines) {
+    let (first_line, (frequency_hz, traces)) = match long_header::find(&lines) {
         Some(table) => {
             said.header_text = table.text_above();
+            if let Some(label) = table.unit()? {
+                said.add_unit(label)?;
+            }
             let traces = table.traces(&said, options.lenient, &mut warnings)?;
             (table.first_line(), traces)
         }
@@ -176,6 +181,11 @@ impl Units {
                     ))
                     .help("split the file by kind"));
             }
+            if let (Some(told), Some(label)) = (file, &said.unit) {
+                if differ(told, unit) {
+                    return Err(two_units(label, &trace.unit_text));
+                }
+            }
         }
         let assumed = match unknown {
             Some(label) => Some(format!(
@@ -217,7 +227,7 @@ impl Units {
 /// assumption.
 ///
 /// An unknown reference gets no direction (`1:S`), so that it is never taken for a
-/// driving point; a reference that the caller names is N:+Z.
+/// driving point, and so does the one response of references that stand alone; a reference that the caller names is N:+Z.
 fn name_dofs(
     said: &Said,
     traces: &[Trace],
@@ -225,8 +235,9 @@ fn name_dofs(
     next_node: &mut u64,
     warnings: &mut Vec<Finding>,
 ) -> Vec<(Dof, Dof)> {
+    let unknown = Dof::new(FIRST_NODE, Direction::SCALAR);
     let fallback = match options.references.as_slice() {
-        [] => Dof::new(1, Direction::SCALAR),
+        [] => unknown,
         nodes => Dof::new(nodes[0], Direction::PLUS_Z),
     };
     let told_response = match options.responses.as_slice() {
@@ -235,7 +246,7 @@ fn name_dofs(
     };
     let single = traces.len() == 1;
     let mut numbered: Vec<Dof> = Vec::new();
-    let mut without_reference = false;
+    let (mut without_reference, mut without_response) = (false, false);
     // a guessed node is no driving point, whatever reference the user names
     let guessed = |node: u64| match options.references.contains(&node) {
         true => Dof::new(node, Direction::SCALAR),
@@ -249,6 +260,10 @@ fn name_dofs(
                 .or(said.response.filter(|_| single))
                 .or(told_response)
                 .unwrap_or_else(|| {
+                    if trace.reference.is_some() {
+                        without_response = true;
+                        return unknown;
+                    }
                     let dof = guessed(*next_node);
                     numbered.push(dof);
                     *next_node += 1;
@@ -264,6 +279,12 @@ fn name_dofs(
     // else declared later
     if options.dofs.rows.is_empty() {
         warnings.extend(numbered_responses(&numbered));
+        if without_response {
+            warnings.push(Finding::caution(
+                "dofs-assumed",
+                format!("names give references alone: their response is taken as {unknown}"),
+            ));
+        }
         if without_reference {
             let advice = match options.references.as_slice() {
                 [] => "; say it with `reference N`",

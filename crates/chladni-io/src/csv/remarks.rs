@@ -35,7 +35,7 @@ const KEYS: [(&str, &[&str]); 8] = [
 ];
 
 /// A key as it is known here: `Frequency units` is `frequency_unit`.
-fn key_of(text: &str) -> String {
+pub(super) fn key_of(text: &str) -> String {
     let key = text.trim().to_lowercase().replace([' ', '-'], "_");
     KEYS.iter()
         .find(|(_, others)| others.contains(&key.as_str()))

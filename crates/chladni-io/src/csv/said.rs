@@ -1,7 +1,8 @@
 //! The information of a table's remarks about the whole file.
 
 use super::remarks::Remark;
-use crate::unit_label::frequency_unit;
+use crate::limits::SAME_UNIT;
+use crate::unit_label::{frequency_unit, frf_unit, FrfUnit};
 use crate::PhaseUnit;
 use chladni_frf::{Dof, Error, Finding, FrfKind, ReferenceUnit, Result, TimeSign};
 
@@ -73,6 +74,22 @@ impl Said {
         Ok(said)
     }
 
+    /// Adds the unit that a column of units states in every row.
+    ///
+    /// # Errors
+    /// A remark with another unit.
+    pub(super) fn add_unit(&mut self, label: String) -> Result<()> {
+        if let Some(told) = self.unit.as_ref().filter(|told| **told != label) {
+            let is_same =
+                matches!((frf_unit(told), frf_unit(&label)), (Some(a), Some(b)) if !differ(a, b));
+            if !is_same {
+                return Err(two_units(told, &label));
+            }
+        }
+        self.unit = Some(label);
+        Ok(())
+    }
+
     /// Factor to Hz of a frequency column called `label`: that of a remark where the
     /// label, whose own factor is `own`, says none.
     ///
@@ -92,4 +109,20 @@ impl Said {
         }
         Ok(*told)
     }
+}
+
+/// True for units that give other values.
+pub(super) fn differ(a: FrfUnit, b: FrfUnit) -> bool {
+    (a.kind, a.reference) != (b.kind, b.reference) || (a.to_si / b.to_si - 1.0).abs() > SAME_UNIT
+}
+
+/// The error of a file and a column that state different units.
+pub(super) fn two_units(of_file: &str, of_column: &str) -> Error {
+    Error::bad_data("a remark and a column state different units")
+        .field("unit")
+        .found(format!(
+            "`{of_file}` in the remark, `{of_column}` in the column"
+        ))
+        .expected("one unit")
+        .help("correct the remark or the header, or leave one of them out")
 }

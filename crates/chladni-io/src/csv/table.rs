@@ -1,6 +1,6 @@
 //! A table of numbers with its header: names, units, keywords.
 
-use super::text::{both_commas, refuse_decimal_comma, Cell, Dialect, Line};
+use super::text::{both_commas, has_thousands, refuse_decimal_comma, Cell, Dialect, Line};
 use crate::limits::TABLE_ROWS_TRIED;
 use chladni_frf::{Error, Finding, Result};
 
@@ -112,18 +112,7 @@ impl Table {
                     } else {
                         self.names[column].clone()
                     };
-                    return Err(Error::bad_data("not a finite number")
-                        .at_line(line.number)
-                        .field(name)
-                        .found(if cell.is_empty() {
-                            "an empty cell"
-                        } else {
-                            cell
-                        })
-                        .expected("a number")
-                        .help(
-                            "correct the cell, or read the file with `lenient`, which masks it",
-                        ));
+                    return Err(not_finite(line.number, name, cell, column == 0));
                 }
             };
             self.values.push(value);
@@ -242,6 +231,25 @@ fn no_numbers(lines: &[Line<'_>]) -> Error {
     error
         .expected("columns of numbers, frequency first")
         .help("tables need rows like 10.5,0.1,-0.2 under a header like f,re,im")
+}
+
+/// The error of a cell that is no number. That of the frequency cannot be masked.
+pub(super) fn not_finite(line: u64, name: String, cell: &str, is_axis: bool) -> Error {
+    let help = match (has_thousands(cell), is_axis) {
+        (true, _) => "write the numbers without separators of thousands",
+        (_, true) => "correct the cell, or leave the row out: each needs its frequency",
+        _ => "correct the cell, or read the file with `lenient`, which masks it",
+    };
+    Error::bad_data("not a finite number")
+        .at_line(line)
+        .field(name)
+        .found(if cell.is_empty() {
+            "an empty cell"
+        } else {
+            cell
+        })
+        .expected("a number")
+        .help(help)
 }
 
 /// The rows left out and the values masked, and where first.

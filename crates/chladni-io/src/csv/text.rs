@@ -232,6 +232,31 @@ fn is_gap(text: &str) -> bool {
             .any(|gap| lower == *gap)
 }
 
+/// True for what looks like a number with separators of thousands: `1,000.5`, `1.000`,
+/// `1 000`, `1'000`.
+pub(super) fn has_thousands(cell: &str) -> bool {
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let cell = cell.trim().trim_start_matches(['+', '-']);
+    let separator = cell.chars().nth(digits(cell));
+    let Some(separator) = separator.filter(|c| c.is_whitespace() || ",.'’".contains(*c)) else {
+        return false;
+    };
+    let mut groups = cell.split(separator);
+    let first = groups.next().map_or(0, str::len);
+    let last = groups.next_back().unwrap_or_default();
+    let is_end = match last.get(3..).map(str::as_bytes) {
+        Some([]) => true,
+        Some([sign, decimals @ ..]) => {
+            b".,".contains(sign) && decimals.iter().all(u8::is_ascii_digit)
+        }
+        None => false,
+    };
+    (1..=3).contains(&first)
+        && digits(last) == 3
+        && is_end
+        && groups.all(|group| group.len() == 3 && digits(group) == 3)
+}
+
 /// Content of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Cell {
@@ -376,6 +401,18 @@ mod tests {
         assert_eq!(dialect.number("-inf"), Cell::Overflow);
         assert_eq!(dialect.number("1e999"), Cell::Overflow);
         assert_eq!(dialect.number("*****"), Cell::Overflow);
+    }
+
+    #[test]
+    fn separators_of_thousands_are_known() {
+        for cell in ["1,000.00", "-1.000,5", "12 345", "1'234'567.8", "1.000"] {
+            assert!(has_thousands(cell), "{cell}");
+        }
+        for cell in [
+            "", "x", "1,00", "1.0005", "1000,000", "1,5", "1,000x", "1.000e3", "é",
+        ] {
+            assert!(!has_thousands(cell), "{cell}");
+        }
     }
 
     #[test]

@@ -93,13 +93,12 @@ pub(super) fn document(
     for column in first_channel..table.columns {
         let head = Head::parse(&table.names[column], &table.units[column]);
         let samples = samples(table, column)?;
-        let response = head.dofs.map_or_else(
-            || {
-                numbered += 1;
-                Dof::new((column + 1 - first_channel) as u64, Direction::SCALAR)
-            },
-            |(response, _)| response,
-        );
+        // the place of a channel, be it a force or a motion
+        let response = head.dofs.response.or(head.dofs.reference);
+        let response = response.unwrap_or_else(|| {
+            numbered += 1;
+            Dof::new((column + 1 - first_channel) as u64, Direction::SCALAR)
+        });
         let (label, unit) = channel_unit(&table.names[column], &head);
         if unit.is_none() {
             let words = format!(

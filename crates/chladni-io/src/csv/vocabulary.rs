@@ -54,8 +54,47 @@ const PARTS: [(Part, &[&str]); 5] = [
         ],
     ),
 ];
+/// The side of an FRF that a DOF stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    Response,
+    Reference,
+}
+
+const ROLES: [(Role, &[&str]); 2] = [
+    (
+        Role::Response,
+        &["response", "resp", "rsp", "output", "to", "antwort"],
+    ),
+    (
+        Role::Reference,
+        &[
+            "reference",
+            "ref",
+            "excitation",
+            "exc",
+            "input",
+            "force",
+            "from",
+            "referenz",
+            "anregung",
+        ],
+    ),
+];
+/// Words that a DOF stands beside: `H1 of point 1x`.
+const PLACES: [&str; 12] = [
+    "h", "h1", "h2", "hv", "frf", "point", "pt", "node", "dof", "at", "channel", "ch",
+];
+/// Signs in front of a part that turn it: `-Im`.
+pub(super) const MINUS: [char; 3] = ['-', '\u{2212}', '\u{2013}'];
+/// Words that do the same.
+pub(super) const NEGATIVE: [&str; 3] = ["negative", "neg", "minus"];
+/// Word beside a phase that turns it.
+pub(super) const LAG: &str = "lag";
 /// Words for a magnitude on a logarithmic scale.
-const DECIBEL: [&str; 6] = ["db", "decibel", "decibels", "log", "log10", "20log10"];
+const DECIBEL: [&str; 9] = [
+    "db", "decibel", "decibels", "log", "log10", "20log10", "ln", "neper", "nepers",
+];
 /// Words for the square of a magnitude.
 const SQUARED: [&str; 7] = [
     "squared",
@@ -84,6 +123,8 @@ const FREQUENCY: [&str; 15] = [
     "x",
     "hz",
 ];
+/// Names of an angular frequency, which need their unit.
+pub(super) const ANGULAR: [&str; 3] = ["omega", "ω", "w"];
 /// Words of a header that say nothing: `Real part of the FRF`.
 const FILLERS: [&str; 11] = [
     "part",
@@ -145,6 +186,22 @@ pub(super) fn after_frequency(word: &str) -> Option<&str> {
         .max_by_key(|name| name.len())
         .and_then(|name| word.get(name.len()..))
         .filter(|rest| !rest.is_empty())
+}
+
+/// The side that the first word of a text names. What follows `/` or `per` is the unit of
+/// a ratio: `velocity/force`.
+pub(super) fn role_of(text: &str) -> Option<Role> {
+    let first = words(text).next().filter(|_| !text.starts_with('/'))?;
+    let lower = first.to_lowercase();
+    ROLES
+        .iter()
+        .find(|(_, names)| names.contains(&lower.as_str()))
+        .map(|(role, _)| *role)
+}
+
+/// True for a word that stands beside a DOF, in lower case, and describes nothing else.
+pub(super) fn is_beside_dof(word: &str) -> bool {
+    PLACES.contains(&word) || role_of(word).is_some()
 }
 
 /// True for a word that says nothing, in lower case.

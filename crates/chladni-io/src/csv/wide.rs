@@ -1,10 +1,11 @@
 //! Tables with a frequency column and a pair of columns per FRF: one FRF per file, wide,
 //! named pairs.
 
+use super::dofs::{dof_pair, Dofs};
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
 use super::groups::{group_columns, Group};
-use super::head::{dof_pair, Head};
+use super::head::Head;
 use super::table::Table;
 use super::vocabulary::{is_frequency, words};
 use super::{Said, Trace};
@@ -62,6 +63,9 @@ fn frequency_factor(table: &Table, said: &Said) -> Result<f64> {
         None => factor_to_hz(&table.names[0], &table.units[0]),
     };
     let label = format!("{} {}", table.names[0], table.units[0]);
+    if factor.is_none() {
+        refuse_own_axes(table)?;
+    }
     let factor = factor.ok_or_else(|| {
         Error::bad_data("the first column is no frequency axis, or its unit is not said")
             .field("column 1")
@@ -73,6 +77,24 @@ fn frequency_factor(table: &Table, said: &Said) -> Result<f64> {
             )
     })?;
     said.frequency_factor(factor, label.trim())
+}
+
+/// Names such as `f1,re1,im1,f2,re2,im2`: each FRF has its own frequencies.
+fn refuse_own_axes(table: &Table) -> Result<()> {
+    let is_numbered = |name: &String| {
+        let lower = name.to_lowercase();
+        let word = words(&lower).next().unwrap_or_default();
+        is_frequency(word.trim_end_matches(|c: char| c.is_ascii_digit()))
+    };
+    let mut columns = (0..table.columns).filter(|&column| is_numbered(&table.names[column]));
+    match (columns.next(), columns.next()) {
+        (Some(0), Some(second)) => Err(Error::bad_data("a second frequency column")
+            .field(format!("column {}", second + 1))
+            .found(&table.names[second])
+            .expected("one frequency axis for all FRFs of a table, in the first column")
+            .help("keep the first one as `f [Hz]`, or put FRFs with other axes into files of their own")),
+        _ => Ok(()),
+    }
 }
 
 /// The index that tables of other programs begin with, in a column without a name.
@@ -128,25 +150,16 @@ fn trace(
     } else {
         Form::rectangular(&first, &second)?
     };
-    let keyword = || {
-        let text = table.keyword("y axis dofs", group.first)?;
-        dof_pair(first_word(text))
-    };
-    let dofs = match (first.head.dofs, second.head.dofs) {
-        (Some(one), Some(other)) if one != other => {
-            return Err(
-                Error::bad_data("two columns of one FRF name different DOFs")
-                    .field(format!("column {}", group.second + 1))
-                    .found(&table.names[group.second])
-                    .expected(format!("the DOFs of `{}`", table.names[group.first]))
-                    .help("correct the header"),
-            )
-        }
-        (one, other) => one.or(other).or_else(keyword),
+    let dofs = dofs_of_pair(&first, &second)?;
+    let keyword = table.keyword("y axis dofs", group.first);
+    let keyword = keyword.and_then(|text| dof_pair(first_word(text)));
+    let (response, reference) = match keyword.filter(|_| dofs.is_empty()) {
+        Some((response, reference)) => (Some(response), reference),
+        None => (dofs.response, dofs.reference),
     };
     Ok(Trace {
-        response: dofs.map(|(response, _)| response),
-        reference: dofs.and_then(|(_, reference)| reference),
+        response,
+        reference,
         values: (a.iter().zip(&b))
             .map(|(&a, &b)| form.value(a, b))
             .collect(),
@@ -154,6 +167,35 @@ fn trace(
         unit: form.unit,
         unit_text: form.unit_text,
     })
+}
+
+/// The DOFs that the names of two columns give.
+///
+/// # Errors
+/// Different ones; words that do not tell which is the response.
+fn dofs_of_pair(first: &Column<'_>, second: &Column<'_>) -> Result<Dofs> {
+    for column in [first, second] {
+        if column.head.dofs.is_unclear {
+            return Err(
+                Error::bad_data("a name does not tell which DOF is the response")
+                    .field(format!("column {}", column.number + 1))
+                    .found(column.name)
+                    .expected("`Rsp 1Z Ref 101Z`, or the response first: `1Z/101Z`")
+                    .help("correct the header: one word in front of each DOF, or none"),
+            );
+        }
+    }
+    let (one, other) = (first.head.dofs, second.head.dofs);
+    if !one.is_empty() && !other.is_empty() && one != other {
+        return Err(
+            Error::bad_data("two columns of one FRF name different DOFs")
+                .field(format!("column {}", second.number + 1))
+                .found(second.name)
+                .expected(format!("the DOFs of `{}`", first.name))
+                .help("correct the header"),
+        );
+    }
+    Ok(if one.is_empty() { other } else { one })
 }
 
 /// `1Z:3Z [2]` without its set number.

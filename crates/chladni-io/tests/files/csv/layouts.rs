@@ -219,3 +219,78 @@ fn a_wide_header_is_read_in_a_moment() {
     let took = start.elapsed();
     assert!(took.as_secs() < 6, "{took:?}");
 }
+
+/// Responses and references of a set, in its order.
+fn dofs(text: &str) -> String {
+    let (set, _) = read(text).unwrap();
+    let listed = |dofs: &[chladni_frf::Dof]| {
+        let texts: Vec<String> = dofs.iter().map(ToString::to_string).collect();
+        texts.join(" ")
+    };
+    format!("{} | {}", listed(&set.responses), listed(&set.references))
+}
+
+#[test]
+fn words_tell_responses_from_references_in_rows_and_names() {
+    let rows = "1,1,2,3,4\n2,5,6,7,8\n";
+    let names = "f,Re,Im,Re,Im\n";
+    for header in [
+        "Reference DOF,101:+Z,101:+Z,101:+Z,101:+Z\nResponse DOF,1:+Z,1:+Z,2:+Z,2:+Z\n",
+        "Response DOF,1:+Z,1:+Z,2:+Z,2:+Z\nReference DOF,101:+Z,101:+Z,101:+Z,101:+Z\n",
+        "Excitation,101Z,,101Z,\nResponse,1Z,,2Z,\n",
+        // without words the response stands first
+        ",1:+Z,1:+Z,2:+Z,2:+Z\n,101:+Z,101:+Z,101:+Z,101:+Z\n",
+    ] {
+        let text = format!("{header}{names}{rows}");
+        assert_eq!(dofs(&text), "1:+Z 2:+Z | 101:+Z", "{header}");
+    }
+    for names in [
+        "f,Ref 101:+Z Rsp 1:+Z Re,Ref 101:+Z Rsp 1:+Z Im,Ref 101:+Z Rsp 2:+Z Re,Ref 101:+Z Rsp 2:+Z Im\n",
+        "f,Re from 101Z to 1Z,Im from 101Z to 1Z,Re from 101Z to 2Z,Im from 101Z to 2Z\n",
+        "f,1Z 101Z Re,1Z 101Z Im,2Z 101Z Re,2Z 101Z Im\n",
+    ] {
+        assert_eq!(dofs(&format!("{names}{rows}")), "1:+Z 2:+Z | 101:+Z", "{names}");
+    }
+    let text = "f,Force 1Z Re,Force 1Z Im,Force 2Z Re,Force 2Z Im\n1,1,2,3,4\n2,5,6,7,8\n";
+    assert_eq!(dofs(text), "1:S | 1:+Z 2:+Z");
+    let unclear = "f,Ref/Rsp 101Z/1Z Re,Ref/Rsp 101Z/1Z Im\n1,1,2\n2,5,6\n";
+    let text = refusal(unclear);
+    assert!(
+        text.contains("column 2") && text.contains("which DOF is the response"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_row_of_dofs_counts_beside_one_that_holds_its_text() {
+    let rows = "f,Re,Im\n1,1,2\n2,5,6\n";
+    let text = format!("Response,1:+Z,1:+Z\nReference,101:+Z,101:+Z\n{rows}");
+    assert_eq!(dofs(&text), "1:+Z | 101:+Z");
+    // a driving point
+    let text = format!("Response,1:+Z,1:+Z\nReference,1:+Z,1:+Z\n{rows}");
+    assert_eq!(dofs(&text), "1:+Z | 1:+Z");
+    // written twice it stays one DOF
+    let text = "DOF,1:+Z,1:+Z\nf,1:+Z Re,1:+Z Im\n1,1,2\n2,5,6\n";
+    assert_eq!(dofs(text), "1:+Z | 1:S");
+    let text = format!("DOF,1:+Z,1:+Z\nDOF,1:+Z,1:+Z\n{rows}");
+    assert_eq!(dofs(&text), "1:+Z | 1:S");
+}
+
+#[test]
+fn the_frequency_of_a_long_table_wins_over_an_index_or_a_position() {
+    for (header, more) in [
+        ("response,reference,x,f [Hz],re,im", "7"),
+        ("response,reference,freq bin,frequency [Hz],re,im", "7"),
+        ("response,reference,x,y,f [Hz],re,im", "0.1,0.2"),
+        ("response,reference,x [mm],Hz,re,im", "1"),
+    ] {
+        let text = format!("{header}\n1Z,9Z,{more},10,2,3\n1Z,9Z,{more},20,4,5\n");
+        let (set, warnings) = read(&text).unwrap();
+        assert_eq!(set.frequency_hz.to_vec(), [10.0, 20.0], "{header}");
+        assert!(warnings.join("\n").contains("not used: `"), "{warnings:?}");
+    }
+    let (set, _) = read("response,reference,x,re,im\n1Z,9Z,10,2,3\n1Z,9Z,20,4,5\n").unwrap();
+    assert_eq!(set.frequency_hz.to_vec(), [10.0, 20.0]);
+    let text = "output,input,f,re,im\n1Z,9Z,10,2,3\n1Z,9Z,20,4,5\n";
+    assert_eq!(dofs(text), "1:+Z | 9:+Z");
+}

@@ -62,6 +62,26 @@ fn every_refusal_names_the_row_and_what_to_do() {
             "node,dir,ref_node,ref_dir,f,re,im\n1,3,9,3,1,1,2\n1,3,9,3,2,1,2\n2,3,9,3,1.4,1,2\n",
             &["line 4", "1.4 for (2:+Z, 9:+Z)"],
         ),
+        (
+            "Frequenza;Real;Imaginario\n1;2;3\n2;3;4\n",
+            &["column 3", "Imaginario", "does not say what it holds"],
+        ),
+        (
+            "f1,re1,im1,f2,re2,im2\n1,2,3,1,2,3\n2,2,3,2,2,3\n",
+            &["column 4", "f2", "second frequency column"],
+        ),
+        (
+            "response,reference,w,re,im\n1Z,9Z,1,2,3\n1Z,9Z,2,2,3\n",
+            &["column 3", "unit of the frequency", "`f [Hz]`"],
+        ),
+        (
+            "f;re;im\n990;1;2\n1,000.00;1;2\n",
+            &["line 3", "1,000.00", "separators of thousands"],
+        ),
+        (
+            "f;re;im\n1;1;2\nx;1;2\n",
+            &["line 3", "found x", "each needs its frequency"],
+        ),
     ] {
         let message = refusal(text);
         for word in words {
@@ -158,4 +178,16 @@ fn a_point_among_decimal_commas_is_no_decimal_sign() {
     );
     let text = refusal("f;re;im\n1,5;0,5;1,5\n2,5;0.5;1,5\n");
     assert!(text.contains("line 3") && text.contains("0.5"), "{text}");
+}
+
+#[test]
+fn lenient_is_no_advice_for_the_frequency() {
+    for text in [
+        "f;re;im\n990;1;2\n1,000.00;1;2\n",
+        "response;reference;f;re;im\n1Z;2Z;990;1;2\n1Z;2Z;1'000;1;2\n",
+        "f;re;im\n1;1;2\nx;1;2\n",
+    ] {
+        let message = refusal(text);
+        assert!(!message.contains("lenient"), "{message}");
+    }
 }

@@ -41,6 +41,16 @@ fn unnamed_columns_are_read_only_where_they_cannot_be_magnitude_and_phase() {
         refusal("Freq Amplitude of H at point 3\n1,0.1,-0.2\n2,-0.3,0.2\n")
             .contains("may be magnitude")
     );
+    // decibels that cross zero, and an unwrapped phase beyond a turn
+    let text = refusal("1,-6.5,-94\n2,3,-190\n3,20,-280\n4,-9,-400\n");
+    assert!(text.contains("may be magnitude and phase"), "{text}");
+    // no unwrapped phase leaps by more than half a turn, no decibels reach 400
+    for text in [
+        "1,-6.5,-94\n2,3,-900\n3,2,30\n",
+        "1,-600.5,-300\n2,30,-400\n",
+    ] {
+        assert!(read(text).is_ok(), "{text}");
+    }
 }
 
 #[test]
@@ -213,6 +223,67 @@ fn a_row_of_units_that_does_not_fit_is_refused() {
     let text = refusal("f mag phase\nMHz mm/s/N\n1 2 90\n2 3 -90\n");
     assert!(
         text.contains("line 2") && text.contains("row of units"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_remark_and_a_column_of_different_units_are_refused() {
+    let rows = "1,2,3\n2,1,1\n";
+    let text = refusal(format!("# unit = mm/s/N\nf,re [m/s/N],im [m/s/N]\n{rows}"));
+    assert!(
+        text.contains("`mm/s/N` in the remark, `m/s/N` in the column"),
+        "{text}"
+    );
+    let (_, same) = values(format!("# unit = mm/s/N\nf,re [(mm/s)/N],im\n{rows}"));
+    assert!((same[0] - c(0.002, 0.003)).norm() < 1e-15);
+}
+
+#[test]
+fn a_column_of_units_counts_where_all_rows_agree() {
+    let table = |units: [&str; 2]| {
+        format!(
+            "response,reference,f,re,im,unit\n1Z,9Z,1,2,3,{}\n1Z,9Z,2,4,5,{}\n",
+            units[0], units[1]
+        )
+    };
+    let (set, warnings) = read(table(["mm/s/N", "mm/s/N"])).unwrap();
+    assert_eq!(set.kind, Some(FrfKind::Mobility));
+    assert!((set.values.get(0, 0, 0) - c(0.002, 0.003)).norm() < 1e-15);
+    assert!(!warnings.join("\n").contains("unit"), "{warnings:?}");
+    let text = refusal(table(["mm/s/N", "m/s/N"]));
+    assert!(
+        text.contains("line 3") && text.contains("`m/s/N` after `mm/s/N` in line 2"),
+        "{text}"
+    );
+    let text = refusal(format!("# unit = m/s/N\n{}", table(["mm/s/N", "mm/s/N"])));
+    assert!(text.contains("different units"), "{text}");
+}
+
+#[test]
+fn a_minus_in_a_name_turns_the_numbers() {
+    for text in [
+        "f,Re,-Im\n1,0,-10\n2,1,1\n",
+        "f,mag,phase lag [deg]\n1,10,-90\n2,1,1\n",
+        "f,mag,-phase [deg]\n1,10,-90\n2,1,1\n",
+        "response,reference,f,re,-im\n1Z,9Z,1,0,-10\n1Z,9Z,2,1,1\n",
+    ] {
+        let (_, values) = values(text);
+        assert!(
+            (values[0] - c(0.0, 10.0)).norm() < 1e-12,
+            "{text}: {values:?}"
+        );
+    }
+    for header in ["f,-Re,-Im", "f,-mag [m/s/N],phase [deg]"] {
+        let text = refusal(format!("{header}\n1,2,3\n2,1,1\n"));
+        assert!(
+            text.contains("column 2") && text.contains("a minus"),
+            "{text}"
+        );
+    }
+    let text = refusal("f,ln|H|,phase [deg]\n1,2,3\n2,1,1\n");
+    assert!(
+        text.contains("column 2") && text.contains("logarithm"),
         "{text}"
     );
 }

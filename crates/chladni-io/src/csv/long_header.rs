@@ -1,0 +1,209 @@
+//! The header of a long table: which column holds what.
+
+use super::frequency::factor_to_hz;
+use super::head::Head;
+use super::header::outside_brackets;
+use super::remarks::key_of;
+use super::text::{Cell, Dialect, Line};
+use super::vocabulary::{is_frequency, words, Part, ANGULAR};
+use crate::limits::HEADER_LINES;
+use chladni_frf::Finding;
+use std::borrow::Cow;
+
+/// The place of each column.
+pub(super) struct Columns {
+    pub(super) response: DofColumns,
+    pub(super) reference: DofColumns,
+    pub(super) f: usize,
+    /// Real part or magnitude.
+    pub(super) first: usize,
+    /// Imaginary part or phase.
+    pub(super) second: usize,
+    pub(super) is_polar: bool,
+    pub(super) coherence: Option<usize>,
+    /// The unit of the FRFs, in each row.
+    pub(super) unit: Option<usize>,
+    pub(super) names: Vec<String>,
+    pub(super) heads: Vec<Head>,
+    pub(super) dialect: Dialect,
+}
+
+/// A DOF in one column (`12:+Z`) or two (node, direction).
+pub(super) enum DofColumns {
+    Text(usize),
+    NodeAndDirection(usize, usize),
+}
+
+/// The header line and its columns, where the file is a long table.
+pub(super) struct LongTable<'a> {
+    pub(super) columns: Columns,
+    pub(super) above: &'a [Line<'a>],
+    pub(super) rows: Vec<&'a Line<'a>>,
+    /// Rows that are comments, and the line of the first.
+    pub(super) commented: Option<(usize, u64)>,
+}
+
+/// Finds the header of a long table.
+pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
+    lines
+        .iter()
+        .take(HEADER_LINES)
+        .enumerate()
+        .find_map(|(at, line)| {
+            let any = Dialect {
+                delimiter: Some('\t'),
+                decimal_comma: false,
+            };
+            let mut columns = any
+                .and_others()
+                .find_map(|dialect| header(&names_of(line.text, dialect), dialect))?;
+            let (comments, rows): (Vec<_>, Vec<_>) =
+                lines[at + 1..].iter().partition(|line| line.is_comment);
+            if columns.dialect.delimiter != Some(',') {
+                let numbers = [columns.f, columns.first, columns.second];
+                let has_comma = |row: &&Line<'_>| {
+                    let cells = columns.dialect.cells(row.text);
+                    numbers
+                        .iter()
+                        .any(|&column| cells.get(column).is_some_and(|cell| cell.contains(',')))
+                };
+                columns.dialect.decimal_comma = rows.iter().take(HEADER_LINES).any(has_comma);
+            }
+            let dialect = columns.dialect;
+            let mut commented = comments.iter().filter(|line| {
+                let cells = dialect.cells(line.text);
+                cells.len() == columns.names.len()
+                    && matches!(dialect.number(&cells[columns.f]), Cell::Value(_))
+            });
+            let first = commented.next().map(|line| line.number);
+            Some(LongTable {
+                above: &lines[..at],
+                commented: first.map(|line| (1 + commented.count(), line)),
+                columns,
+                rows,
+            })
+        })
+}
+
+/// The names of a header line; blanks in front of a unit in brackets do not cut.
+fn names_of(line: &str, dialect: Dialect) -> Vec<String> {
+    match dialect.delimiter {
+        None => outside_brackets(line),
+        Some(_) => {
+            let cells = dialect.cells(line).into_iter();
+            cells.map(Cow::into_owned).collect()
+        }
+    }
+}
+
+fn header(cells: &[String], dialect: Dialect) -> Option<Columns> {
+    let names: Vec<String> = cells
+        .iter()
+        .map(|cell| cell.trim().to_lowercase().replace([' ', '-'], "_"))
+        .collect();
+    let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
+    let dof = |one: &[&str], node: &[&str], direction: &[&str]| match (
+        find(one),
+        find(node),
+        find(direction),
+    ) {
+        (_, Some(node), Some(direction)) => Some(DofColumns::NodeAndDirection(node, direction)),
+        (Some(one), None, _) => Some(DofColumns::Text(one)),
+        _ => None,
+    };
+    let response = dof(
+        &[
+            "response",
+            "response_dof",
+            "resp",
+            "rsp",
+            "rsp_dof",
+            "output",
+            "output_dof",
+        ],
+        &["node", "response_node", "rsp_node"],
+        &["dir", "direction", "response_dir", "rsp_dir"],
+    )?;
+    let reference = dof(
+        &[
+            "reference",
+            "reference_dof",
+            "ref",
+            "ref_dof",
+            "excitation",
+            "exc",
+            "input",
+            "input_dof",
+        ],
+        &["ref_node", "reference_node"],
+        &[
+            "ref_dir",
+            "reference_dir",
+            "ref_direction",
+            "reference_direction",
+        ],
+    )?;
+    let heads: Vec<Head> = cells.iter().map(|cell| Head::parse(cell, "")).collect();
+    let part = |part: Part| heads.iter().position(|head| head.part == part);
+    let (first, second, is_polar) = match (part(Part::Re), part(Part::Im)) {
+        (Some(re), Some(im)) => (re, im, false),
+        _ => (part(Part::Magnitude)?, part(Part::Phase)?, true),
+    };
+    Some(Columns {
+        response,
+        reference,
+        f: frequency_column(cells)?,
+        first,
+        second,
+        is_polar,
+        coherence: part(Part::Coherence),
+        unit: names.iter().position(|name| key_of(name) == "unit"),
+        names: cells.iter().map(|cell| cell.trim().to_owned()).collect(),
+        heads,
+        dialect,
+    })
+}
+
+/// The column of the frequency: a name of one whose unit is understood, else one whose unit
+/// is not, to be refused by name, else `x` without a unit, which may be a position.
+fn frequency_column(cells: &[String]) -> Option<usize> {
+    let rank = |name: &String| {
+        let lower = name.to_lowercase();
+        let first = lower.split('_').flat_map(words).next()?;
+        let is_unit = first.ends_with("hz");
+        if !(is_frequency(first) || is_unit || ANGULAR.contains(&first)) {
+            return None;
+        }
+        let (has_factor, is_x) = (factor_to_hz(name, "").is_some(), words(&lower).eq(["x"]));
+        Some(match (has_factor, is_x) {
+            (true, false) => 0,
+            (false, false) if first != "x" => 1,
+            _ => 2,
+        })
+    };
+    let ranked = cells.iter().enumerate();
+    let ranked = ranked.filter_map(|(column, name)| Some((rank(name)?, column)));
+    ranked.min().map(|(_, column)| column)
+}
+
+impl Columns {
+    /// A note about columns that hold nothing that is asked for, such as positions.
+    pub(super) fn unused(&self) -> Option<Finding> {
+        let mut used = vec![self.f, self.first, self.second];
+        used.extend(self.coherence);
+        used.extend(self.unit);
+        for dof in [&self.response, &self.reference] {
+            match *dof {
+                DofColumns::Text(one) => used.push(one),
+                DofColumns::NodeAndDirection(node, direction) => used.extend([node, direction]),
+            }
+        }
+        let others = self.names.iter().enumerate();
+        let others = others.filter(|(column, name)| !used.contains(column) && !name.is_empty());
+        let names: Vec<String> = others.map(|(_, name)| format!("`{name}`")).collect();
+        (!names.is_empty()).then(|| {
+            let words = format!("columns that are not used: {}", names.join(", "));
+            Finding::note("not-read", words)
+        })
+    }
+}
