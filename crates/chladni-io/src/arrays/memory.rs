@@ -1,7 +1,7 @@
 //! Arrays that were read as a whole (MATLAB, NumPy), laid out as the tree of an HDF5
 //! file.
 
-use super::foreign::{is_frequency_name, read_foreign, Found};
+use super::foreign::{read_foreign, Found};
 use super::tree::{Attribute, Entry, Values};
 use super::ArrayFile;
 use crate::time_sign::to_plus;
@@ -10,16 +10,6 @@ use chladni_frf::{Error, Finding, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Texts that say something about the arrays beside them.
-const REMARKS: [&str; 7] = [
-    "axes",
-    "format",
-    "frf_kind",
-    "reference_unit",
-    "time_sign",
-    "unit",
-    "units",
-];
 /// The attribute that MATLAB's own writer marks every array with: it stands in reverse
 /// order.
 const MATLAB: &str = "MATLAB_class";
@@ -85,7 +75,7 @@ impl MemoryFile {
             .filter(|entry| entry.dataset.is_some())
             .map(info)
             .collect();
-        if entries[0].text("format") == Some(chladni_frf::MODEL_FORMAT) {
+        if self.is_model() {
             document.warnings.push(Finding::caution(
                 "not-read",
                 "a model for other programs: read it from JSON or HDF5 here",
@@ -101,11 +91,10 @@ impl MemoryFile {
                 time_sign,
                 used,
             })) => {
-                let remark =
-                    |info: &DatasetInfo| REMARKS.iter().any(|name| info.name == format!("/{name}"));
-                document.datasets.iter_mut().for_each(|info| {
-                    info.left_behind &= !used.contains(&info.name) && !remark(info)
-                });
+                document
+                    .datasets
+                    .iter_mut()
+                    .for_each(|info| info.left_behind &= !used.contains(&info.name));
                 to_plus(
                     &mut set,
                     time_sign,
@@ -122,37 +111,22 @@ impl MemoryFile {
         Ok(document)
     }
 
-    /// The root with the remarks as its attributes, then all arrays; units stand on the
-    /// arrays that have one.
+    /// True for the model that this program writes for others.
+    fn is_model(&self) -> bool {
+        let format = self.arrays.get("/format").map(|(_, values)| values);
+        matches!(format, Some(Values::Text(texts)) if texts.first().is_some_and(|text| text == chladni_frf::MODEL_FORMAT))
+    }
+
+    /// The root, then all arrays.
     fn entries(&self) -> Vec<Entry> {
-        let remark = |name: &str| match self.arrays.get(&format!("/{name}")) {
-            Some((_, Values::Text(texts))) => texts
-                .first()
-                .map(|text| (name.to_owned(), Attribute::Text(text.clone()))),
-            _ => None,
-        };
-        let remarks: Vec<_> = REMARKS.iter().filter_map(|name| remark(name)).collect();
         let root = Entry {
             path: "/".into(),
             dataset: None,
-            attributes: remarks.clone(),
+            attributes: Vec::new(),
             unread_attributes: Vec::new(),
         };
-        let with_unit = |(entry, _): &(Entry, Values<'static>)| {
-            let mut entry = entry.clone();
-            if !is_frequency_name(entry.name()) {
-                entry.attributes.extend(
-                    remarks
-                        .iter()
-                        .filter(|(name, _)| name.starts_with("unit"))
-                        .cloned(),
-                );
-            }
-            entry
-        };
-        std::iter::once(root)
-            .chain(self.arrays.values().map(with_unit))
-            .collect()
+        let arrays = self.arrays.values().map(|(entry, _)| entry.clone());
+        std::iter::once(root).chain(arrays).collect()
     }
 }
 

@@ -99,6 +99,16 @@ impl From<String> for Attribute {
     }
 }
 
+impl Attribute {
+    /// A list of texts as one: the text that all are, else all with commas between them.
+    pub(crate) fn joined(texts: &[String]) -> String {
+        match texts {
+            [first, rest @ ..] if rest.iter().all(|text| text == first) => first.clone(),
+            texts => texts.join(", "),
+        }
+    }
+}
+
 /// Named attributes, in order.
 pub(crate) type Attributes = Vec<(String, Attribute)>;
 
@@ -170,10 +180,13 @@ impl Entry {
     }
     /// The group it stands in.
     pub(crate) fn folder(&self) -> &str {
-        match self.path.rfind('/') {
-            Some(0) | None => "/",
-            Some(end) => &self.path[..end],
-        }
+        folder_of(&self.path)
+    }
+    /// The groups around it, from its own to the root.
+    pub(crate) fn groups(&self) -> impl Iterator<Item = &str> {
+        std::iter::successors(Some(self.folder()), |path| {
+            (*path != "/").then(|| folder_of(path))
+        })
     }
     /// Shape, empty for a group or scalar.
     pub(crate) fn shape(&self) -> &[usize] {
@@ -181,6 +194,13 @@ impl Entry {
     }
     pub(crate) fn element(&self) -> Option<&Element> {
         self.dataset.as_ref().map(|(_, element)| element)
+    }
+}
+
+fn folder_of(path: &str) -> &str {
+    match path.rfind('/') {
+        Some(0) | None => "/",
+        Some(end) => &path[..end],
     }
 }
 

@@ -4,6 +4,7 @@ use chladni_frf::{ErrorKind, FrfKind, FrfSet, ReferenceUnit};
 use chladni_io::{read_contents, read_document, read_frf, ReadOptions};
 use hdf5_pure::{AttrValue, CompoundTypeBuilder, FileBuilder};
 use num_complex::Complex64;
+use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 const LINES: u64 = 5;
@@ -158,6 +159,119 @@ fn units_names_and_kind_beside_the_array_are_used() {
             .contains("node numbers without a direction"),
         "{warnings:?}"
     );
+}
+
+#[test]
+fn units_of_the_root_and_of_groups_hold_for_the_arrays_in_them() {
+    let text = |text: &str| AttrValue::String(text.into());
+    let file = |set: &dyn Fn(&mut FileBuilder, &mut hdf5_pure::GroupBuilder)| {
+        let mut file = FileBuilder::new();
+        let mut group = file.create_group("data");
+        r_i(
+            group.create_dataset("H"),
+            &nested(['j', 'i', 'k']),
+            &[2, 3, LINES],
+        );
+        let turned: Vec<f64> = frequencies().iter().map(|f| f * TAU).collect();
+        group
+            .create_dataset("freq")
+            .with_f64_data(&turned)
+            .set_attr("Units", text("rad/s"));
+        group
+            .create_dataset("response")
+            .with_f64_data(&[7.0, 8.0, 9.0]);
+        set(&mut file, &mut group);
+        let group = group.finish();
+        file.add_group(group);
+        file
+    };
+    for at_root in [true, false] {
+        let (set, warnings) = read(
+            file(&|file, group| {
+                if at_root {
+                    file.set_attr("unit", text("mm/s/N"));
+                } else {
+                    group.set_attr("Unit", text("mm/s/N"));
+                }
+            }),
+            &[],
+        )
+        .unwrap();
+        assert_eq!(set.kind, Some(FrfKind::Mobility));
+        assert!((set.values.get(2, 1, 3).re - 1e-3 * value(2, 1, 3).0).abs() < 1e-15);
+        assert!((set.frequency_hz[1] - 12.5).abs() < 1e-12);
+        assert_eq!(set.responses[2].to_string(), "9:+Z");
+        assert!(!warnings.join("\n").contains("taken as SI"), "{warnings:?}");
+    }
+    let contradicted = file(&|file, _| {
+        file.set_attr("unit", text("mm/N"));
+        file.set_attr("frf_kind", text("mobility"));
+    });
+    let error = read(contradicted, &[]).unwrap_err().to_string();
+    assert!(error.contains("mobility with unit mm/N"), "{error}");
+}
+
+#[test]
+fn labels_of_dimensions_tell_the_axes() {
+    let file = |labels: &[&str]| {
+        let mut file = FileBuilder::new();
+        let dataset = file.create_dataset("H");
+        r_i(dataset, &nested(['j', 'i', 'k']), &[2, 3, LINES]);
+        let labels = labels.iter().map(|label| (*label).to_owned()).collect();
+        dataset.set_attr("DIMENSION_LABELS", AttrValue::VarLenStringArray(labels));
+        file.create_dataset("freq").with_f64_data(&frequencies());
+        file
+    };
+    for labels in [["reference", "response", "line"], ["input", "", ""]] {
+        let (set, warnings) = read(file(&labels), &[]).unwrap();
+        assert_values(&set);
+        assert!(
+            !warnings.join("\n").contains("in the order"),
+            "{warnings:?}"
+        );
+    }
+    let error = read(file(&["line", "response", "reference"]), &[]).unwrap_err();
+    assert!(
+        error.to_string().contains("DIMENSION_LABELS of /H"),
+        "{error}"
+    );
+    // names of somebody's own say nothing
+    let (set, _) = read(file(&["a", "b", "c"]), &[]).unwrap();
+    assert_eq!(set.values.dim(), (2, 3, LINES as usize));
+}
+
+#[test]
+fn characters_of_matlab_are_texts() {
+    let mut file = FileBuilder::new();
+    let class = |class: &str| AttrValue::AsciiString(class.into());
+    let mut characters = |name: &str, rows: &[&str]| {
+        // column by column, as all arrays of MATLAB
+        let width = rows[0].len();
+        let codes: Vec<u16> = (0..width)
+            .flat_map(|k| rows.iter().map(move |row| row.as_bytes()[k].into()))
+            .collect();
+        file.create_dataset(name)
+            .with_u16_data(&codes)
+            .with_shape(&[width as u64, rows.len() as u64])
+            .set_attr("MATLAB_class", class("char"));
+    };
+    characters("unit", &["mm/s/V"]);
+    characters("response", &["7:+Z ", "18:-X", "9:+Y "]);
+    file.create_dataset("frf")
+        .with_complex64_data(&nested(['j', 'i', 'k']))
+        .with_shape(&[2, 3, LINES])
+        .set_attr("MATLAB_class", class("double"));
+    file.create_dataset("f")
+        .with_f64_data(&frequencies())
+        .with_shape(&[1, LINES])
+        .set_attr("MATLAB_class", class("double"));
+    let (set, _) = read(file, &[]).unwrap();
+    assert_eq!(
+        (set.kind, set.reference_unit),
+        (Some(FrfKind::Mobility), ReferenceUnit::Volt)
+    );
+    assert_eq!(set.values.dim(), (3, 2, LINES as usize));
+    assert_eq!(set.responses[1].to_string(), "18:-X");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The axes of an array that are the response, the reference, the line.
 
-use super::choose::Source;
+use super::super::tree::Entry;
+use super::said::Said;
 use super::Reader;
 use chladni_frf::{Error, ErrorKind, Result};
 
@@ -50,11 +51,11 @@ impl<'a> Reader<'a> {
     /// the user says which is which.
     pub(super) fn axes(
         &self,
-        source: Source<'a>,
+        frf: &Entry,
+        said: &Said<'a>,
         shape: &[usize],
         lengths: &Lengths,
     ) -> Result<(Axes, bool)> {
-        let frf = source.first();
         if !(1..=3).contains(&shape.len()) {
             return Err(
                 super::wrong_type(frf, "at most three axes: response, reference, line")
@@ -62,20 +63,38 @@ impl<'a> Reader<'a> {
             );
         }
         if let Some((_, text)) = self.map.iter().find(|(key, _)| key == "axes") {
-            return Ok((named_axes(text, shape, lengths.lines)?, true));
+            let axes = named_axes(text, shape, lengths.lines).ok_or_else(|| {
+                let error = Error::new(ErrorKind::Usage, "the axes do not fit");
+                misfit(error.field("map axes"), text, shape, lengths.lines)
+            })?;
+            return Ok((axes, true));
         }
-        if let Some(text) = self.text_near(frf, "axes") {
-            if let Ok(axes) = named_axes(text, shape, lengths.lines) {
-                return Ok((axes, true));
-            }
+        // a single axis is the line, whatever it is called
+        if let Some(fact) = said.axes.as_ref().filter(|_| shape.len() > 1) {
+            let axes = named_axes(&fact.text, shape, lengths.lines).ok_or_else(|| {
+                let error = Error::bad_data("the axes do not fit").field(&fact.field);
+                misfit(error, &fact.text, shape, lengths.lines)
+                    .help("correct them, or name them with `map axes=...`")
+            })?;
+            return Ok((axes, true));
         }
-        let fitting: Vec<Axes> = ways(shape.len())
+        let mut fitting: Vec<Axes> = ways(shape.len())
             .iter()
             .filter(|axes| lengths.fits(shape, axes))
             .copied()
             .collect();
-        let Some(&first) = fitting.first() else {
+        if fitting.is_empty() {
             return Err(no_way(frf.path.as_str(), shape, lengths));
+        }
+        let labels = frf.text("DIMENSION_LABELS").unwrap_or_default();
+        let labels = if shape.len() > 1 { labels } else { "" };
+        let roles: Vec<Option<usize>> = labels.split(',').map(role).collect();
+        fitting.retain(|axes| agrees(axes, &roles));
+        let Some(&first) = fitting.first() else {
+            let error = Error::bad_data("the labels of the dimensions do not fit");
+            let error = error.field(format!("DIMENSION_LABELS of {}", frf.path));
+            return Err(misfit(error, labels, shape, lengths.lines)
+                .help("correct them, or name the axes with `map axes=...`"));
         };
         // axes of one value may change places
         let differs = |a: Option<usize>, b: Option<usize>| {
@@ -100,10 +119,11 @@ impl<'a> Reader<'a> {
             ));
         }
         let by_lists = lengths.response.is_some() || lengths.reference.is_some();
+        let by_labels = roles.iter().any(Option::is_some);
         let same = fitting
             .iter()
             .all(|axes| !differs(axes[0], first[0]) && !differs(axes[1], first[1]));
-        Ok((first, by_lists && same))
+        Ok((first, (by_lists || by_labels) && same))
     }
 }
 
@@ -123,23 +143,41 @@ fn no_way(path: &str, shape: &[usize], lengths: &Lengths) -> Error {
         .help("correct the lists, or name others with `map response=PATH,reference=PATH`")
 }
 
-/// `response-reference-line` in any order, two or three words.
-fn named_axes(text: &str, shape: &[usize], lines: usize) -> Result<[Option<usize>; 3]> {
-    let words: Vec<&str> = text.split(['-', ':', '/', ' ']).collect();
-    let find = |name: &str| {
-        words
-            .iter()
-            .position(|word| word.trim_end_matches('s') == name)
-    };
-    let axes = [find("response"), find("reference"), find("line")];
-    let complete = words.len() == shape.len() && axes.iter().flatten().count() == words.len();
-    if complete && axes[2].is_some_and(|axis| shape[axis] == lines) {
-        return Ok(axes);
-    }
-    Err(Error::new(ErrorKind::Usage, "the axes do not fit")
-        .field("map axes")
+/// Words for the axes of response, reference and line.
+const AXIS_WORDS: [&[&str]; 3] = [
+    &["response", "resp", "rsp", "output"],
+    &["reference", "ref", "input"],
+    &["line", "frequency", "frequencies", "freq", "f"],
+];
+
+/// The place in [`Axes`] of the axis that a word names.
+fn role(word: &str) -> Option<usize> {
+    let word = word.trim().to_lowercase();
+    let singular = word.strip_suffix('s').unwrap_or(&word);
+    (AXIS_WORDS.iter())
+        .position(|words| words.contains(&word.as_str()) || words.contains(&singular))
+}
+
+/// True where every axis with a role has that role.
+fn agrees(axes: &Axes, roles: &[Option<usize>]) -> bool {
+    let mut told = roles.iter().enumerate();
+    told.all(|(axis, role)| role.is_none_or(|role| axes[role] == Some(axis)))
+}
+
+/// `response-reference-line` in any order, two or three words; `None` where they do not
+/// name every axis, or another as the line.
+fn named_axes(text: &str, shape: &[usize], lines: usize) -> Option<Axes> {
+    let words = text.split(|c: char| !c.is_alphanumeric());
+    let roles: Vec<Option<usize>> = words.filter(|word| !word.is_empty()).map(role).collect();
+    let axes = ways(shape.len()).iter().find(|axes| agrees(axes, &roles))?;
+    let complete = roles.len() == shape.len() && roles.iter().all(Option::is_some);
+    (complete && axes[2].is_some_and(|axis| shape[axis] == lines)).then_some(*axes)
+}
+
+fn misfit(error: Error, text: &str, shape: &[usize], lines: usize) -> Error {
+    error
         .found(format!("{text} for shape {shape:?}"))
         .expected(format!(
             "one of response, reference, line for each axis, joined by '-', with {lines} lines"
-        )))
+        ))
 }

@@ -3,24 +3,13 @@
 
 use super::super::tree::{Element, Entry};
 use super::super::values::{reals, ComplexArray};
-use super::{describe, length, Reader};
-use chladni_frf::{Error, ErrorKind, Result};
+use super::{describe, frequency, length, Reader};
+use crate::limits::DATASETS_LISTED;
+use crate::paths::shortened;
+use chladni_frf::{Error, ErrorKind, Finding, Result};
 use ndarray::Axis;
 use num_complex::Complex64;
 
-/// Names that a frequency axis goes by.
-pub(super) const FREQUENCY_NAMES: [&str; 10] = [
-    "f",
-    "freq",
-    "frequency",
-    "frequencies",
-    "freqs",
-    "f_axis",
-    "faxis",
-    "freq_hz",
-    "frequency_hz",
-    "x",
-];
 /// Pairs of real arrays that hold one complex array, and whether they are magnitude and
 /// phase.
 const PART_NAMES: [(&[&str], &[&str], bool); 2] = [
@@ -97,33 +86,32 @@ fn not_clear(sources: &[Source<'_>], axes: &[&Entry]) -> Error {
 
 impl<'a> Reader<'a> {
     /// The FRFs and their frequency axis; `None` where nothing looks like them.
-    pub(super) fn choose(&self) -> Result<Option<(Source<'a>, &'a Entry)>> {
+    pub(super) fn choose(
+        &self,
+        warnings: &mut Vec<Finding>,
+    ) -> Result<Option<(Source<'a>, &'a Entry)>> {
         let sources = match self.mapped_source()? {
             Some(source) => vec![source],
             None => self.source_candidates()?,
         };
         let axes = match self.mapped("freq")? {
             Some(entry) => vec![entry],
-            None => self.frequency_candidates()?,
-        };
-        let mut pairs: Vec<(Source<'a>, &'a Entry)> = Vec::new();
-        for &source in &sources {
-            let fitting = axes
-                .iter()
-                .filter(|axis| source.first().shape().contains(&length(axis)));
-            pairs.extend(fitting.map(|&axis| (source, axis)));
-        }
-        // a single number may be an axis of one line, but not beside a real axis
-        if pairs.iter().any(|(_, axis)| length(axis) > 1) {
-            pairs.retain(|(_, axis)| length(axis) > 1);
-        }
-        if pairs.is_empty() && self.mapped("freq")?.is_none() {
-            if let &[Source::Complex(entry)] = sources.as_slice() {
-                if self.is_joined(entry)? {
-                    return Ok(Some((Source::Joined(entry), entry)));
+            None => {
+                let named = self.lists(frequency::is_name)?;
+                let rising = rising(&named);
+                if pairs(&sources, &rising).is_empty() {
+                    if let &[Source::Complex(entry)] = sources.as_slice() {
+                        if self.is_joined(entry)? {
+                            return Ok(Some((Source::Joined(entry), entry)));
+                        }
+                    }
+                    self.other_axes(&sources, named)?
+                } else {
+                    rising
                 }
             }
-        }
+        };
+        let pairs = pairs(&sources, &axes);
         // a frequency axis beside the array wins over one elsewhere
         let beside: Vec<_> = pairs
             .iter()
@@ -133,7 +121,10 @@ impl<'a> Reader<'a> {
         match (pairs.as_slice(), beside.as_slice()) {
             (&[pair], _) => Ok(Some(pair)),
             (_, &[pair]) if sources.len() == 1 => Ok(Some(pair)),
-            ([], _) if self.map.is_empty() => Ok(None),
+            ([], _) if self.map.is_empty() => {
+                warnings.extend(self.nameless_axis(&sources));
+                Ok(None)
+            }
             _ => Err(not_clear(&sources, &axes)),
         }
     }
@@ -180,7 +171,8 @@ impl<'a> Reader<'a> {
                 let values = self.file.read(entry);
                 values.map(|values| reals(entry, values).is_ok())
             };
-            let named = super::is_frequency_name(entry.name());
+            let name = entry.name();
+            let named = frequency::is_name(name) || frequency::is_likely_name(name);
             if matches!(entry.element(), Some(Element::Complex { .. })) && !(named && is_axis()?) {
                 complex.push(Source::Complex(entry));
             }
@@ -193,50 +185,114 @@ impl<'a> Reader<'a> {
             self.datasets()
                 .find(|entry| entry.folder() == folder && entry.name().eq_ignore_ascii_case(name))
         };
-        let mut parts = Vec::new();
-        for first in self.datasets().filter(of_rank).filter(real) {
-            let is = |name: &&str| first.name().eq_ignore_ascii_case(name);
-            for (names, partners, polar) in PART_NAMES {
-                let second =
-                    partners
-                        .iter()
-                        .filter(|_| names.iter().any(&is))
-                        .find_map(|partner| {
-                            named(partner, first.folder())
-                                .filter(|second| second.shape() == first.shape())
-                        });
-                match second {
-                    Some(second) if polar => parts.push(Source::Polar(first, second)),
-                    Some(second) => parts.push(Source::Parts(first, second)),
-                    None => {}
+        // by the bare names of parts, else by `H_re` and `H_im`
+        for stem in ["", "H_", "FRF_"] {
+            let mut parts = Vec::new();
+            for first in self.datasets().filter(of_rank).filter(real) {
+                let called = |name: &str| format!("{stem}{name}");
+                let is = |name: &&str| first.name().eq_ignore_ascii_case(&called(name));
+                for (names, partners, polar) in PART_NAMES {
+                    let second =
+                        partners
+                            .iter()
+                            .filter(|_| names.iter().any(&is))
+                            .find_map(|partner| {
+                                named(&called(partner), first.folder())
+                                    .filter(|second| second.shape() == first.shape())
+                            });
+                    match second {
+                        Some(second) if polar => parts.push(Source::Polar(first, second)),
+                        Some(second) => parts.push(Source::Parts(first, second)),
+                        None => {}
+                    }
                 }
             }
+            if !parts.is_empty() {
+                return Ok(parts);
+            }
         }
-        Ok(parts)
+        Ok(Vec::new())
     }
 
-    /// Rising lists of real numbers with the name of a frequency axis.
-    fn frequency_candidates(&self) -> Result<Vec<&'a Entry>> {
+    /// Lists of real numbers with such a name, and whether they rise.
+    fn lists(&self, is_named: fn(&str) -> bool) -> Result<Vec<(&'a Entry, bool)>> {
         let mut found = Vec::new();
-        for entry in self.datasets() {
-            let named = super::is_frequency_name(entry.name());
-            let numbers = matches!(
-                entry.element(),
-                Some(Element::Real { .. } | Element::Integer | Element::Complex { .. })
-            );
-            let long = entry.shape().iter().filter(|&&extent| extent != 1).count();
-            let list = !entry.shape().is_empty() && long <= 1;
-            if named && numbers && list {
-                let Ok(values) = reals(entry, self.file.read(entry)?) else {
-                    continue; // complex, and no axis
-                };
-                if values.windows(2).all(|pair| pair[0] < pair[1]) {
-                    found.push(entry);
-                }
+        let named = |entry: &&Entry| is_list(entry) && is_named(entry.name());
+        for entry in self.datasets().filter(named) {
+            if let Ok(values) = reals(entry, self.file.read(entry)?) {
+                found.push((entry, values.windows(2).all(|pair| pair[0] < pair[1])));
             }
         }
         Ok(found)
     }
+
+    /// Axes where no rising list has a usual name: those of other names, else those out
+    /// of order, which are refused by what is wrong with them.
+    fn other_axes(
+        &self,
+        sources: &[Source<'a>],
+        named: Vec<(&'a Entry, bool)>,
+    ) -> Result<Vec<&'a Entry>> {
+        let mut others = self.lists(frequency::is_likely_name)?;
+        others.retain(|(entry, _)| length(entry) > 1);
+        let rising = rising(&others);
+        if !pairs(sources, &rising).is_empty() {
+            return Ok(rising);
+        }
+        let all = named.into_iter().chain(others);
+        Ok(all.map(|(entry, _)| entry).collect())
+    }
+
+    /// Complex arrays beside lists of numbers that may be their axis, but for the name.
+    fn nameless_axis(&self, sources: &[Source<'a>]) -> Option<Finding> {
+        let is_real = |entry: &&Entry| {
+            is_list(entry) && !matches!(entry.element(), Some(Element::Complex { .. }))
+        };
+        let lists: Vec<&Entry> = self.datasets().filter(is_real).collect();
+        let pairs = pairs(sources, &lists);
+        let (source, _) = pairs.first().filter(|(_, axis)| length(axis) > 1)?;
+        let axes: Vec<String> = pairs.iter().map(|(_, axis)| axis.path.clone()).collect();
+        Some(Finding::caution(
+            "no-frequency-axis",
+            format!(
+                "{}: no array is its frequency axis by name; if one of {} is, name both with \
+                 `map frf=PATH,freq=PATH`",
+                source.describe(),
+                shortened(&axes, DATASETS_LISTED)
+            ),
+        ))
+    }
+}
+
+/// True for numbers along one axis.
+fn is_list(entry: &Entry) -> bool {
+    let numbers = matches!(
+        entry.element(),
+        Some(Element::Real { .. } | Element::Integer | Element::Complex { .. })
+    );
+    let long = entry.shape().iter().filter(|&&extent| extent != 1).count();
+    numbers && !entry.shape().is_empty() && long <= 1
+}
+
+fn rising<'a>(lists: &[(&'a Entry, bool)]) -> Vec<&'a Entry> {
+    let rising = lists.iter().filter(|(_, rises)| *rises);
+    rising.map(|&(entry, _)| entry).collect()
+}
+
+/// FRFs with the axes that are as long as one of theirs.
+fn pairs<'a>(sources: &[Source<'a>], axes: &[&'a Entry]) -> Vec<(Source<'a>, &'a Entry)> {
+    let mut pairs = Vec::new();
+    for &source in sources {
+        let fitting = axes
+            .iter()
+            .filter(|axis| source.first().shape().contains(&length(axis)));
+        pairs.extend(fitting.map(|&axis| (source, axis)));
+    }
+    // a single number may be an axis of one line, but not beside a real axis
+    if pairs.iter().any(|(_, axis)| length(axis) > 1) {
+        pairs.retain(|(_, axis)| length(axis) > 1);
+    }
+    pairs
 }
 
 /// The axis along which a frequency axis and the FRFs stand beside each other: its first

@@ -2,7 +2,7 @@
 
 use super::super::tree::{Element, Entry, Values};
 use super::super::values::wrong_type;
-use super::{length, Reader};
+use super::{is_characters, length, Reader};
 use chladni_frf::{Direction, Dof, Error, Finding, Result};
 
 /// The words about the DOFs of one side of the FRFs.
@@ -47,18 +47,29 @@ impl SideWords {
 }
 
 impl<'a> Reader<'a> {
-    /// Number of DOFs in the list beside the FRFs, where there is one.
-    pub(super) fn dof_list(&self, side: &SideWords, frf: &Entry) -> Result<Option<usize>> {
-        let is_list = |entry: &&Entry| {
-            let element = entry.element();
-            side.is_beside(entry, frf)
-                && matches!(
-                    element,
-                    Some(Element::Text | Element::Dof | Element::Integer)
-                )
+    /// Number of DOFs in the list beside the FRFs of so many lines, where there is one.
+    pub(super) fn dof_list(
+        &self,
+        side: &SideWords,
+        frf: &Entry,
+        lines: usize,
+    ) -> Result<Option<usize>> {
+        let is_list = |entry: &&Entry| match entry.element() {
+            Some(Element::Text | Element::Dof | Element::Integer) => true,
+            // node numbers, no level, spectrum or time record
+            Some(Element::Real { .. }) => {
+                let count = length(entry);
+                count > 1
+                    && count != lines
+                    && frf.shape().contains(&count)
+                    && (self.file.read(entry)).is_ok_and(|values| node_numbers(&values).is_some())
+            }
+            _ => false,
         };
+        let beside = |entry: &&Entry| side.is_beside(entry, frf);
         let mapped = self.mapped(side.key)?;
-        Ok(mapped.or_else(|| self.datasets().find(is_list)).map(length))
+        let found = mapped.or_else(|| self.datasets().filter(beside).find(is_list));
+        Ok(found.map(length))
     }
 
     /// The dataset of DOFs: the mapped one, else one of that name and length beside the
@@ -114,20 +125,23 @@ impl<'a> Reader<'a> {
         direction: Direction,
         warnings: &mut Vec<Finding>,
     ) -> Result<Vec<Dof>> {
-        match self.file.read(entry)? {
+        let values = match self.file.read(entry)? {
+            _ if is_characters(entry) => Values::Text(self.texts(entry)?),
+            values => values,
+        };
+        if let Some(nodes) = node_numbers(&values) {
+            warnings.push(Finding::caution(
+                "dofs-assumed",
+                format!(
+                    "{}: node numbers without a direction; {direction} is assumed",
+                    entry.path
+                ),
+            ));
+            let dof = |&node: &u64| Dof::new(node, direction);
+            return Ok(nodes.iter().map(dof).collect());
+        }
+        match values {
             Values::Dofs(dofs) => Ok(dofs),
-            Values::Unsigned(nodes) => {
-                warnings.push(Finding::caution(
-                    "dofs-assumed",
-                    format!(
-                        "{}: node numbers without a direction; {direction} is assumed",
-                        entry.path
-                    ),
-                ));
-                Ok((nodes.iter())
-                    .map(|&node| Dof::new(node, direction))
-                    .collect())
-            }
             Values::Text(texts) => {
                 let dof = |text: &String| {
                     text.parse().map_err(|message: String| {
@@ -138,8 +152,20 @@ impl<'a> Reader<'a> {
             }
             _ => Err(wrong_type(
                 entry,
-                "DOF texts like 12:+Z, node numbers or records {node, dir}",
+                "DOF texts like 12:+Z, whole node numbers or records {node, dir}",
             )),
         }
+    }
+}
+
+/// Node numbers: whole numbers, not negative, of any type.
+fn node_numbers(values: &Values<'_>) -> Option<Vec<u64>> {
+    let whole = |value: f64| Some(value as u64).filter(|&node| node as f64 == value);
+    match values {
+        Values::Unsigned(nodes) => Some(nodes.to_vec()),
+        Values::Signed(nodes) => nodes.iter().map(|&node| u64::try_from(node).ok()).collect(),
+        Values::Real64(nodes) => nodes.iter().map(|&node| whole(node)).collect(),
+        Values::Real32(nodes) => nodes.iter().map(|&node| whole(node.into())).collect(),
+        _ => None,
     }
 }

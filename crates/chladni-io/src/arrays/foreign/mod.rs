@@ -7,23 +7,27 @@
 mod axes;
 mod choose;
 mod dofs;
+mod frequency;
 mod parts;
+mod said;
 
-use super::tree::Entry;
-use super::values::{real_array, reals, wrong_type, ComplexArray};
+use super::tree::{Element, Entry};
+use super::values::{real_array, wrong_type, ComplexArray};
 use super::ArrayFile;
 use crate::limits::DATASETS_LISTED;
 use crate::paths::shortened;
-use crate::unit_label::{frequency_unit, frf_unit};
+use crate::unit_label::frf_unit;
 use crate::ReadOptions;
 use axes::Lengths;
 use chladni_frf::{
-    Error, ErrorKind, Finding, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign,
+    Error, ErrorKind, Finding, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result,
+    TimeSign,
 };
 use choose::Source;
 use dofs::{REFERENCE, RESPONSE};
 use ndarray::Array3;
 use num_complex::Complex64;
+use said::Said;
 
 /// Keys of the caller's map.
 const MAP_KEYS: [&str; 9] = [
@@ -44,16 +48,14 @@ pub(crate) fn describe(entry: &Entry) -> String {
     format!("{} ({})", entry.path, extents.join(" x "))
 }
 
-/// True for the names that a frequency axis goes by.
-pub(crate) fn is_frequency_name(name: &str) -> bool {
-    choose::FREQUENCY_NAMES
-        .iter()
-        .any(|known| name.eq_ignore_ascii_case(known))
-}
-
 /// True for what stands in the file in reverse order, because MATLAB wrote it.
 fn is_matlab(entry: &Entry) -> bool {
     entry.attribute("MATLAB_class").is_some()
+}
+
+/// True for texts of MATLAB 7.3, which stand in the file as numbers.
+fn is_characters(entry: &Entry) -> bool {
+    entry.text("MATLAB_class") == Some("char") && entry.element() == Some(&Element::Integer)
 }
 
 /// Extents in the order of the program that wrote them.
@@ -89,7 +91,7 @@ pub(crate) fn read_foreign(
         options,
     };
     reader.check_map_keys()?;
-    let Some((source, freq)) = reader.choose()? else {
+    let Some((source, freq)) = reader.choose(warnings)? else {
         return Ok(None);
     };
     if map.is_empty() {
@@ -156,18 +158,19 @@ impl<'a> Reader<'a> {
         freq: &'a Entry,
         warnings: &mut Vec<Finding>,
     ) -> Result<Found> {
-        let array = self.array(source, warnings)?;
+        let said = self.said(source, freq)?;
+        let array = self.array(source, &said, warnings)?;
         let (frequency_hz, array) = match source {
-            Source::Joined(_) => self.split_joined(freq, array, warnings)?,
-            _ => (self.frequency_hz(freq, warnings)?, array),
+            Source::Joined(_) => self.split_joined(freq, &said, array, warnings)?,
+            _ => (self.frequency_hz(freq, &said, warnings)?, array),
         };
         let (shape, frf) = (array.shape().to_vec(), source.first());
         let lengths = Lengths {
-            response: self.dof_list(&RESPONSE, frf)?,
-            reference: self.dof_list(&REFERENCE, frf)?,
+            response: self.dof_list(&RESPONSE, frf, frequency_hz.len())?,
+            reference: self.dof_list(&REFERENCE, frf, frequency_hz.len())?,
             lines: frequency_hz.len(),
         };
-        let ([response, reference, line], told) = self.axes(source, &shape, &lengths)?;
+        let ([response, reference, line], told) = self.axes(frf, &said, &shape, &lengths)?;
         let line = line
             .ok_or_else(|| Error::new(ErrorKind::Internal, "the axis of the lines is not known"))?;
         let mut values = array.into_frf_values(response, reference, line);
@@ -176,7 +179,7 @@ impl<'a> Reader<'a> {
         if shape.len() == 3 && values.dim().1 > 1 && !told {
             warnings.push(axes_guessed(frf));
         }
-        let (kind, reference_unit) = self.units(source, &mut values, warnings)?;
+        let (kind, reference_unit) = self.units(source, &said, &mut values, warnings)?;
         let (response_count, reference_count, _) = values.dim();
         let response_entry = self.dof_entry(&RESPONSE, frf, response_count)?;
         let reference_entry = self.dof_entry(&REFERENCE, frf, reference_count)?;
@@ -202,26 +205,13 @@ impl<'a> Reader<'a> {
             .chain(response_entry)
             .chain(reference_entry)
             .chain(coherence_entry)
+            .chain(said.used)
             .map(|entry| entry.path.clone());
         Ok(Found {
             set: set.checked()?,
-            time_sign: (self.text_near(frf, "time_sign")).and_then(|sign| sign.parse().ok()),
+            time_sign: said.time_sign,
             used: used.collect(),
         })
-    }
-
-    fn frequency_hz(&self, freq: &Entry, warnings: &mut Vec<Finding>) -> Result<Vec<f64>> {
-        let mut values = reals(freq, self.file.read(freq)?)?;
-        if let Some(unit) = unit_of(freq) {
-            match frequency_unit(unit) {
-                Some(to_hz) => values.iter_mut().for_each(|f| *f *= to_hz),
-                None => warnings.push(Finding::caution(
-                    "unit-assumed",
-                    format!("{}: unit `{unit}` is no frequency; taken as Hz", freq.path),
-                )),
-            }
-        }
-        Ok(values)
     }
 
     /// Real numbers named `coherence` beside the FRFs and of their shape.
@@ -231,8 +221,7 @@ impl<'a> Reader<'a> {
                 && entry.shape() == frf.shape()
                 && is_matlab(entry) == is_matlab(frf)
         };
-        let real =
-            |entry: &&Entry| matches!(entry.element(), Some(super::tree::Element::Real { .. }));
+        let real = |entry: &&Entry| matches!(entry.element(), Some(Element::Real { .. }));
         self.datasets()
             .filter(fits)
             .filter(real)
@@ -256,29 +245,17 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn text_near(&self, entry: &'a Entry, name: &str) -> Option<&'a str> {
-        let group = self
-            .entries
-            .iter()
-            .find(|group| group.dataset.is_none() && group.path == entry.folder());
-        entry
-            .text(name)
-            .or_else(|| group?.text(name))
-            .or_else(|| self.entries.first()?.text(name))
-    }
-
     /// Kind and reference unit, as far as attributes say them; values are scaled to SI.
     fn units(
         &self,
         source: Source<'a>,
+        said: &Said<'a>,
         values: &mut FrfValues,
         warnings: &mut Vec<Finding>,
-    ) -> Result<(Option<chladni_frf::FrfKind>, ReferenceUnit)> {
+    ) -> Result<(Option<FrfKind>, ReferenceUnit)> {
         let entry = source.first();
-        let said = self
-            .text_near(entry, "frf_kind")
-            .and_then(|kind| kind.parse().ok());
-        let Some(label) = unit_of(entry) else {
+        let unscaled = (said.kind, said.reference_unit.unwrap_or_default());
+        let Some(label) = said.label() else {
             warnings.push(Finding::caution(
                 "unit-assumed",
                 format!(
@@ -286,7 +263,7 @@ impl<'a> Reader<'a> {
                     entry.path
                 ),
             ));
-            return Ok((said, ReferenceUnit::Newton));
+            return Ok(unscaled);
         };
         let label = parts::linear_label(source, label)?;
         let Some(unit) = frf_unit(label) else {
@@ -297,10 +274,27 @@ impl<'a> Reader<'a> {
                     entry.path
                 ),
             ));
-            return Ok((said, ReferenceUnit::Newton));
+            return Ok(unscaled);
         };
+        let told = self.options.frf_kind;
+        if let Some(kind) = (said.kind).filter(|kind| told.is_none() && *kind != unit.kind) {
+            return Err(Error::bad_data("frf_kind and unit contradict each other")
+                .field("frf_kind")
+                .found(format!("{kind} with unit {label}"))
+                .expected(format!("{} for that unit", unit.kind))
+                .help("say which is right with `frf_kind`"));
+        }
+        if let Some(reference) = (said.reference_unit).filter(|said| *said != unit.reference) {
+            return Err(
+                Error::bad_data("reference_unit and unit contradict each other")
+                    .field("reference_unit")
+                    .found(format!("{reference} with unit {label}"))
+                    .expected(format!("{} for that unit", unit.reference))
+                    .help("correct the one that is wrong"),
+            );
+        }
         scale(values, unit.to_si);
-        Ok((said.or(Some(unit.kind)), unit.reference))
+        Ok((said.kind.or(Some(unit.kind)), unit.reference))
     }
 
     /// Infinities are errors, as in every format.
@@ -339,13 +333,13 @@ fn axes_guessed(frf: &Entry) -> Finding {
     Finding::note("layout-guessed", words)
 }
 
+/// Number of its values; of texts.
 fn length(entry: &Entry) -> usize {
-    entry.shape().iter().product()
-}
-
-/// The unit that an array carries.
-fn unit_of(entry: &Entry) -> Option<&str> {
-    entry.text("unit").or(entry.text("units"))
+    let shape = entry.shape();
+    if is_characters(entry) {
+        return shape.last().copied().unwrap_or(1);
+    }
+    shape.iter().product()
 }
 
 fn scale(values: &mut FrfValues, factor: f64) {

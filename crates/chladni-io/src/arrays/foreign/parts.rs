@@ -2,10 +2,12 @@
 //! frequencies with the FRFs beside it.
 
 use super::choose::{joined_axis, Source};
-use super::{is_matlab, unit_of, Reader};
+use super::frequency::said_to_hz;
+use super::said::Said;
+use super::{is_matlab, Reader};
 use crate::arrays::tree::Entry;
 use crate::arrays::values::{real_array, wrong_type, ComplexArray};
-use crate::unit_label::{decibel_reference, frequency_unit, is_decibel_label};
+use crate::unit_label::{decibel_reference, is_decibel_label};
 use crate::PhaseUnit;
 use chladni_frf::{Error, Finding, Result};
 use ndarray::{Axis, Zip};
@@ -33,11 +35,38 @@ fn without_reference(entry: &Entry, label: &str) -> Error {
         .help("save linear complex values, or write the reference value and unit into `unit`")
 }
 
+/// The value at 0 dB of a magnitude in decibels; `None` of a linear one.
+fn decibel(
+    entry: &Entry,
+    said: &Said<'_>,
+    values: impl Iterator<Item = f64>,
+) -> Result<Option<f64>> {
+    let label = said.label().unwrap_or_default();
+    let by_name = entry.name().to_lowercase().contains("db");
+    if is_decibel_label(label) || by_name {
+        return decibel_reference(label)
+            .map(|(reference, _)| Some(reference))
+            .ok_or_else(|| {
+                let label = if label.is_empty() { "none" } else { label };
+                without_reference(entry, label)
+            });
+    }
+    match values.into_iter().find(|value| *value < 0.0) {
+        None => Ok(None),
+        Some(value) => Err(Error::bad_data("a magnitude below zero; is it in dB?")
+            .field(&entry.path)
+            .found(value)
+            .expected("a linear magnitude, or dB with its reference in the attribute `unit`")
+            .help("save linear values, or complex ones")),
+    }
+}
+
 impl<'a> Reader<'a> {
     /// The values, axes in the order of the program that wrote them.
     pub(super) fn array(
         &self,
         source: Source<'a>,
+        said: &Said<'a>,
         warnings: &mut Vec<Finding>,
     ) -> Result<ComplexArray> {
         let array = match source {
@@ -52,9 +81,9 @@ impl<'a> Reader<'a> {
                 }
                 let mut values = ndarray::ArrayD::zeros(a.raw_dim());
                 if matches!(source, Source::Polar(..)) {
-                    let decibel = self.decibel(first, a.iter().copied())?;
+                    let decibel = decibel(first, said, a.iter().copied())?;
                     let to_radians = self
-                        .phase_unit(second, b.iter().copied(), warnings)?
+                        .phase_unit(second, said, b.iter().copied(), warnings)?
                         .to_radians();
                     Zip::from(&mut values)
                         .and(&a)
@@ -80,31 +109,10 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The value at 0 dB of a magnitude in decibels; `None` of a linear one.
-    fn decibel(&self, entry: &Entry, values: impl Iterator<Item = f64>) -> Result<Option<f64>> {
-        let label = unit_of(entry).unwrap_or_default();
-        let by_name = entry.name().to_lowercase().contains("db");
-        if is_decibel_label(label) || by_name {
-            return decibel_reference(label)
-                .map(|(reference, _)| Some(reference))
-                .ok_or_else(|| {
-                    let label = if label.is_empty() { "none" } else { label };
-                    without_reference(entry, label)
-                });
-        }
-        match values.into_iter().find(|value| *value < 0.0) {
-            None => Ok(None),
-            Some(value) => Err(Error::bad_data("a magnitude below zero; is it in dB?")
-                .field(&entry.path)
-                .found(value)
-                .expected("a linear magnitude, or dB with its reference in the attribute `unit`")
-                .help("save linear values, or complex ones")),
-        }
-    }
-
     fn phase_unit(
         &self,
         entry: &Entry,
+        said: &Said<'a>,
         values: impl Iterator<Item = f64>,
         warnings: &mut Vec<Finding>,
     ) -> Result<PhaseUnit> {
@@ -119,9 +127,10 @@ impl<'a> Reader<'a> {
                 .expected("deg or rad")
                 .help("say it with `phase_unit deg` or `phase_unit rad`, or in an attribute `unit`")
         };
-        if let Some(label) = unit_of(entry).filter(|label| !label.trim().is_empty()) {
-            return PhaseUnit::named(label)
-                .ok_or_else(|| ask("the unit of the phase is not understood", label));
+        if let Some(fact) = &said.phase_unit {
+            return PhaseUnit::named(&fact.text).ok_or_else(|| {
+                ask("the unit of the phase is not understood", &fact.text).field(&fact.field)
+            });
         }
         if let Some(unit) = in_name {
             return Ok(unit);
@@ -147,6 +156,7 @@ impl<'a> Reader<'a> {
     pub(super) fn split_joined(
         &self,
         entry: &Entry,
+        said: &Said<'a>,
         array: ComplexArray,
         warnings: &mut Vec<Finding>,
     ) -> Result<(Vec<f64>, ComplexArray)> {
@@ -161,19 +171,17 @@ impl<'a> Reader<'a> {
             .map(|value| value.re)
             .collect();
         values.slice_axis_inplace(Axis(axis), (1..).into());
+        let label = said.frequency_unit.as_ref().map_or("Hz", |fact| &fact.text);
         warnings.push(Finding::note(
             "layout-guessed",
             format!(
-                "{}: its first column is taken as the frequency axis, Hz; name others with `map`",
+                "{}: its first column is taken as the frequency axis, {label}; name others with \
+                 `map`",
                 entry.path
             ),
         ));
-        if let Some(to_hz) = self
-            .text_near(entry, "frequency_unit")
-            .and_then(frequency_unit)
-        {
-            frequency_hz.iter_mut().for_each(|f| *f *= to_hz);
-        }
+        let to_hz = said_to_hz(said)?.unwrap_or(1.0);
+        frequency_hz.iter_mut().for_each(|f| *f *= to_hz);
         Ok((frequency_hz, ComplexArray::Double(values)))
     }
 }

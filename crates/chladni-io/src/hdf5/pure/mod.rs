@@ -206,13 +206,14 @@ fn known_attributes(
     for (name, datatype) in names {
         let value = values.get(&name);
         let attribute = value.and_then(|value| {
-            let text = value.as_str().map(|text| Attribute::Text(text.into()));
+            let texts = value.as_strings().filter(|texts| !texts.is_empty());
+            let text = texts.map(|texts| Attribute::Text(Attribute::joined(texts)));
             text.or_else(|| value.as_i64().map(Attribute::Integer))
                 .or_else(|| value.as_f64().map(Attribute::Real))
         });
         match attribute {
             Some(attribute) => known.push((name, attribute)),
-            None if value.is_some() => {} // an array of numbers or texts: nothing here asks for one
+            None if value.is_some() => {} // an array of numbers: nothing here asks for one
             None => unread.push(format!(
                 "attribute {name} ({}) cannot be read",
                 element_of(&datatype).describe()

@@ -193,14 +193,11 @@ fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Vec<String>)>
             continue;
         };
         match (element_of(&descriptor), attribute.size()) {
-            (Element::Text | Element::Integer | Element::Real { .. }, 1) => {
+            (Element::Text, 1..) | (Element::Integer | Element::Real { .. }, 1) => {
                 match read_values(&attribute, &descriptor)? {
-                    Some(Values::Text(texts)) => known.extend(
-                        texts
-                            .into_iter()
-                            .next()
-                            .map(|text| (name, Attribute::Text(text))),
-                    ),
+                    Some(Values::Text(texts)) => {
+                        known.push((name, Attribute::Text(Attribute::joined(&texts))))
+                    }
                     Some(Values::Real64(values)) => known.push((name, Attribute::Real(values[0]))),
                     Some(Values::Real32(values)) => {
                         known.push((name, Attribute::Real(values[0].into())))
@@ -215,7 +212,7 @@ fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Vec<String>)>
                     _ => unread.push(format!("attribute {name} cannot be read")),
                 }
             }
-            (Element::Text | Element::Integer | Element::Real { .. }, _) => {} // a list: nothing here asks for one
+            (Element::Text | Element::Integer | Element::Real { .. }, _) => {} // a list of numbers: nothing here asks for one
             (element, _) => unread.push(format!(
                 "attribute {name} ({}) cannot be read",
                 element.describe()

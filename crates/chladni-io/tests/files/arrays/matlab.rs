@@ -6,6 +6,7 @@ use chladni_frf::{FrfKind, FrfValues, ReferenceUnit};
 use chladni_io::{assemble, read_document, read_frf, write_frf, Contents, Document, ReadOptions};
 use ndarray::Array3;
 use num_complex::{Complex32, Complex64};
+use std::f64::consts::TAU;
 use std::path::Path;
 
 const LINES: usize = 4;
@@ -160,6 +161,40 @@ fn structs_and_cells_are_paths() {
         contents.frf.unwrap().frequency_hz.to_vec(),
         [10.0, 11.0, 12.0, 13.0]
     );
+}
+
+#[test]
+fn a_unit_in_a_struct_and_one_of_joined_frequencies_are_used() {
+    let mut file = Mat::new(false);
+    let text = |file: &Mat, name: &str, text: &str| {
+        let characters = [text.as_bytes().to_vec()];
+        file.array(name, &[1, text.len() as u32], 4, 16, &characters)
+    };
+    // [w, H], column by column
+    let re = [TAU, 2.0 * TAU, 3.0 * TAU, 5.0, 6.0, 7.0];
+    let parts = [
+        file.doubles(re),
+        file.doubles([0.0, 0.0, 0.0, 1.0, 1.0, 1.0]),
+    ];
+    let parts = [
+        file.element(6, &[file.word(2), file.word(0)].concat()),
+        file.element(5, &[file.word(1), file.word(1)].concat()),
+        file.element(1, b"data"),
+        file.element(5, &file.word(8)),
+        file.element(1, b"H\0\0\0\0\0\0\0unit\0\0\0\0"),
+        file.array("", &[3, 2], 6, 9, &parts),
+        text(&file, "", "mm/s/N"),
+    ];
+    let whole = file.element(14, &parts.concat());
+    file.push(&whole, false);
+    let unit = text(&file, "frequency_unit", "rad/s");
+    file.push(&unit, false);
+    let (_, contents) = read(&file.bytes, "joined.mat", &[]);
+    let set = contents.frf.unwrap();
+    assert_eq!(set.kind, Some(FrfKind::Mobility));
+    assert!((set.values.get(0, 0, 2) - 1e-3 * Complex64::new(7.0, 1.0)).norm() < 1e-15);
+    assert!((set.frequency_hz[2] - 3.0).abs() < 1e-12);
+    assert_eq!(contents.not_carried, [""; 0]);
 }
 
 #[test]

@@ -5,4 +5,5 @@ mod mat;
 mod matlab;
 mod npz;
 mod numpy;
+mod said;
 mod sets;

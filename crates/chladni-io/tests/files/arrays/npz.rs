@@ -1,9 +1,10 @@
 //! NumPy archives made by hand.
 
 use chladni_frf::{Error, FrfSet};
-use chladni_io::{read_frf, ReadOptions};
+use chladni_io::{read_document, read_frf, Document, ReadOptions};
 use num_complex::Complex64;
 use std::io::Write;
+use std::path::PathBuf;
 
 /// An archive as `numpy.savez` writes it; texts have at most eight characters.
 pub(super) struct Npz(pub(super) Vec<(String, Vec<u8>)>);
@@ -39,6 +40,14 @@ impl Npz {
         self.add(name, "|S24", &[texts.len()], data)
     }
     pub(super) fn read(&self, options: &ReadOptions) -> Result<(FrfSet, Vec<String>), Error> {
+        let (_folder, path) = self.saved();
+        read_frf(&[path], options).map(|(set, _, warnings)| (set, crate::words(&warnings)))
+    }
+    pub(super) fn document(&self, options: &ReadOptions) -> Document {
+        let (_folder, path) = self.saved();
+        read_document(&path, options).unwrap()
+    }
+    fn saved(&self) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("foreign.npz");
         let mut archive = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
@@ -49,6 +58,6 @@ impl Npz {
             archive.write_all(bytes).unwrap();
         }
         archive.finish().unwrap();
-        read_frf(&[path], options).map(|(set, _, warnings)| (set, crate::words(&warnings)))
+        (folder, path)
     }
 }

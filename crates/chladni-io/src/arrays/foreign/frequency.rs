@@ -1,0 +1,141 @@
+//! The frequency axis of a foreign file: its names, its unit, its order.
+
+use super::super::tree::Entry;
+use super::super::values::reals;
+use super::said::{attribute, Said};
+use super::Reader;
+use crate::unit_label::frequency_unit;
+use chladni_frf::{Error, Finding, Result};
+
+/// Names that a frequency axis goes by.
+const NAMES: [&str; 10] = [
+    "f",
+    "freq",
+    "frequency",
+    "frequencies",
+    "freqs",
+    "f_axis",
+    "faxis",
+    "freq_hz",
+    "frequency_hz",
+    "x",
+];
+/// Words for a frequency that may be in rad/s as well as in Hz.
+const ANGULAR: [&str; 5] = ["w", "omega", "ω", "angular", "circular"];
+
+/// True for the names that a frequency axis goes by.
+pub(super) fn is_name(name: &str) -> bool {
+    NAMES.iter().any(|known| name.eq_ignore_ascii_case(known))
+}
+
+/// True for names that are a frequency axis where no other is: `omega`, `f_kHz`.
+pub(super) fn is_likely_name(name: &str) -> bool {
+    let stem = name.split('_').next().unwrap_or_default();
+    is_angular(name) || (is_name(stem) && unit_in_name(name).is_some())
+}
+
+fn is_angular(name: &str) -> bool {
+    name.split(|c: char| !c.is_alphanumeric())
+        .any(|word| ANGULAR.contains(&word.to_lowercase().as_str()))
+}
+
+/// Factor to Hz of a label in any case; a small m in capitals is neither milli nor mega.
+fn factor_of(label: &str) -> Option<f64> {
+    frequency_unit(label).or_else(|| frequency_unit(&label.to_lowercase()))
+}
+
+/// Factor to Hz by the end of a name: `f_kHz`, `omega_rad_s`.
+fn unit_in_name(name: &str) -> Option<f64> {
+    name.match_indices('_').find_map(|(at, _)| {
+        let label = name[at + 1..].replace("_per_", "/");
+        factor_of(&label.replace('_', "/"))
+    })
+}
+
+impl<'a> Reader<'a> {
+    /// Frequencies of the axis, Hz.
+    pub(super) fn frequency_hz(
+        &self,
+        freq: &'a Entry,
+        said: &Said<'a>,
+        warnings: &mut Vec<Finding>,
+    ) -> Result<Vec<f64>> {
+        let mut values = reals(freq, self.file.read(freq)?)?;
+        refuse_disorder(freq, &values)?;
+        let to_hz = axis_to_hz(freq, said, warnings)?;
+        values.iter_mut().for_each(|f| *f *= to_hz);
+        Ok(values)
+    }
+}
+
+/// Factor to Hz of an axis of its own: every place that says a unit says the same.
+fn axis_to_hz(freq: &Entry, said: &Said<'_>, warnings: &mut Vec<Finding>) -> Result<f64> {
+    let own = attribute(freq, &["unit"]);
+    let by_own = own.as_ref().and_then(|fact| factor_of(&fact.text));
+    let by_name = unit_in_name(freq.name());
+    let stated = said_to_hz(said)?;
+    let factors = [by_own, by_name, stated];
+    let Some(to_hz) = factors.into_iter().flatten().next() else {
+        let label = own.map(|fact| fact.text);
+        if is_angular(freq.name()) {
+            return Err(
+                Error::bad_data("the unit of the frequency axis is not known")
+                    .field(&freq.path)
+                    .found(label.unwrap_or_else(|| "no unit".into()))
+                    .expected(
+                        "rad/s or Hz, in an attribute `unit` or a text `frequency_unit` beside it",
+                    )
+                    .help("write the unit into the file, or save the axis in Hz as `freq`"),
+            );
+        }
+        warnings.extend(label.map(|label| {
+            let words = format!("{}: unit `{label}` is no frequency; taken as Hz", freq.path);
+            Finding::caution("unit-assumed", words)
+        }));
+        return Ok(1.0);
+    };
+    if factors.into_iter().flatten().all(|factor| factor == to_hz) {
+        return Ok(to_hz);
+    }
+    let places = [
+        own.filter(|_| by_own.is_some())
+            .map(|fact| format!("`{}` in {}", fact.text, fact.field)),
+        by_name.map(|_| format!("the name {}", freq.path)),
+        (said.frequency_unit.as_ref()).map(|fact| format!("`{}` in {}", fact.text, fact.field)),
+    ];
+    let found: Vec<String> = places.into_iter().flatten().collect();
+    Err(Error::bad_data("two units of the frequency")
+        .field(&freq.path)
+        .found(found.join(", "))
+        .expected("one unit")
+        .help("correct the one that is wrong"))
+}
+
+/// Factor to Hz by the file's word about all frequencies.
+///
+/// # Errors
+/// A word that is no unit of a frequency.
+pub(super) fn said_to_hz(said: &Said<'_>) -> Result<Option<f64>> {
+    let factor = |fact: &super::said::Fact<'_>| {
+        factor_of(&fact.text).ok_or_else(|| {
+            fact.not_understood("no unit of a frequency; write Hz, kHz, rad/s or 1/min")
+        })
+    };
+    said.frequency_unit.as_ref().map(factor).transpose()
+}
+
+fn refuse_disorder(freq: &Entry, values: &[f64]) -> Result<()> {
+    let Some(pair) = values.windows(2).find(|pair| pair[1] <= pair[0]) else {
+        return Ok(());
+    };
+    let what = if pair[1] == pair[0] {
+        "a frequency stands twice"
+    } else {
+        "the frequency axis falls"
+    };
+    Err(Error::bad_data(what)
+        .field(&freq.path)
+        .found(format!("{} after {}", pair[1], pair[0]))
+        .expected("strictly rising frequencies")
+        .help("sort the frequencies, and the FRFs with them; remove doubled lines"))
+}

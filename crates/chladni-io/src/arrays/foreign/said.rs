@@ -1,0 +1,224 @@
+//! Facts that a foreign file states in words: attributes of an array and of the groups
+//! around it, and texts that stand beside it or further up.
+
+use super::super::tree::{Attribute, Element, Entry, Values};
+use super::super::values::reals;
+use super::choose::Source;
+use super::{is_characters, length, Reader};
+use chladni_frf::{Error, FrfKind, ReferenceUnit, Result, TimeSign};
+use std::str::FromStr;
+
+const UNIT: [&str; 3] = ["unit", "frf_unit", "y_unit"];
+const FREQUENCY_UNIT: [&str; 4] = ["frequency_unit", "freq_unit", "f_unit", "x_unit"];
+const PHASE_UNIT: [&str; 2] = ["phase_unit", "angle_unit"];
+
+/// A fact in words, and the field that states it.
+pub(super) struct Fact<'a> {
+    pub(super) text: String,
+    pub(super) field: String,
+    /// The text that states it, where no attribute does.
+    dataset: Option<&'a Entry>,
+}
+
+impl<'a> Fact<'a> {
+    /// `None` for a blank text.
+    fn new(text: &str, field: String, dataset: Option<&'a Entry>) -> Option<Self> {
+        let text = text.trim().to_owned();
+        (!text.is_empty()).then_some(Self {
+            text,
+            field,
+            dataset,
+        })
+    }
+
+    /// The fact as one of the words of `T`, in any case.
+    fn word<T: FromStr<Err = String>>(&self) -> Result<T> {
+        let word = self.text.to_lowercase().parse();
+        word.map_err(|message: String| self.not_understood(&message))
+    }
+
+    /// The error of a fact that `message` says nothing can be made of.
+    pub(super) fn not_understood(&self, message: &str) -> Error {
+        Error::bad_word(message, &self.text).field(&self.field)
+    }
+}
+
+/// The facts about the FRFs.
+pub(super) struct Said<'a> {
+    pub(super) kind: Option<FrfKind>,
+    pub(super) reference_unit: Option<ReferenceUnit>,
+    pub(super) time_sign: Option<TimeSign>,
+    pub(super) unit: Option<Fact<'a>>,
+    pub(super) frequency_unit: Option<Fact<'a>>,
+    pub(super) phase_unit: Option<Fact<'a>>,
+    pub(super) axes: Option<Fact<'a>>,
+    /// Texts that state a fact.
+    pub(super) used: Vec<&'a Entry>,
+}
+
+impl Said<'_> {
+    /// The label of the values' unit.
+    pub(super) fn label(&self) -> Option<&str> {
+        self.unit.as_ref().map(|fact| fact.text.as_str())
+    }
+}
+
+/// A name in lower case with `_` between its words.
+fn key_of(name: &str) -> String {
+    name.trim().to_lowercase().replace([' ', '-'], "_")
+}
+
+/// True for one of `names`, and its plural.
+fn is_one_of(name: &str, names: &[&str]) -> bool {
+    let key = key_of(name);
+    names.contains(&key.as_str())
+        || key
+            .strip_suffix('s')
+            .is_some_and(|key| names.contains(&key))
+}
+
+/// The attribute of `entry` under one of `names`.
+pub(super) fn attribute<'a>(entry: &Entry, names: &[&str]) -> Option<Fact<'a>> {
+    entry
+        .attributes
+        .iter()
+        .filter(|(name, _)| is_one_of(name, names))
+        .find_map(|(name, value)| {
+            let field = format!("{name} of {}", entry.path);
+            match value {
+                Attribute::Text(text) | Attribute::FixedText(text) => Fact::new(text, field, None),
+                Attribute::Real(value) => Fact::new(&value.to_string(), field, None),
+                Attribute::Integer(value) => Fact::new(&value.to_string(), field, None),
+            }
+        })
+}
+
+impl<'a> Reader<'a> {
+    /// Every fact about the FRFs.
+    ///
+    /// # Errors
+    /// A word that is not understood.
+    pub(super) fn said(&self, source: Source<'a>, freq: &'a Entry) -> Result<Said<'a>> {
+        let frf = source.first();
+        let own = |entry: &Entry| format!("{}_unit", key_of(entry.name()));
+        let (own_unit, mut own_frequency_unit) = (own(frf), own(freq));
+        if matches!(source, Source::Joined(_)) {
+            own_frequency_unit.clear(); // the name of the FRFs
+        }
+        let phase = match source {
+            Source::Polar(_, phase) => Some((phase, own(phase))),
+            _ => None,
+        };
+        let frequency_names = [&[own_frequency_unit.as_str()], &FREQUENCY_UNIT[..]].concat();
+        let kind = self.near(frf, &["frf_kind"])?;
+        let sign = self.near(frf, &["time_sign"])?;
+        let reference = self.near(frf, &["reference_unit"])?;
+        let unit = self.near(frf, &[&[own_unit.as_str()], &UNIT[..]].concat())?;
+        let frequency_unit = match self.near(freq, &frequency_names)? {
+            None => self.near(frf, &frequency_names)?,
+            found => found,
+        };
+        let phase_unit = match &phase {
+            None => None,
+            Some((phase, name)) => match attribute(phase, &["unit"]) {
+                None => self.near(phase, &[&[name.as_str()], &PHASE_UNIT[..]].concat())?,
+                found => found,
+            },
+        };
+        let axes = self.near(frf, &["axes"])?;
+        let facts = [
+            &kind,
+            &sign,
+            &reference,
+            &unit,
+            &frequency_unit,
+            &phase_unit,
+            &axes,
+        ];
+        Ok(Said {
+            used: (facts.into_iter().flatten())
+                .filter_map(|fact| fact.dataset)
+                .collect(),
+            kind: kind.map_or(Ok(None), |fact| self.kind(&fact))?,
+            time_sign: sign.map(|fact| fact.word()).transpose()?,
+            reference_unit: reference.map(|fact| reference_unit(&fact)).transpose()?,
+            unit,
+            frequency_unit,
+            phase_unit,
+            axes,
+        })
+    }
+
+    /// The kind that the file says; a word that is none matters only where the caller
+    /// says no kind.
+    fn kind(&self, fact: &Fact<'_>) -> Result<Option<FrfKind>> {
+        match (fact.word(), self.options.frf_kind) {
+            (Ok(kind), _) => Ok(Some(kind)),
+            (Err(_), Some(_)) => Ok(None),
+            (Err(error), None) => Err(error.help("correct it, or say the kind with `frf_kind`")),
+        }
+    }
+
+    /// The nearest statement under one of `names`: an attribute of `entry`, else an
+    /// attribute of or a text in its group, or one around that.
+    fn near(&self, entry: &'a Entry, names: &[&str]) -> Result<Option<Fact<'a>>> {
+        let mut fact = attribute(entry, names);
+        for group in entry.groups() {
+            if fact.is_some() {
+                break;
+            }
+            let is_here = |entry: &&Entry| entry.dataset.is_none() && entry.path == group;
+            let here = self.entries.iter().find(is_here);
+            fact = here.and_then(|here| attribute(here, names));
+            let is_beside = |text: &&Entry| text.folder() == group && is_one_of(text.name(), names);
+            for text in self.datasets().filter(is_beside) {
+                if fact.is_none() {
+                    fact = self.statement(text)?;
+                }
+            }
+        }
+        Ok(fact)
+    }
+
+    /// The fact in a dataset: texts, or a single number.
+    fn statement(&self, entry: &'a Entry) -> Result<Option<Fact<'a>>> {
+        let text = match entry.element() {
+            _ if is_characters(entry) => self.texts(entry)?,
+            Some(Element::Text) => self.texts(entry)?,
+            Some(Element::Real { .. } | Element::Integer) if length(entry) == 1 => {
+                let numbers = reals(entry, self.file.read(entry)?)?;
+                numbers.iter().map(f64::to_string).collect()
+            }
+            _ => return Ok(None),
+        };
+        let path = entry.path.clone();
+        Ok(Fact::new(&Attribute::joined(&text), path, Some(entry)))
+    }
+
+    /// Texts of a dataset; MATLAB 7.3 writes them as the codes of their characters, one
+    /// row for each text.
+    pub(super) fn texts(&self, entry: &Entry) -> Result<Vec<String>> {
+        match self.file.read(entry)? {
+            Values::Unsigned(codes) if is_characters(entry) => {
+                let rows = length(entry).min(codes.len());
+                let row = |row: usize| -> String {
+                    let units: Vec<u16> = (codes.iter().skip(row).step_by(rows.max(1)))
+                        .map(|&code| u16::try_from(code).unwrap_or(0xfffd))
+                        .collect();
+                    let text = String::from_utf16_lossy(&units);
+                    text.trim_end_matches(['\0', ' ']).to_owned()
+                };
+                Ok((0..rows).map(row).collect())
+            }
+            values => super::super::values::texts(entry, values),
+        }
+    }
+}
+
+fn reference_unit(fact: &Fact<'_>) -> Result<ReferenceUnit> {
+    match fact.text.to_lowercase().as_str() {
+        "n" | "newton" => Ok(ReferenceUnit::Newton),
+        "v" | "volt" => Ok(ReferenceUnit::Volt),
+        _ => Err(fact.not_understood("unknown unit of the reference; write N or V")),
+    }
+}
