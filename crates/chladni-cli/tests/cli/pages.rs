@@ -333,6 +333,35 @@ fn a_slider_shows_the_ground_of_a_burst_at_any_instant() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
+/// Pixels of the bare panel on the map of a shape.
+const BARE_PIXELS: &str = "(() => { const c = document.querySelector('#shapes .map-holder canvas'); \
+     const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let count = 0; \
+     for (let k = 0; k < d.length; k += 4) count += d[k] === 244 && d[k + 1] === 245 && d[k + 2] === 247 && d[k + 3] === 255; \
+     return count; })()";
+
+#[test]
+fn maps_leave_out_what_is_not_known_and_their_dashes_show() {
+    let Some(mut page) = Page::new(1280, 800, false) else {
+        return;
+    };
+    let folder = Folder::with_glass();
+    folder.run("report model.json -o report.html -q").exits(0);
+    page.open_file(&folder.path().join("report.html"));
+    page.place("#shapes .map-holder");
+    // the corners of the panel lie beyond the responses
+    let bare = page.eval(BARE_PIXELS);
+    assert!(bare.as_u64().unwrap() > 200, "{bare}");
+    let d = page.eval("document.querySelector('#shapes path.dashed').getAttribute('d')");
+    let count = |letter: char| d.as_str().unwrap().matches(letter).count();
+    assert!(
+        count('L') > 10 * count('M'),
+        "{} lines of {} pieces",
+        count('M'),
+        count('L')
+    );
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
 #[test]
 fn every_view_is_drawn_in_any_window_and_either_theme() {
     let folder = folder_with_report();

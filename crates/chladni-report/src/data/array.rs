@@ -37,13 +37,18 @@ pub(crate) fn u32s(values: impl IntoIterator<Item = usize>) -> Value {
     json!({ "u32": base64(&bytes) })
 }
 
-/// Complex numbers to 1/32767 of their largest part: shapes, which are drawn.
+/// The small number of a part that is not known: the page draws nothing there.
+const MISSING: i16 = i16::MIN;
+
+/// Complex numbers to 1/32767 of their largest part: shapes, which are drawn. Parts that
+/// are NaN, as beyond the responses, are [`MISSING`].
 pub(crate) fn drawn(values: &[Complex64]) -> Value {
     let parts = || values.iter().flat_map(|value| [value.re, value.im]);
     let step = parts().map(f64::abs).fold(0.0, f64::max) / f64::from(i16::MAX);
-    let small = |part: f64| match step > 0.0 {
-        true => (part / step).round() as i16,
-        false => 0,
+    let small = |part: f64| match part {
+        part if part.is_nan() => MISSING,
+        part if step > 0.0 => (part / step).round() as i16,
+        _ => 0,
     };
     let bytes: Vec<u8> = parts().flat_map(|part| small(part).to_le_bytes()).collect();
     json!({ "i16": base64(&bytes), "step": step })
@@ -64,5 +69,15 @@ mod tests {
         let drawn = drawn(&[Complex64::new(-65534.0, 2.0)]);
         assert_eq!(drawn, json!({"i16": "AYABAA==", "step": 2.0}));
         assert_eq!(u32s([258]), json!({"u32": "AgEAAA=="}));
+    }
+
+    #[test]
+    fn what_is_not_known_is_missing_and_no_zero() {
+        let gap = Complex64::new(f64::NAN, f64::NAN);
+        let bytes = [1, 128, 0, 0, 0, 128, 0, 128];
+        let coded = drawn(&[Complex64::new(-32767.0, 0.0), gap]);
+        assert_eq!(coded, json!({"i16": base64(&bytes), "step": 1.0}));
+        let coded = drawn(&[Complex64::ZERO, gap]);
+        assert_eq!(coded["i16"], base64(&[0, 0, 0, 0, 0, 128, 0, 128]));
     }
 }

@@ -10,7 +10,7 @@ use crate::figures::sweep::sweep;
 use crate::figures::weights_around_edge::weights_by_actuator;
 use crate::input::{RenderedScene, ReportInput, ShownField};
 use crate::text::{counted, fixed, plain};
-use chladni_frf::{ModalModel, ReferenceUnit};
+use chladni_frf::{Finding, ModalModel, ReferenceUnit};
 use chladni_render::{Ground, Weights};
 use num_complex::Complex64;
 use serde_json::{json, Value};
@@ -140,18 +140,40 @@ fn modal(model: &ModalModel, drive: &[Complex64], geometry: Option<&Geometry>) -
     })
 }
 
-fn facts(weights: &Weights) -> Vec<[String; 2]> {
-    let verdict = match weights.feasible {
-        true => "met: every judged response keeps its limit in the model",
-        false => "not met in the model: some judged response misses its limit",
+/// Findings of one code.
+fn of_code<'a>(weights: &'a Weights, code: &'a str) -> impl Iterator<Item = &'a Finding> {
+    let findings = weights.findings.iter();
+    findings.filter(move |finding| finding.code == code)
+}
+
+/// Tells whether the scene is met, and what speaks against it.
+fn verdict(weights: &Weights) -> String {
+    let finding = |code| of_code(weights, code).next();
+    if finding("scene-impossible").is_some() {
+        return "impossible: no drive can meet it".into();
+    }
+    if !weights.feasible {
+        return "not met in the model: some judged response misses its limit".into();
+    }
+    let but = match (finding("rig-sensitive"), finding("mode-on-drive")) {
+        (Some(_), Some(mode)) => match mode.modes.first() {
+            Some(number) => format!(", but mode {number} lies on the drive"),
+            None => ", but a mode lies on the drive".into(),
+        },
+        (Some(_), None) => ", but not on every rig".into(),
+        (None, _) => String::new(),
     };
+    format!("met: every judged response keeps its limit in the model{but}")
+}
+
+fn facts(weights: &Weights) -> Vec<[String; 2]> {
     let mut rows = vec![
         (
             "Drive frequency",
             format!("{} Hz", plain(weights.frequency_hz)),
         ),
         ("Method", weights.method.clone()),
-        ("Scene", verdict.into()),
+        ("Scene", verdict(weights)),
         (
             "Used",
             format!(
@@ -161,6 +183,16 @@ fn facts(weights: &Weights) -> Vec<[String; 2]> {
             ),
         ),
     ];
+    let on_drive = of_code(weights, "mode-on-drive").map(|finding| finding.text.as_str());
+    let on_drive: Vec<&str> = on_drive.collect();
+    if !on_drive.is_empty() {
+        rows.push(("Mode on the drive", on_drive.join("; ")));
+    }
+    if let Some(endurance) = weights.endurance {
+        let share = fixed(100.0 * endurance.survival_ratio, 0);
+        let words = format!("{share} % of {} simulated", endurance.rigs);
+        rows.push(("Rigs that are served", words));
+    }
     if let Some(kappa) = weights.kappa {
         let words = match kappa >= 0.0 {
             true => format!(

@@ -2,7 +2,7 @@
 
 use super::array::u8s;
 use super::chart;
-use crate::figures::time::time;
+use crate::figures::time::{time, unjudged};
 use crate::sizes::RANGE_DB;
 use chladni_render::{AreaFrames, Played, TimeFrames};
 use serde_json::{json, Value};
@@ -36,6 +36,7 @@ fn places(frames: &TimeFrames) -> Value {
     json!({
         "names": order.iter().map(|&k| frames.names[k]).collect::<Vec<_>>(),
         "hot": hot,
+        "unjudged": unjudged(frames),
         "count": frames.responses.nrows(),
         "step_s": frames.step_s,
         "codes": u8s(order.iter().flat_map(levels)),

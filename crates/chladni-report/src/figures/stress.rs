@@ -5,6 +5,11 @@ use crate::drawing::{Anchor, Colour, Stroke};
 use crate::sizes::WIDE_PX;
 use chladni_render::Weights;
 
+/// Height of a trial, px: its words stand above its marks.
+const ROW_PX: f64 = 40.0;
+/// The words' place above the marks, rows.
+const ABOVE: f64 = 0.4;
+
 /// `None` where no stress table was asked for.
 pub(crate) fn stress(weights: &Weights, number: usize) -> Option<Figure> {
     let rows = weights.stress.as_ref().filter(|rows| !rows.is_empty())?;
@@ -28,10 +33,10 @@ pub(crate) fn stress(weights: &Weights, number: usize) -> Option<Figure> {
         .map(|k| (at(k), (k + 1).to_string()))
         .collect();
     let y = Axis::linear("Trial", "number")
-        .range([0.2, count + 0.8])
+        .range([0.5, count + 0.8])
         .names(names);
     let mut chart = Chart::new(Axis::linear("Responses served", "%").range([0.0, 103.0]), y)
-        .height(Height::Px(26.0 * count + 20.0))
+        .height(Height::Px(ROW_PX * count + 20.0))
         .with(bars);
     chart = chart.marks(
         "mean",
@@ -49,7 +54,7 @@ pub(crate) fn stress(weights: &Weights, number: usize) -> Option<Figure> {
     );
     for (k, row) in rows.iter().enumerate() {
         chart = chart.with(Layer::Words {
-            at: [2.0, at(k)],
+            at: [2.0, at(k) + ABOVE],
             text: row.trial.clone(),
             anchor: Anchor::Start,
             bold: false,

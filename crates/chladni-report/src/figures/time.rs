@@ -4,7 +4,7 @@ use crate::chart::{Axis, Chart, ColourBar, Figure, Height, Layer, Place};
 use crate::drawing::{Colour, ColourMap, Dash, Image, Stroke};
 use crate::sizes::{FIELD_RANGE_DB, WIDE_PX};
 use chladni_frf::ReferenceUnit;
-use chladni_render::{Played, TimeFrames, TimeTraces};
+use chladni_render::{Ground, Played, TimeFrames, TimeTraces};
 use ndarray::ArrayView1;
 
 /// Levels below the limits that are shown, dB.
@@ -94,7 +94,14 @@ fn forces(
     })
 }
 
-/// Every response over time: hot ones above, cold ones below.
+/// The responses that are not judged at the beginning.
+pub(crate) fn unjudged(frames: &TimeFrames) -> usize {
+    let ground = frames.ground.iter();
+    ground.filter(|&&ground| ground == Ground::Ignored).count()
+}
+
+/// Every response over time: hot ones above, cold ones below, between two lines those that
+/// are not judged.
 fn places(frames: &TimeFrames, end_ms: f64) -> Chart {
     let (order, hot) = frames.by_ground();
     let (columns, rows) = (frames.responses.nrows(), order.len());
@@ -107,26 +114,29 @@ fn places(frames: &TimeFrames, end_ms: f64) -> Chart {
         }
     }
     let last_ms = 1e3 * frames.step_s * columns as f64;
-    let border = (rows - hot) as f64;
-    let mut chart = Chart::new(
-        time_axis(end_ms),
-        Axis::linear("Responses, hot ones above", "number"),
-    )
-    .height(Height::Px(240.0))
-    .with(Layer::Pixels {
-        x: [0.0, last_ms],
-        y: [0.0, rows as f64],
-        image: Image {
-            columns,
-            rows,
-            rgba,
-        },
-    })
-    .with(Layer::Horizontals {
-        name: None,
-        at: vec![border],
-        stroke: Stroke::new(Colour::Rgb([255, 255, 255]), 1.4),
-    });
+    let (label, borders) = match unjudged(frames) {
+        0 => ("Responses, hot ones above", vec![rows - hot]),
+        few => (
+            "Responses: hot, not judged, cold",
+            vec![rows - hot, rows - hot - few],
+        ),
+    };
+    let mut chart = Chart::new(time_axis(end_ms), Axis::linear(label, "number"))
+        .height(Height::Px(240.0))
+        .with(Layer::Pixels {
+            x: [0.0, last_ms],
+            y: [0.0, rows as f64],
+            image: Image {
+                columns,
+                rows,
+                rgba,
+            },
+        })
+        .with(Layer::Horizontals {
+            name: None,
+            at: borders.into_iter().map(|at| at as f64).collect(),
+            stroke: Stroke::new(Colour::Rgb([255, 255, 255]), 1.4),
+        });
     chart.colour_bar = Some(ColourBar {
         axis: Axis::linear("Velocity", "dB re threshold").range([-FIELD_RANGE_DB, FIELD_RANGE_DB]),
         map: ColourMap::Sequential,

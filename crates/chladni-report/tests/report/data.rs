@@ -4,6 +4,7 @@ use crate::inputs::{f32s, input, rendering, scene, small};
 use chladni_frf::{Checksum, Finding, Reason, Source, Trust};
 use chladni_render::{evaluate, On};
 use chladni_report::{data, html, scene_data, RenderedScene, ReportInput, Table};
+use serde_json::json;
 
 #[test]
 fn the_data_hold_every_part_of_the_report() {
@@ -194,4 +195,32 @@ fn weights_judged_on_the_measured_line_name_it() {
     })
     .unwrap();
     assert_eq!(all["scenes"][0]["judged_on"], "panel.h5 <1>");
+}
+
+#[test]
+fn a_scene_says_the_rigs_that_are_served_and_a_mode_on_the_drive() {
+    let mut rendering = rendering(&small().truth);
+    let weights = &mut rendering.weights;
+    weights.feasible = true;
+    let endurance = json!({
+        "survival_ratio": 0.004, "rigs": 600, "gain_error": 0.03, "amplifiers_alone": 0.0,
+        "frequencies_alone": 1.0, "finger_alone": 1.0, "touch_is_known": true,
+    });
+    weights.endurance = Some(serde_json::from_value(endurance).unwrap());
+    let mode = Finding {
+        modes: vec![9],
+        ..Finding::note(
+            "mode-on-drive",
+            "the mode at 299.4 Hz is 0.6 Hz from the drive",
+        )
+    };
+    let sensitive = Finding::caution("rig-sensitive", "survives on 0 %");
+    weights.findings = vec![mode, sensitive].into();
+    let all = data(&input(&small().truth, None, &rendering)).unwrap();
+    let facts: Vec<[String; 2]> =
+        serde_json::from_value(all["scenes"][0]["facts"].clone()).unwrap();
+    let fact = |word: &str| facts.iter().find(|[known, _]| known == word).unwrap()[1].as_str();
+    assert!(fact("Scene").ends_with("in the model, but mode 9 lies on the drive"));
+    assert_eq!(fact("Rigs that are served"), "0 % of 600 simulated");
+    assert!(fact("Mode on the drive").contains("0.6 Hz from the drive"));
 }

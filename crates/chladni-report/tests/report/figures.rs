@@ -2,7 +2,9 @@
 
 use crate::inputs::{f32s, input, rendering, scene, small, ALL_FORMATS};
 use chladni_render::{stress, sweep, StressOptions};
-use chladni_report::{charts, data, figures, CurvePoint, Curves, Figure, ReportInput, Table};
+use chladni_report::{
+    charts, data, figures, CurvePoint, Curves, Figure, Layer, ReportInput, Table,
+};
 use serde_json::Value;
 use std::sync::OnceLock;
 
@@ -173,4 +175,24 @@ fn every_axis_of_every_figure_has_a_label_and_a_unit() {
             }
         }
     }
+}
+
+#[test]
+fn the_words_of_a_trial_stand_off_its_marks() {
+    let figures = &everything().figures;
+    let figure = figures
+        .iter()
+        .find(|figure| figure.name == "stress-1")
+        .unwrap();
+    let mut words = 0;
+    for layer in &figure.charts[0].layers {
+        if let Layer::Words { at, .. } = layer {
+            words += 1;
+            assert!(
+                (at[1] - at[1].round()).abs() > 0.3,
+                "{at:?}: marks stand at whole numbers"
+            );
+        }
+    }
+    assert!(words > 0);
 }

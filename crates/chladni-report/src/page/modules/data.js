@@ -2,16 +2,19 @@
 
 const TYPES = { f32: Float32Array, f64: Float64Array, u32: Uint32Array, i16: Int16Array, u8: Uint8Array };
 
+/** The small number that stands where nothing is known. */
+const MISSING = -32768;
+
 /** What was unpacked before: views are drawn anew while the studio's controls move. */
 const known = new WeakMap();
 
-/** The numbers of `{"f32": "..."}`, times `step` where there is one; to be read only; null stays null. */
+/** The numbers of `{"f32": "..."}`, times `step` where there is one, NaN where nothing is known; to be read only; null stays null. */
 export function array(coded) {
   if (!coded) return null;
   if (!known.has(coded)) {
     const [name, text] = Object.entries(coded)[0];
     const numbers = new TYPES[name](bytes(text).buffer);
-    known.set(coded, coded.step === undefined ? numbers : Float64Array.from(numbers, (number) => number * coded.step));
+    known.set(coded, coded.step === undefined ? numbers : Float64Array.from(numbers, (number) => (number === MISSING ? NaN : number * coded.step)));
   }
   return known.get(coded);
 }

@@ -126,7 +126,7 @@ export function fieldLayers(field, surface, speeds, limenDb, look = { columns: C
     const hatched = ground(x, y) === IGNORED && (row + column) % 6 < 2;
     return hatched ? look.stripe : colourAt(look.map, 0.5 + (0.5 * levels[k]) / RANGE_DB);
   };
-  const lines = (at, style) => ({ pieces: contours(fine.x, fine.y, levels, at), style });
+  const lines = (at, style) => ({ lines: contours(fine.x, fine.y, levels, at), style });
   return { surface: fine, colour, contours: [lines(limenDb, "felt"), lines(-limenDb, "quiet")], outlines, marks };
 }
 

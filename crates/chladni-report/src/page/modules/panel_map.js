@@ -82,8 +82,8 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
   }
 
   function contourLines() {
-    return (layers.contours ?? []).flatMap(({ pieces, style }) => {
-      const d = pieces.map(([x0, y0, x1, y1]) => `M${xy([x0, y0])}L${xy([x1, y1])}`).join("");
+    return (layers.contours ?? []).flatMap(({ lines, style }) => {
+      const d = lines.map((line) => `M${line.map(xy).join("L")}`).join("");
       return [s("path", { class: `casing ${style}`, d }), s("path", { class: style, d })];
     });
   }

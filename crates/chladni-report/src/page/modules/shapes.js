@@ -81,8 +81,8 @@ export function shapeView(model, geometry, structure) {
       surface: fine,
       colour: (k) => (Number.isNaN(fine.re[k]) ? null : colourAt("diverging", 0.5 + 0.5 * fine.re[k])),
       contours: [
-        { pieces: lines(1), style: "thin" }, { pieces: lines(-1), style: "thin dashed" },
-        { pieces: contours(fine.x, fine.y, fine.re, 0), style: "nodal" },
+        { lines: lines(1), style: "thin" }, { lines: lines(-1), style: "thin dashed" },
+        { lines: contours(fine.x, fine.y, fine.re, 0), style: "nodal" },
       ],
       marks: [{ points: geometry.places, style: "response", mark: "dot" }],
       extra: signs(surface),

@@ -43,29 +43,55 @@ export function refined(surface, columns) {
   return { ...out, re: fill(surface.re), im: surface.im ? fill(surface.im) : null };
 }
 
-/** Pieces [x0, y0, x1, y1] of the lines along which `values` equal `level`, by marching squares; none beside NaN. */
+/** Lines [[x, y], ...] along which `values` equal `level`, by marching squares; none beside NaN. A closed one ends where it began. */
 export function contours(x, y, values, level) {
-  const pieces = [];
   const columns = x.length;
-  for (let row = 0; row + 1 < y.length; row++) {
+  // sides of the mesh along x are numbered first, then those along y
+  const size = columns * y.length;
+  const place = (side) => {
+    const from = side % size;
+    const to = from + (side < size ? 1 : columns);
+    const t = (level - values[from]) / (values[to] - values[from]);
+    const between = (axis, a, b) => axis[a] + t * (axis[b] - axis[a]);
+    return [between(x, from % columns, to % columns), between(y, Math.floor(from / columns), Math.floor(to / columns))];
+  };
+  return traced(links(columns, y.length, values, level)).map((line) => line.map(place));
+}
+
+/** For each side that is crossed, the one or two sides that the line goes on to. */
+function links(columns, rows, values, level) {
+  const next = new Map();
+  const join = (a, b) => [[a, b], [b, a]].forEach(([from, to]) => next.set(from, [...(next.get(from) ?? []), to]));
+  for (let row = 0; row + 1 < rows; row++) {
     for (let column = 0; column + 1 < columns; column++) {
       const k = row * columns + column;
       const corners = [values[k], values[k + 1], values[k + columns + 1], values[k + columns]];
       if (corners.some(Number.isNaN)) continue;
-      const places = [[x[column], y[row]], [x[column + 1], y[row]], [x[column + 1], y[row + 1]], [x[column], y[row + 1]]];
-      const crossed = [];
-      for (let side = 0; side < 4; side++) {
-        const [a, b] = [corners[side], corners[(side + 1) % 4]];
-        if (a >= level === b >= level) continue;
-        const t = (level - a) / (b - a);
-        const [from, to] = [places[side], places[(side + 1) % 4]];
-        crossed.push([from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])]);
-      }
+      const sides = [k, columns * rows + k + 1, k + columns, columns * rows + k];
+      const crossed = sides.filter((_, n) => corners[n] >= level !== corners[(n + 1) % 4] >= level);
       // a saddle: the mean of the corners says which corners belong together
       const turn = crossed.length === 4 && corners.reduce((a, b) => a + b) / 4 >= level !== corners[0] >= level;
       if (turn) crossed.push(crossed.shift());
-      for (let n = 0; n + 1 < crossed.length; n += 2) pieces.push([...crossed[n], ...crossed[n + 1]]);
+      for (let n = 0; n + 1 < crossed.length; n += 2) join(crossed[n], crossed[n + 1]);
     }
   }
-  return pieces;
+  return next;
+}
+
+/** Follows the links from side to side: open lines first, then closed ones. */
+function traced(next) {
+  const seen = new Set();
+  const lines = [];
+  for (const links of [1, 2]) {
+    for (const [start, { length }] of next) {
+      if (length !== links || seen.has(start)) continue;
+      const line = [];
+      for (let here = start; here !== undefined; here = next.get(here).find((side) => !seen.has(side))) {
+        seen.add(here);
+        line.push(here);
+      }
+      lines.push(links === 2 ? [...line, start] : line);
+    }
+  }
+  return lines;
 }

@@ -30,7 +30,7 @@ export function timeView(time, geometry, id) {
 
 /** Every response over time, from hot to cold ground. */
 function places(time) {
-  const { names, hot, count, step_s: step } = time.places;
+  const { names, hot, unjudged, count, step_s: step } = time.places;
   const codes = array(time.places.codes);
   const level = (row, k) => codes[row * count + k];
   const shade = (row, k) => Math.round((level(row, k) / (NONE - 1)) * (SHADES - 1));
@@ -49,8 +49,10 @@ function places(time) {
     return `${names[row]}: ${fixed(RANGE_DB * (2 * (level(row, k) / (NONE - 1)) - 1), 1)} dB re threshold`;
   };
   const view = chart({
-    title: "Every response over time", height: 260, strips, onhover: said, horizontals: [{ at: names.length - hot, style: "border-line" }],
-    caption: `${hot} hot responses above the line, cold ones below; colours as in the field.`,
+    title: "Every response over time", height: 260, strips, onhover: said, horizontals: [hot, hot + unjudged].slice(0, unjudged ? 2 : 1).map((above) => ({ at: names.length - above, style: "border-line" })),
+    caption: unjudged
+      ? `${hot} hot responses above the upper line, cold ones below the lower line; the ${unjudged} between the lines are not judged. Colours as in the field.`
+      : `${hot} hot responses above the line, cold ones below; colours as in the field.`,
     x: { label: "Time", unit: "ms", range: [0, 1e3 * step * count] }, y: { label: "Responses", unit: "number", range: [0, names.length] },
   });
   view.element.classList.add("time-places");
