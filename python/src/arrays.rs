@@ -5,8 +5,8 @@ use chladni_frf::{Direction, Dof, Error, ErrorKind, FrfKind, FrfValues, Node, Re
 use ndarray::{Array1, Array3};
 use num_complex::{Complex32, Complex64};
 use numpy::{
-    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArray,
-    PyUntypedArrayMethods,
+    PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3,
+    PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 
@@ -24,9 +24,11 @@ pub fn float64<'py>(
         let found = format!("values of the type {}", array.dtype());
         return Err(no_array(values.py(), field, found, "real numbers"));
     }
-    Ok(array
-        .call_method1("astype", ("float64",))?
-        .cast_into::<PyArrayDyn<f64>>()?)
+    let made = values
+        .py()
+        .import("numpy")?
+        .call_method1("asarray", (array, "float64"))?;
+    Ok(made.cast_into::<PyArrayDyn<f64>>()?)
 }
 
 /// NumPy's array of `values`, of whatever type.
@@ -88,7 +90,9 @@ pub fn values_of(py: Python<'_>, values: &Bound<'_, PyAny>) -> PyResult<FrfValue
     if let Ok(values) = array.extract::<PyReadonlyArray3<'_, Complex32>>() {
         return Ok(FrfValues::F32(standard(values.as_array().to_owned())));
     }
-    let values = array.call_method1("astype", ("complex128",))?;
+    let values = py
+        .import("numpy")?
+        .call_method1("asarray", (array, "complex128"))?;
     let values: PyReadonlyArray3<'_, Complex64> = values.extract()?;
     Ok(FrfValues::F64(standard(values.as_array().to_owned())))
 }

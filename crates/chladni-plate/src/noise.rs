@@ -1,6 +1,7 @@
 //! Noise of known kind and size, the same for a seed at any number of threads: each FRF
 //! has its own ChaCha8 stream.
 
+use crate::tolerances::LEAST_SNR_DB;
 use chladni_frf::{Error, FrfSet, FrfValues, Result};
 use ndarray::Array3;
 use num_complex::{Complex32, Complex64};
@@ -9,8 +10,6 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
-
-use crate::tolerances::LEAST_SNR_DB;
 
 /// First random stream of each kind of noise, one stream per FRF from there: kinds of one
 /// seed are independent of each other.
@@ -70,7 +69,7 @@ pub(crate) fn check_snr(field: &str, snr_db: f64) -> Result<()> {
 /// An infinite `snr_db` adds nothing.
 ///
 /// # Errors
-/// A level that is no number, or below [`LEAST_SNR_DB`].
+/// A level that is no number, or leaves nothing of the values.
 pub fn add_white_noise(values: &mut Array3<Complex64>, snr_db: f64, seed: u64) -> Result<f64> {
     check_snr("snr_db", snr_db)?;
     let variance = mean_square(values) * 10f64.powf(-snr_db / 10.0);
