@@ -137,15 +137,19 @@ impl Weight {
         if (said - value).norm() <= tolerances::SAME_WEIGHT * size + f64::MIN_POSITIVE {
             return Ok(());
         }
-        let [amplitude, phase_deg] = [size, value.arg().to_degrees()];
+        let shown =
+            |amplitude: f64, phase_deg: f64| format!("{amplitude:.3e} {unit} at {phase_deg:.1}°");
         Err(Error::bad_data("a weight that is told in two ways")
             .field(field)
             .found(format!(
-                "amplitude {} {unit} and phase_deg {}; re and im have {amplitude} {unit} and {phase_deg}",
-                self.amplitude, self.phase_deg
+                "amplitude {}, re and im {}",
+                shown(self.amplitude, self.phase_deg),
+                shown(size, value.arg().to_degrees())
             ))
             .expected("the same phasor in both ways")
-            .help("re and im are what is driven: change these, and amplitude and phase_deg with them"))
+            .help(
+                "re and im are what is driven: change these, and amplitude and phase_deg with them",
+            ))
     }
 }
 

@@ -119,7 +119,7 @@ fn damaged_files_are_refused_with_the_reason() {
         (
             "\"amplitude\": ",
             "\"amplitude\": 3.5, \"was\": ",
-            "told in two ways; found amplitude 3.5 N",
+            "told in two ways; found amplitude 3.500e0 N",
         ),
         (
             "\"phase_deg\": ",
