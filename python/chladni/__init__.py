@@ -176,15 +176,15 @@ def estimate(
     FrfSet
     """
 
-    def runs(signals):
-        signals = _numpy.atleast_2d(_numpy.asarray(signals, dtype=float))
+    def runs(name, signals):
+        signals = _numpy.atleast_2d(_chladni.float64(name, signals))
         if signals.ndim > 3:
-            raise ValueError(f"records have the axes ([run,] channel, sample), not {signals.ndim} of them")
+            raise _chladni.refusal(name, "no records", f"{signals.ndim} axes", "the axes ([run,] channel, sample)")
         return list(signals if signals.ndim == 3 else signals[None])
 
     return _chladni.estimate(
-        runs(references),
-        runs(responses),
+        runs("references", references),
+        runs("responses", responses),
         sample_rate_hz,
         reference_names,
         response_names,
@@ -207,7 +207,8 @@ def select(model, *, keep=None, drop=None, near_hz=(), within_hz=0.5, add=(), fr
     model : Model
         What `fit` found.
     keep, drop : list of int, optional
-        Places of modes, from 0 as in the arrays of the model; one of the two.
+        Places of modes, from 0 as in the arrays of the model; one of the two. Findings and the table of
+        modes count from 1: their mode 9 is place 8 here.
     near_hz : list of float, optional
         Further modes by their frequency, Hz.
     within_hz : float
@@ -261,7 +262,7 @@ def render(model, scene, **options):
         Scene file, its TOML text, or the same as a dictionary (see `scene`).
     method : str
         default, fast, best, or one of the methods of ``chladni render``.
-    modes, actuators : str
+    modes, actuators : int or str
         "all", "auto" or a number.
     measured : FrfSet, optional
         FRFs whose line at the drive frequency judges ``modes="auto"``.
@@ -349,7 +350,10 @@ def evaluate(rendering, scene, on):
 
 
 def _all_findings(self):
-    """All findings: dictionaries with code, severity, modes, dofs, values, text and help."""
+    """
+    All findings: dictionaries with code, severity, modes, dofs, values, text and help. Modes
+    are counted from 1, as in the table of modes; arrays and `select` count from 0.
+    """
     return _json.loads(self._findings())
 
 
@@ -368,7 +372,7 @@ def _to_dataframe(self):
 
 def _frf_reconstruct(self, frequency_hz):
     """FRFs of the model on the lines given: the name that users of SDyPy-EMA know for `synthesise`."""
-    return self.synthesise(_numpy.ascontiguousarray(frequency_hz, dtype=float))
+    return self.synthesise(frequency_hz)
 
 
 def _auto_mac(self):

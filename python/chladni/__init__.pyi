@@ -3,7 +3,7 @@ from os import PathLike
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 
@@ -53,10 +53,10 @@ class FrfSet:
 
     Parameters
     ----------
-    frequency_hz : ndarray of float64, shape (line,)
+    frequency_hz : array_like of float, shape (line,)
         Lines, Hz.
-    values : ndarray of complex128 or complex64, shape (response, reference, line)
-        The FRFs.
+    values : array_like of complex, shape (response, reference, line)
+        The FRFs; complex64 stays what it is.
     responses, references : list of str, optional
         Names such as ``"12:+Z"`` (node 12, +Z); without them responses are nodes 1, 2, ...
         and references the nodes after those.
@@ -64,19 +64,19 @@ class FrfSet:
         What they are.
     reference_unit : {"N", "V"}
         Unit of the references.
-    nodes_m : ndarray of float64, shape (node, 3), optional
+    nodes_m : array_like of float, shape (node, 3), optional
         Positions of nodes 1, 2, ..., m.
     """
     def __init__(
         self,
-        frequency_hz: NDArray[np.float64],
-        values: NDArray[np.complex128] | NDArray[np.complex64],
+        frequency_hz: ArrayLike,
+        values: ArrayLike,
         *,
         responses: Sequence[str] | None = None,
         references: Sequence[str] | None = None,
         kind: FrfKind = "mobility",
         reference_unit: Unit = "N",
-        nodes_m: NDArray[np.float64] | None = None,
+        nodes_m: ArrayLike | None = None,
     ) -> None: ...
     @property
     def frequency_hz(self) -> NDArray[np.float64]:
@@ -107,7 +107,10 @@ class FrfSet:
         """The sentences of cautions and faults about the files."""
     @property
     def findings(self) -> list[dict[str, Any]]:
-        """All findings: dictionaries with code, severity, modes, dofs, values, text and help."""
+        """
+        All findings: dictionaries with code, severity, modes, dofs, values, text and help. Modes
+        are counted from 1, as in the table of modes; arrays and `select` count from 0.
+        """
     def save(self, path: str | PathLike[str], *, force: bool = False) -> list[str]:
         """
         Writes the set; the format follows from the name (.h5, .uff, .unv, .csv, .npz).
@@ -201,27 +204,31 @@ class Model:
         """The sentences of cautions and faults."""
     @property
     def findings(self) -> list[dict[str, Any]]:
-        """All findings: dictionaries with code, severity, modes, dofs, values, text and help."""
+        """
+        All findings: dictionaries with code, severity, modes, dofs, values, text and help. Modes
+        are counted from 1, as in the table of modes; arrays and `select` count from 0.
+        """
     @property
     def responses(self) -> list[str]:
         """Names of the response DOFs."""
     @property
     def references(self) -> list[str]:
         """Names of the reference DOFs."""
-    def synthesise(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def synthesise(self, frequency_hz: ArrayLike) -> NDArray[np.complex128]:
         """
         FRFs of the model, in the kind that it was fitted in.
 
         Parameters
         ----------
-        frequency_hz : ndarray of float64, shape (line,)
+        frequency_hz : array_like of float, shape (line,)
             Lines, Hz.
 
         Returns
         -------
         ndarray of complex128, shape (response, reference, line)
+            NaN at 0 Hz where the model moves as a rigid body, too.
         """
-    def FRF_reconstruct(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def FRF_reconstruct(self, frequency_hz: ArrayLike) -> NDArray[np.complex128]:
         """FRFs of the model on the lines given: the name that users of SDyPy-EMA know for `synthesise`."""
     def mac(self, other: Model | None = None) -> NDArray[np.float64]:
         """
@@ -431,7 +438,10 @@ class Rendering:
         """The sentences of cautions and faults."""
     @property
     def findings(self) -> list[dict[str, Any]]:
-        """All findings: dictionaries with code, severity, modes, dofs, values, text and help."""
+        """
+        All findings: dictionaries with code, severity, modes, dofs, values, text and help. Modes
+        are counted from 1, as in the table of modes; arrays and `select` count from 0.
+        """
     def to_json(self) -> str:
         """The weights file's text."""
     def to_dict(self) -> dict[str, Any]:
@@ -509,8 +519,8 @@ def compare(
     least_mac: float = 0.5,
 ) -> Comparison: ...
 def estimate(
-    references: NDArray[np.float64],
-    responses: NDArray[np.float64],
+    references: ArrayLike,
+    responses: ArrayLike,
     sample_rate_hz: float,
     *,
     reference_names: Sequence[str] | None = None,
@@ -552,8 +562,8 @@ def render(
     scene: Scene,
     *,
     method: RenderMethod = "default",
-    modes: str = "all",
-    actuators: str = "all",
+    modes: int | str = "all",
+    actuators: int | str = "all",
     measured: FrfSet | None = None,
 ) -> Rendering: ...
 class Playing:

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from . import _chladni
+
 _KIND = {"receptance": "Receptance, m", "mobility": "Mobility, (m/s)", "accelerance": "Accelerance, (m/s²)"}
 
 
@@ -36,7 +38,7 @@ def plot_frf(model, response=0, reference=0, *, frf=None, frequency_hz=None, ax=
     i, j = _place(response, model.responses), _place(reference, model.references)
     if frequency_hz is None:
         frequency_hz = np.linspace(*model.band_hz, 2000) if frf is None else frf.frequency_hz
-    frequency_hz = np.ascontiguousarray(frequency_hz, dtype=float)
+    frequency_hz = _chladni.float64("frequency_hz", frequency_hz)
     names = model.responses[i], model.references[j]
     if frf is not None:
         measured = frf.values[frf.responses.index(names[0]), frf.references.index(names[1])]
@@ -87,7 +89,7 @@ def plot_field(drive, *, ax=None):
 
 def _plane(points_m, values, title, label, ax, symmetric=False):
     if not np.isfinite(points_m[:, :2]).all():
-        raise ValueError("positions of the responses are not known; give `nodes_m` to FrfSet")
+        raise _chladni.refusal("model", "positions of the responses are not known", "NaN in points_m", "`nodes_m` given to FrfSet")
     ax = _axes(ax)
     limit = {"vmin": -np.abs(values).max(), "vmax": np.abs(values).max(), "cmap": "RdBu_r"} if symmetric else {"cmap": "viridis"}
     drawn = ax.scatter(*points_m[:, :2].T, c=values, s=60, **limit)
@@ -99,6 +101,6 @@ def _plane(points_m, values, title, label, ax, symmetric=False):
 def _place(dof, names):
     if isinstance(dof, str):
         if dof not in names:
-            raise ValueError(f"the model has no DOF {dof}; it has {', '.join(names[:5])}{', ...' if len(names) > 5 else ''}")
+            raise _chladni.refusal("model", "the model has no DOF of this name", str(dof), f"one of {', '.join(names[:5])}{', ...' if len(names) > 5 else ''}")
         return names.index(dof)
     return dof

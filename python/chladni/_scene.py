@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from . import _chladni
+
 # points whose rows differ by less are in one row, m
 _SAME_ROW_M = 1e-6
 
@@ -18,7 +20,7 @@ def _value(value):
         return str(int(value))
     if isinstance(value, (float, np.floating)):
         if not math.isfinite(value):
-            raise ValueError(f"a scene takes finite numbers, not {value}")
+            raise _chladni.refusal("scene", "a number that a scene cannot hold", str(value), "finite numbers")
         return repr(float(value))
     if isinstance(value, (list, tuple, np.ndarray)):
         return "[" + ", ".join(_value(item) for item in value) + "]"
@@ -61,6 +63,20 @@ def _rectangles(points_m, spacing_m):
     return [[[a - half, y - half], [b + half, y - half], [b + half, y + half], [a - half, y + half]] for a, b, y in runs]
 
 
+def _mask(name, values, count):
+    """A mask with a value for each response; numbers count as one where all are 0 or 1."""
+    expected = f"{count} values, True or False, one for each response; of places, mask = np.zeros({count}, bool); mask[places] = True"
+    mask = np.asarray(values)
+    if mask.shape != (count,):
+        raise _chladni.refusal(name, "no mask of the responses", f"the shape {mask.shape}", expected)
+    if mask.dtype.kind not in "biuf":
+        raise _chladni.refusal(name, "no mask of the responses", f"values of the type {mask.dtype}", expected)
+    odd = mask[(mask != 0) & (mask != 1)]
+    if len(odd):
+        raise _chladni.refusal(name, "no mask of the responses", str(odd[0]), expected)
+    return mask.astype(bool)
+
+
 def scene(model, frequency_hz, hot, *, cold=None, **tables):
     """
     A scene from masks over the responses of a model.
@@ -84,21 +100,18 @@ def scene(model, frequency_hz, hot, *, cold=None, **tables):
         What `render` and `evaluate` take, and `scene_to_toml` writes.
     """
     points_m = np.asarray(model.points_m)[:, :2]
-    masks = {"hot": np.asarray(hot, dtype=bool), "cold": None if cold is None else np.asarray(cold, dtype=bool)}
-    for name, mask in masks.items():
-        if mask is not None and mask.shape != (len(points_m),):
-            raise ValueError(f"{name} has the shape {mask.shape}; expected ({len(points_m)},), one value for each response")
+    masks = {name: None if mask is None else _mask(name, mask, len(points_m)) for name, mask in (("hot", hot), ("cold", cold))}
     if not np.isfinite(points_m).all():
-        raise ValueError("the model does not know where its responses are; give `nodes_m` to FrfSet")
+        raise _chladni.refusal("model", "a model that does not know where its responses are", "NaN in points_m", "`nodes_m` given to FrfSet")
     if not masks["hot"].any():
-        raise ValueError("no point is hot; set at least one value of `hot`")
+        raise _chladni.refusal("hot", "no point is hot", "no True", "at least one True")
     if cold is not None and (masks["hot"] & masks["cold"]).any():
-        raise ValueError("a point is hot or cold, not both")
+        raise _chladni.refusal("cold", "a point is hot or cold, not both", "True in `hot` and `cold`", "one of them")
     apart = np.linalg.norm(points_m[:, None] - points_m[None], axis=2)
     np.fill_diagonal(apart, np.inf)
     spacing_m = apart.min() if len(points_m) > 1 else 0.001
     if not spacing_m > 0:
-        raise ValueError("two responses are at the same place")
+        raise _chladni.refusal("model", "two responses are at the same place", "the same row of points_m twice", "a place for each response")
     polygons = [
         {"kind": kind, "points_m": corners}
         for kind, mask in masks.items()

@@ -2,21 +2,98 @@
 
 use crate::error::{raised, wrong_word};
 use chladni_frf::{Direction, Dof, Error, ErrorKind, FrfKind, FrfValues, Node, ReferenceUnit};
-use ndarray::Array3;
+use ndarray::{Array1, Array3};
 use num_complex::{Complex32, Complex64};
-use numpy::{PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{
+    PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3,
+    PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
-/// FRFs in either precision.
+/// Array of real numbers, float64: what a caller gave as a list, or in another type of
+/// number.
+///
+/// * `field`: the argument that errors name
+#[pyfunction]
+pub fn float64<'py>(
+    field: &str,
+    values: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let array = any_array(field, values, "real numbers")?;
+    if !matches!(array.dtype().kind(), b'i' | b'u' | b'f') {
+        let found = format!("values of the type {}", array.dtype());
+        return Err(no_array(values.py(), field, found, "real numbers"));
+    }
+    let made = values
+        .py()
+        .import("numpy")?
+        .call_method1("asarray", (array, "float64"))?;
+    Ok(made.cast_into::<PyArrayDyn<f64>>()?)
+}
+
+/// NumPy's array of `values`, of whatever type.
+fn any_array<'py>(
+    field: &str,
+    values: &Bound<'py, PyAny>,
+    expected: &str,
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let py = values.py();
+    let made = py.import("numpy")?.call_method1("asarray", (values,));
+    made.and_then(|array| Ok(array.cast_into::<PyUntypedArray>()?))
+        .map_err(|error| no_array(py, field, error.value(py), expected))
+}
+
+fn no_array(
+    py: Python<'_>,
+    field: &str,
+    found: impl std::fmt::Display,
+    expected: impl std::fmt::Display,
+) -> PyErr {
+    let error = Error::new(ErrorKind::Usage, "no array that can be used").field(field);
+    raised(py, &error.found(found).expected(expected))
+}
+
+/// Frequency axis, Hz: finite, not negative.
+pub fn axis_of(values: &Bound<'_, PyAny>) -> PyResult<Array1<f64>> {
+    const FIELD: &str = "frequency_hz";
+    let array = float64(FIELD, values)?;
+    let lines: PyReadonlyArray1<'_, f64> = array.extract().map_err(|_| {
+        let found = format!("{} axes", array.ndim());
+        no_array(values.py(), FIELD, found, "one axis: line")
+    })?;
+    let lines = lines.as_array().to_owned();
+    match lines.iter().find(|hz| !(hz.is_finite() && **hz >= 0.0)) {
+        None => Ok(lines),
+        Some(hz) => {
+            let error = Error::new(ErrorKind::Usage, "no frequency").field(FIELD);
+            let expected = "finite numbers of Hz, 0 or more";
+            Err(raised(values.py(), &error.found(hz).expected(expected)))
+        }
+    }
+}
+
+/// FRFs in either precision: at least one response, reference and line.
 pub fn values_of(py: Python<'_>, values: &Bound<'_, PyAny>) -> PyResult<FrfValues> {
-    if let Ok(values) = values.extract::<PyReadonlyArray3<'_, Complex32>>() {
+    const FIELD: &str = "values";
+    const EXPECTED: &str = "complex128 or complex64, three axes: response, reference, line";
+    let array = any_array(FIELD, values, EXPECTED)?;
+    let found = format!("{} axes of {}", array.ndim(), array.dtype());
+    let is_frf = array.ndim() == 3 && array.dtype().kind() == b'c';
+    if !is_frf {
+        return Err(no_array(py, FIELD, found, EXPECTED));
+    }
+    if array.len() == 0 {
+        let found = format!("the shape {:?}", array.shape());
+        let expected = "at least one response, reference and line";
+        return Err(no_array(py, FIELD, found, expected));
+    }
+    if let Ok(values) = array.extract::<PyReadonlyArray3<'_, Complex32>>() {
         return Ok(FrfValues::F32(standard(values.as_array().to_owned())));
     }
-    let values: PyReadonlyArray3<'_, Complex64> = values.extract().map_err(|_| {
-        let error = Error::new(ErrorKind::Usage, "values are no FRF array").field("values");
-        let expected = "complex128 or complex64, three axes: response, reference, line";
-        raised(py, &error.expected(expected))
-    })?;
+    let values = py
+        .import("numpy")?
+        .call_method1("asarray", (array, "complex128"))?;
+    let values: PyReadonlyArray3<'_, Complex64> = values.extract()?;
     Ok(FrfValues::F64(standard(values.as_array().to_owned())))
 }
 
@@ -29,23 +106,43 @@ fn standard<T: Clone>(values: Array3<T>) -> Array3<T> {
 }
 
 /// Nodes 1, 2, ... at the places of the rows, m.
-pub fn nodes_of(py: Python<'_>, places: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<Node>> {
-    let Some(places) = &places else {
+pub fn nodes_of(places: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Node>> {
+    const FIELD: &str = "nodes_m";
+    let Some(places) = places else {
         return Ok(Vec::new());
     };
-    let places = places.as_array();
-    if places.ncols() != 3 {
-        let error =
-            Error::new(ErrorKind::Usage, "positions have three coordinates").field("nodes_m");
-        let found = format!("{} columns", places.ncols());
-        return Err(raised(py, &error.found(found).expected("x, y, z in m")));
-    }
-    let rows = (1..).zip(places.rows());
-    let node = |(label, row): (u64, ndarray::ArrayView1<f64>)| Node {
-        label,
-        xyz_m: [row[0], row[1], row[2]],
+    let wrong = |message: &str, found: String, expected: &str| {
+        let error = Error::new(ErrorKind::Usage, message).field(FIELD);
+        Err(raised(places.py(), &error.found(found).expected(expected)))
     };
-    Ok(rows.map(node).collect())
+    let array = float64(FIELD, places)?;
+    if array.ndim() != 2 || array.shape()[1] != 3 {
+        let found = format!("the shape {:?}", array.shape());
+        return wrong(
+            "positions have three coordinates",
+            found,
+            "a row x, y, z in m for each node",
+        );
+    }
+    let values: Vec<f64> = array.readonly().as_array().iter().copied().collect();
+    let nodes: Vec<Node> = (1..)
+        .zip(values.chunks_exact(3))
+        .map(|(label, row)| Node {
+            label,
+            xyz_m: [row[0], row[1], row[2]],
+        })
+        .collect();
+    match nodes
+        .iter()
+        .find(|node| !node.xyz_m.iter().all(|x| x.is_finite()))
+    {
+        None => Ok(nodes),
+        Some(node) => wrong(
+            "a node without a place",
+            format!("{:?} for node {}", node.xyz_m, node.label),
+            "finite coordinates in m for every node, or no nodes_m",
+        ),
+    }
 }
 
 /// DOFs by name, or nodes from `first` on along +Z.

@@ -38,17 +38,29 @@ pub fn raised(py: Python<'_>, error: &Error) -> PyErr {
     }
 }
 
+/// The exception of an option that its parser refused.
+pub fn wrong_option(py: Python<'_>, field: &str, error: Error) -> PyErr {
+    let kind = ErrorKind::Usage;
+    raised(py, &Error { kind, ..error }.field(field))
+}
+
+/// The exception of an argument that the Python half refuses, for it to raise.
+#[pyfunction]
+pub fn refusal(
+    py: Python<'_>,
+    field: &str,
+    message: &str,
+    found: &str,
+    expected: &str,
+) -> Py<PyAny> {
+    let error = Error::new(ErrorKind::Usage, message).field(field);
+    let refused = raised(py, &error.found(found).expected(expected));
+    refused.into_value(py).into_any()
+}
+
 /// The exception of a word that an option does not know: "`x` is no ...; write ...".
 pub fn wrong_word(py: Python<'_>, field: &str, found: &str, message: &str) -> PyErr {
-    let error = Error::bad_word(message, found);
-    raised(
-        py,
-        &Error {
-            kind: ErrorKind::Usage,
-            ..error
-        }
-        .field(field),
-    )
+    wrong_option(py, field, Error::bad_word(message, found))
 }
 
 /// The exception of a fit that cannot be made.

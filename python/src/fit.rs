@@ -1,10 +1,10 @@
 //! `fit`, and the words of its options.
 
-use crate::error::{unfitted, wrong_word};
+use crate::error::{unfitted, wrong_option, wrong_word};
 use crate::frf::FrfSet;
 use crate::model::Model;
 use crate::progress::telling;
-use chladni_frf::Damping;
+use chladni_frf::{Damping, Error, ErrorKind};
 use chladni_rfp::{CancelToken, FitOptions, Method, RfpOptions, RfpWeight, ShapeModel, Window};
 use pyo3::prelude::*;
 
@@ -46,8 +46,8 @@ pub fn fit(
         return Err(wrong_word(py, "method", method, message));
     }
     let options = FitOptions {
-        band_hz: band.map(|(low, high)| [low, high]),
-        modes,
+        band_hz: band_of(py, band)?,
+        modes: count_of(py, modes)?,
         damping: law(py, damping)?,
         method: named,
         rfp: RfpOptions {
@@ -70,6 +70,36 @@ pub fn fit(
     fitted
         .map(|fitted| Model::new(fitted.model))
         .map_err(|error| unfitted(py, &error, &options))
+}
+
+/// A band, Hz, that begins before it ends.
+pub fn band_of(py: Python<'_>, band: Option<(f64, f64)>) -> PyResult<Option<[f64; 2]>> {
+    let Some((low, high)) = band else {
+        return Ok(None);
+    };
+    if 0.0 <= low && low < high && high.is_finite() {
+        return Ok(Some([low, high]));
+    }
+    let message = if low >= high {
+        "the band ends before it begins"
+    } else {
+        "no band"
+    };
+    let error = Error::new(ErrorKind::Usage, message)
+        .found(format!("({low}, {high})"))
+        .expected("(low, high) in Hz, low below high, neither negative");
+    Err(wrong_option(py, "band", error))
+}
+
+/// A number of modes.
+pub fn count_of(py: Python<'_>, modes: Option<usize>) -> PyResult<Option<usize>> {
+    if modes == Some(0) {
+        let error = Error::new(ErrorKind::Usage, "no mode is asked for")
+            .found(0)
+            .expected("a whole number above 0, or None: as many as there is evidence for");
+        return Err(wrong_option(py, "modes", error));
+    }
+    Ok(modes)
 }
 
 /// A damping law by its name.

@@ -1,13 +1,11 @@
 //! FRF sets: read, simulated, or made of NumPy arrays.
 
-use crate::arrays::{dofs, kind_of, nodes_of, unit, values_of};
+use crate::arrays::{axis_of, dofs, kind_of, nodes_of, unit, values_of};
 use crate::error::{raised, wrong_word};
 use crate::findings::{findings_json, sentences};
 use chladni_frf::{Finding, FrfKind, FrfValues, Geometry};
 use chladni_io::{read_frf, write_frf, DeclaredDofs, DeclaredRow, ReadOptions};
-use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -19,10 +17,10 @@ use std::str::FromStr;
 ///
 /// Parameters
 /// ----------
-/// frequency_hz : ndarray of float64, shape (line,)
+/// frequency_hz : array_like of float, shape (line,)
 ///     Lines, Hz.
-/// values : ndarray of complex128 or complex64, shape (response, reference, line)
-///     The FRFs.
+/// values : array_like of complex, shape (response, reference, line)
+///     The FRFs; complex64 stays what it is.
 /// responses, references : list of str, optional
 ///     Names such as ``"12:+Z"`` (node 12, +Z); without them responses are nodes 1, 2, ...
 ///     and references the nodes after those.
@@ -30,7 +28,7 @@ use std::str::FromStr;
 ///     What they are.
 /// reference_unit : {"N", "V"}
 ///     Unit of the references.
-/// nodes_m : ndarray of float64, shape (node, 3), optional
+/// nodes_m : array_like of float, shape (node, 3), optional
 ///     Positions of nodes 1, 2, ..., m.
 #[pyclass(frozen, module = "chladni")]
 pub struct FrfSet {
@@ -46,19 +44,19 @@ impl FrfSet {
     #[allow(clippy::too_many_arguments)] // keywords on the Python side
     fn new(
         py: Python<'_>,
-        frequency_hz: PyReadonlyArray1<'_, f64>,
+        frequency_hz: &Bound<'_, PyAny>,
         values: &Bound<'_, PyAny>,
         responses: Option<Vec<String>>,
         references: Option<Vec<String>>,
         kind: &str,
         reference_unit: &str,
-        nodes_m: Option<PyReadonlyArray2<'_, f64>>,
+        nodes_m: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let values = values_of(py, values)?;
         let (rows, columns, _) = values.dim();
-        let nodes = nodes_of(py, nodes_m)?;
+        let nodes = nodes_of(nodes_m)?;
         let set = chladni_frf::FrfSet {
-            frequency_hz: frequency_hz.as_array().to_owned(),
+            frequency_hz: axis_of(frequency_hz)?,
             values,
             responses: dofs(py, "responses", responses, 1, rows)?,
             references: dofs(py, "references", references, rows as u64 + 1, columns)?,

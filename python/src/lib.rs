@@ -30,6 +30,8 @@ fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
         "ChladniError",
         module.py().get_type::<error::ChladniError>(),
     )?;
+    module.add_function(wrap_pyfunction!(error::refusal, module)?)?;
+    module.add_function(wrap_pyfunction!(arrays::float64, module)?)?;
     module.add_class::<frf::FrfSet>()?;
     module.add_class::<model::Model>()?;
     module.add_class::<rendering::Rendering>()?;

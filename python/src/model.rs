@@ -1,5 +1,6 @@
 //! Modal models: loaded, selected, compared, and what notebooks ask of them.
 
+use crate::arrays::axis_of;
 use crate::error::{raised, unfitted, wrong_word};
 use crate::findings::findings_json;
 use crate::frf::FrfSet;
@@ -8,7 +9,7 @@ use chladni_io::{read_model, write_model};
 use chladni_rfp::{CompareOptions, FitOptions};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use std::path::PathBuf;
@@ -237,19 +238,20 @@ impl Model {
     ///
     /// Parameters
     /// ----------
-    /// frequency_hz : ndarray of float64, shape (line,)
+    /// frequency_hz : array_like of float, shape (line,)
     ///     Lines, Hz.
     ///
     /// Returns
     /// -------
     /// ndarray of complex128, shape (response, reference, line)
+    ///     NaN at 0 Hz where the model moves as a rigid body, too.
     fn synthesise<'py>(
         &self,
         py: Python<'py>,
-        frequency_hz: PyReadonlyArray1<'py, f64>,
-    ) -> Bound<'py, PyArray3<Complex64>> {
-        let lines = frequency_hz.as_array().to_owned();
-        py.detach(|| self.model.synthesise(&lines)).into_pyarray(py)
+        frequency_hz: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray3<Complex64>>> {
+        let lines = axis_of(frequency_hz)?;
+        Ok(py.detach(|| self.model.synthesise(&lines)).into_pyarray(py))
     }
 
     /// MAC between the shapes of this model and of another at the DOFs that both have, paired by

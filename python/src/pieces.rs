@@ -2,7 +2,7 @@
 //! from one worker to the next.
 
 use crate::error::{raised, unpieced};
-use crate::fit::{law, shape_model, window_of};
+use crate::fit::{band_of, count_of, law, shape_model, window_of};
 use crate::frf::FrfSet;
 use crate::model::Model;
 use crate::progress::telling;
@@ -209,7 +209,7 @@ pub fn reduce_block(
 ) -> PyResult<Partial> {
     let poles = poles.map(|poles| &poles.0);
     let mut options = poles.map(pieces::Poles::options).unwrap_or_default();
-    options.band_hz = band.map(|(low, high)| [low, high]).or(options.band_hz);
+    options.band_hz = band_of(py, band)?.or(options.band_hz);
     options.window = window_of(py, window)?.or(options.window);
     options.seed = seed.unwrap_or(options.seed);
     let reduced = py.detach(|| pieces::reduce(&frf.set, &options, number, Vec::new(), poles));
@@ -261,7 +261,7 @@ pub fn solve_poles(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Py<PyAny>> {
     let options = FitOptions {
-        modes,
+        modes: count_of(py, modes)?,
         damping: law(py, damping)?,
         shapes: shape_model(py, shapes)?,
         exponential_window_per_s,

@@ -1,12 +1,11 @@
 //! Drives over time: bursts, fades, moving spots, and the files that a rig plays.
 
-use crate::error::{raised, wrong_word};
+use crate::error::{raised, wrong_option, wrong_word};
 use crate::model::Model;
-use crate::rendering::{scene_of, Rendering};
+use crate::rendering::{method_of, scene_of, Rendering};
 use chladni_io::{write_atomically, write_npz, NamedArray};
 use chladni_render::{
-    ChannelMap, MethodChoice, PlayOptions, Ramps, RenderOptions, SampleFormat, Signal,
-    SignalOptions,
+    ChannelMap, PlayOptions, Ramps, RenderOptions, SampleFormat, Signal, SignalOptions,
 };
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -28,7 +27,7 @@ impl Playing {
         let (rate_hz, format, full_scale, channel_map) = asked;
         let format = format
             .parse::<SampleFormat>()
-            .map_err(|message| wrong_word(py, "format", &format, &message.to_string()))?;
+            .map_err(|error| wrong_option(py, "format", error))?;
         let channels = channel_map.map(|rows| mapped(py, rows)).transpose()?;
         let options = SignalOptions {
             rate_hz,
@@ -255,9 +254,7 @@ pub fn play(
     let options = PlayOptions {
         ramps,
         render: RenderOptions {
-            method: method
-                .parse::<MethodChoice>()
-                .map_err(|message| wrong_word(py, "method", method, &message.to_string()))?,
+            method: method_of(py, method)?,
             ..RenderOptions::default()
         },
         ..PlayOptions::default()

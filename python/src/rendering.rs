@@ -1,6 +1,6 @@
 //! Weights for a scene, and what they do on other data.
 
-use crate::error::{raised, wrong_word};
+use crate::error::{raised, wrong_option, wrong_word};
 use crate::findings::findings_json;
 use crate::frf::FrfSet;
 use crate::model::Model;
@@ -155,31 +155,39 @@ pub fn scene_of(py: Python<'_>, scene: &Bound<'_, PyAny>) -> PyResult<Scene> {
     read.map_err(|error| raised(py, &error))
 }
 
+/// A method by its name.
+pub fn method_of(py: Python<'_>, name: &str) -> PyResult<MethodChoice> {
+    name.parse()
+        .map_err(|error| wrong_option(py, "method", error))
+}
+
 /// Weights that move the panel in the hot zones of a scene and keep it quiet in the cold
 /// ones.
 ///
 /// scene: a scene file or its TOML text. method: default, fast, best, or one of the
-/// methods of `chladni render`. modes, actuators: "all", "auto" or a number. measured:
-/// FRFs whose line at the drive frequency judges modes="auto".
+/// methods of `chladni render`. modes, actuators: "all" (where None), "auto" or a number.
+/// measured: FRFs whose line at the drive frequency judges modes="auto".
 #[pyfunction]
-#[pyo3(signature = (model, scene, *, method="default", modes="all", actuators="all", measured=None))]
+#[pyo3(signature = (model, scene, *, method="default", modes=None, actuators=None, measured=None))]
 pub fn render(
     py: Python<'_>,
     model: &Model,
     scene: &Bound<'_, PyAny>,
     method: &str,
-    modes: &str,
-    actuators: &str,
+    modes: Option<&Bound<'_, PyAny>>,
+    actuators: Option<&Bound<'_, PyAny>>,
     measured: Option<&FrfSet>,
 ) -> PyResult<Rendering> {
-    let count = |field: &str, text: &str| {
-        text.parse::<Count>()
-            .map_err(|message| wrong_word(py, field, text, &message.to_string()))
+    // a number as a word
+    let count = |field: &str, asked: Option<&Bound<'_, PyAny>>| {
+        let Some(asked) = asked else {
+            return Ok(Count::All);
+        };
+        let count = asked.str()?.to_string().parse::<Count>();
+        count.map_err(|error| wrong_option(py, field, error))
     };
     let options = RenderOptions {
-        method: method
-            .parse::<MethodChoice>()
-            .map_err(|message| wrong_word(py, "method", method, &message.to_string()))?,
+        method: method_of(py, method)?,
         modes: count("modes", modes)?,
         actuators: count("actuators", actuators)?,
         ..RenderOptions::default()

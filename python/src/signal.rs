@@ -2,6 +2,7 @@
 
 use crate::arrays::{dofs, kind_of, unit};
 use crate::error::{raised, unfitted, wrong_word};
+use crate::fit::band_of;
 use crate::frf::FrfSet;
 use chladni_frf::{
     BlockWindow, Channel, Dof, Error, ErrorKind, Estimator, FrfKind, ReferenceUnit, Run, SignalUnit,
@@ -211,7 +212,7 @@ pub fn stabilization<'py>(
     band: Option<(f64, f64)>,
 ) -> PyResult<Diagram<'py>> {
     let options = FitOptions {
-        band_hz: band.map(|(low, high)| [low, high]),
+        band_hz: band_of(py, band)?,
         ..FitOptions::default()
     };
     let found = py

@@ -125,6 +125,45 @@ def test_errors_carry_the_fields_of_the_contract(frf, tmp_path):
     assert sizes.value.field == "frequency_hz"
 
 
+def test_numbers_of_any_type_are_an_axis_and_values_may_be_lists(model):
+    axis = np.arange(2, 12)
+    values = np.ones((2, 1, 10), complex)
+    for given in (axis, axis.astype(np.float32), axis.tolist(), axis[::-1][::-1]):
+        taken = chladni.FrfSet(given, values.tolist(), nodes_m=[[0, 0, 0], [1, 0, 0], [2, 0, 0]])
+        assert np.array_equal(taken.frequency_hz, axis) and taken.values.dtype == np.complex128
+        assert np.array_equal(model.synthesise(given), model.synthesise(axis.astype(float)))
+    noise = np.random.default_rng(3).integers(-100, 100, (1, 4096))
+    casts = (np.asarray, lambda a: a.astype(np.float32), lambda a: a.tolist(), lambda a: a.astype(float))
+    again = [chladni.estimate(cast(noise), cast(np.roll(noise, 1) + noise), 1000).values for cast in casts]
+    assert all(np.array_equal(one, again[-1], equal_nan=True) for one in again)
+
+
+@pytest.mark.parametrize(
+    "field, call",
+    [
+        ("frequency_hz", lambda frf, model: chladni.FrfSet(["a"], np.ones((1, 1, 1), complex))),
+        ("frequency_hz", lambda frf, model: chladni.FrfSet([1j], np.ones((1, 1, 1), complex))),
+        ("frequency_hz", lambda frf, model: chladni.FrfSet([[1.0]], np.ones((1, 1, 1), complex))),
+        ("frequency_hz", lambda frf, model: model.synthesise([1.0, np.nan])),
+        ("frequency_hz", lambda frf, model: model.synthesise([-1.0])),
+        ("frequency_hz", lambda frf, model: model.synthesise([[1.0], [1.0, 2.0]])),
+        ("values", lambda frf, model: chladni.FrfSet([1.0], np.ones((1, 1, 1)))),
+        ("values", lambda frf, model: chladni.FrfSet([], np.ones((1, 1, 0), complex))),
+        ("values", lambda frf, model: chladni.FrfSet([1.0], np.ones((0, 1, 1), complex))),
+        ("nodes_m", lambda frf, model: chladni.FrfSet([1.0], np.ones((1, 1, 1), complex), nodes_m=[[0, 0, np.nan]])),
+        ("nodes_m", lambda frf, model: chladni.FrfSet([1.0], np.ones((1, 1, 1), complex), nodes_m=[[0, 0]])),
+        ("references", lambda frf, model: chladni.estimate([["a"]], [[1.0]], 1000.0)),
+        ("modes", lambda frf, model: chladni.fit(frf, modes=0)),
+        ("band", lambda frf, model: chladni.fit(frf, band=(100, 50))),
+        ("band", lambda frf, model: chladni.stabilization(frf, band=(100, 50))),
+    ],
+)
+def test_what_no_array_or_option_can_be_names_the_argument(frf, model, field, call):
+    with pytest.raises(chladni.ChladniError) as refused:
+        call(frf, model)
+    assert refused.value.field == field and refused.value.found and refused.value.expected and refused.value.code == 2
+
+
 def test_progress_is_told_and_its_errors_come_through(frf):
     stages = []
     chladni.fit(frf, progress=stages.append)

@@ -135,6 +135,22 @@ def test_scenes_are_dictionaries_and_masks_too(model):
         chladni.scene(model, 300.0, hot[:-1])
     with pytest.raises(ValueError, match="not both"):
         chladni.scene(model, 300.0, hot, cold=hot)
+    as_numbers = chladni.scene(model, 300.0, hot.astype(float))
+    assert as_numbers == chladni.scene(model, 300.0, hot)
+    for mask in (np.where(hot, 1.0, np.nan), np.arange(len(hot)), hot.astype(str)):
+        with pytest.raises(chladni.ChladniError, match="True or False") as refused:
+            chladni.scene(model, 300.0, mask)
+        assert refused.value.field == "hot"
+
+
+def test_a_number_of_modes_is_a_number(model):
+    scene = FIXTURES / "scene-corner.toml"
+    counted = [chladni.render(model, scene, method="fast", modes=modes).weights for modes in (9, "9", np.int64(9))]
+    assert all(np.array_equal(one, counted[0]) for one in counted)
+    for field, word in (("modes", 0), ("actuators", 1.5), ("method", "hocus")):
+        with pytest.raises(chladni.ChladniError) as refused:
+            chladni.render(model, scene, **{field: word})
+        assert refused.value.field == field and str(refused.value).count("; found") == 1
 
 
 def test_a_report_is_one_page(model, frf, tmp_path):

@@ -130,6 +130,9 @@ pub(crate) const MOST_MODES: usize = 100_000;
 /// Loss factor from which a viscous mode swings no more (ζ = 1): it has no pair of poles,
 /// and the model no form for it.
 pub(crate) const CRITICAL: f64 = 2.0;
+/// Difference of a damping ratio from half the loss factor, relative, that decimals of
+/// other programs may leave.
+pub(crate) const SAME_DAMPING: f64 = 1e-2;
 
 // numpy/archive.rs
 

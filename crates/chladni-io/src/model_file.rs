@@ -4,7 +4,7 @@ use super::atomic::write_atomically;
 use super::json::write_json;
 use super::mat::MatFile;
 use super::{detect_format, hdf5, model_table, FileFormat};
-use crate::limits::{CRITICAL, FARTHEST_M, LARGEST, MOST_MODES};
+use crate::limits::{CRITICAL, FARTHEST_M, LARGEST, MOST_MODES, SAME_DAMPING};
 use chladni_frf::{Damping, Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
 use chladni_text::door::KeptInputs;
 use chladni_text::{json_error, read_text};
@@ -273,6 +273,18 @@ fn check_pole(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
             mode.loss_factor,
         )
         .expected(format!("less than {CRITICAL}, a damping ratio below 1")));
+    }
+    let of_loss = 0.5 * mode.loss_factor;
+    if (mode.damping_ratio - of_loss).abs() > SAME_DAMPING * of_loss.max(mode.damping_ratio) {
+        return Err(wrong(
+            "damping that is told in two ways",
+            "damping_ratio",
+            mode.damping_ratio,
+        )
+        .expected(format!(
+            "{of_loss}, half of its loss_factor of {}",
+            mode.loss_factor
+        )));
     }
     Ok(())
 }

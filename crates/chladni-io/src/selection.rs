@@ -19,8 +19,8 @@ use std::path::Path;
 
 const KEYS: Keys = &[
     ("", &["keep", "drop", "mode", "add"]),
-    ("mode", &["near_hz", "within_hz"]),
-    ("add", &["frequency_hz"]),
+    ("mode[]", &["near_hz", "within_hz"]),
+    ("add[]", &["frequency_hz"]),
 ];
 
 /// Keeps all sure modes.
@@ -95,7 +95,7 @@ pub fn selection_from_toml(text: &str) -> Result<Selection> {
 fn added(root: &Table) -> Result<Vec<f64>> {
     let of = |value: &Value| {
         let table = value.table()?;
-        table.only_keys(KEYS, "add")?;
+        table.only_keys(KEYS, "add[]")?;
         table
             .require("frequency_hz", "where a mode was seen, Hz")?
             .positive()
@@ -111,7 +111,7 @@ fn items<'a>(list: Option<Value<'a>>) -> Result<impl Iterator<Item = Value<'a>>>
 
 fn by_frequency(value: &Value, place: usize) -> Result<ModePick> {
     let table = value.table()?;
-    table.only_keys(KEYS, "mode")?;
+    table.only_keys(KEYS, "mode[]")?;
     let near_hz = table
         .require("near_hz", "the frequency of a mode, Hz")?
         .positive()?;

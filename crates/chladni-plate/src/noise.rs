@@ -1,6 +1,7 @@
 //! Noise of known kind and size, the same for a seed at any number of threads: each FRF
 //! has its own ChaCha8 stream.
 
+use crate::tolerances::LEAST_SNR_DB;
 use chladni_frf::{Error, FrfSet, FrfValues, Result};
 use ndarray::Array3;
 use num_complex::{Complex32, Complex64};
@@ -51,20 +52,26 @@ pub fn mean_square(values: &Array3<Complex64>) -> f64 {
     sum / count.max(1) as f64
 }
 
+/// Checks that noise leaves something of what it is added to.
+pub(crate) fn check_snr(field: &str, snr_db: f64) -> Result<()> {
+    match snr_db >= LEAST_SNR_DB {
+        true => Ok(()),
+        false => Err(Error::bad_data("noise that leaves nothing of the FRFs")
+            .field(field)
+            .found(snr_db)
+            .expected(format!("{LEAST_SNR_DB} dB or more"))),
+    }
+}
+
 /// Adds white circular Gaussian noise of one variance, `snr_db` below the mean square of
 /// all values; returns the variance E|n|².
 ///
 /// An infinite `snr_db` adds nothing.
 ///
 /// # Errors
-/// A level that is no number or −∞.
+/// A level that is no number, or leaves nothing of the values.
 pub fn add_white_noise(values: &mut Array3<Complex64>, snr_db: f64, seed: u64) -> Result<f64> {
-    if snr_db.is_nan() || snr_db == f64::NEG_INFINITY {
-        return Err(Error::bad_data("not a usable noise level")
-            .field("snr_db")
-            .found(snr_db)
-            .expected("decibels"));
-    }
+    check_snr("snr_db", snr_db)?;
     let variance = mean_square(values) * 10f64.powf(-snr_db / 10.0);
     add_noise_of_variance(values, variance, seed);
     Ok(variance)

@@ -279,6 +279,7 @@ impl Panel {
                 .expected("a finite number of decibels")
                 .help("write 400 for FRFs without noise"));
         }
+        crate::noise::check_snr("frf.snr_db", frf.snr_db)?;
         if frf.stop_hz < frf.start_hz {
             return Err(Error::bad_data("the frequency axis ends before it starts")
                 .field("frf.stop_hz")

@@ -300,6 +300,14 @@ mod tests {
                 ["line 2", "frf.stop_hz", "ends before"],
             ),
             ("[frf]\nsnr_db = inf", ["line 2", "frf.snr_db", "finite"]),
+            (
+                "[frf]\nsnr_db = -1000",
+                ["line 2", "frf.snr_db", "-100 dB or more"],
+            ),
+            (
+                "[plate]\nloss_factor = [0.01, 5]",
+                ["line 2", "plate.loss_factor", "at most 2"],
+            ),
             ("[frf]\nseed = 1.5", ["line 2", "frf.seed", "1.5"]),
             ("plate = 3", ["line 1", "section", "[plate]"]),
             ("[plate\n", ["line 1", "TOML", "help"]),

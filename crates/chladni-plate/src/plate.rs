@@ -2,7 +2,7 @@
 //! them.
 
 use crate::edges::Edges;
-use crate::tolerances::THIN_PLATE_WAVELENGTH_PER_THICKNESS;
+use crate::tolerances::{MOST_LOSS_FACTOR, THIN_PLATE_WAVELENGTH_PER_THICKNESS};
 use chladni_frf::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -150,7 +150,7 @@ impl Plate {
         self.loss_factor
             .entries()
             .iter()
-            .try_for_each(|&eta| crate::checks::positive("plate.loss_factor", eta))?;
+            .try_for_each(|&eta| check_loss_factor(eta))?;
         crate::checks::not_negative("plate.stiffness_n_per_m2", self.stiffness_n_per_m2)?;
         if self.edges.is_elastic() && self.stiffness_n_per_m2 == 0.0 {
             return Err(Error::bad_data("an elastic edge has a stiffness")
@@ -181,6 +181,18 @@ impl Plate {
             .field("plate"));
         }
         Ok(())
+    }
+}
+
+fn check_loss_factor(eta: f64) -> Result<()> {
+    crate::checks::positive("plate.loss_factor", eta)?;
+    match eta <= MOST_LOSS_FACTOR {
+        true => Ok(()),
+        false => Err(Error::bad_data("a plate that does not ring")
+            .field("plate.loss_factor")
+            .found(eta)
+            .expected(format!("a number above 0, at most {MOST_LOSS_FACTOR}"))
+            .help("write 0.01 for one per cent")),
     }
 }
 

@@ -71,6 +71,16 @@ pub const RIGID_BAND: f64 = 0.5;
 /// are 10 % off six turns leave 1e-6 of it.
 pub const GAIN_ROUNDS: usize = 12;
 
+// plate.rs
+
+/// Largest loss factor: what has more does not ring, and is no plate with modes.
+pub const MOST_LOSS_FACTOR: f64 = 2.0;
+
+// panel.rs
+
+/// Lowest signal-to-noise ratio, dB: noise a hundred thousand times the FRFs, in amplitude.
+pub const LEAST_SNR_DB: f64 = -100.0;
+
 // modes.rs
 
 /// Points whose shapes are evaluated together: bounds the memory of dense grids.

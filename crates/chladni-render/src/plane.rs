@@ -133,6 +133,21 @@ pub(crate) fn sides(polygon: &[Position]) -> impl Iterator<Item = [Position; 2]>
         .filter(|[a, b]| a != b)
 }
 
+/// True where two sides of a polygon cross; sides that only touch do not.
+pub(crate) fn crosses_itself(polygon: &[Position]) -> bool {
+    let sides: Vec<[Position; 2]> = sides(polygon).collect();
+    let apart = |[a, b]: [Position; 2], [c, d]: [Position; 2]| {
+        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let [c, d] = [c, d].map(|point| turn(a, b, point) / length);
+        c.abs().min(d.abs()) > tolerances::POSITION_M && (c < 0.0) != (d < 0.0)
+    };
+    let crossed = |(k, &side): (usize, &[Position; 2])| {
+        let mut others = sides[k + 1..].iter();
+        others.any(|&other| apart(side, other) && apart(other, side))
+    };
+    sides.iter().enumerate().any(crossed)
+}
+
 /// Points on a → b (0..1) where the other side crosses it, or one of its ends lies on it.
 fn crossings([a, b]: [Position; 2], [c, d]: [Position; 2]) -> Vec<f64> {
     let (u, w) = ([b[0] - a[0], b[1] - a[1]], [d[0] - c[0], d[1] - c[1]]);

@@ -23,6 +23,7 @@ use crate::drift::Drift;
 use crate::rig::calibration::{CalibratedOperator, Calibration};
 use crate::threshold::{Threshold, ThresholdTable};
 use crate::time::{read_time, TimeTable};
+use crate::tolerances;
 use crate::tones::{is_same, read_tones, Share, Tone};
 use crate::touch::{read_touch, Touch};
 use crate::zones::Zones;
@@ -214,7 +215,14 @@ fn read_drift(table: &Table) -> Result<Drift> {
             continue;
         };
         if let Some(place) = drift.named_mut(key) {
-            *place = value.not_negative()?;
+            *place = match value.not_negative()? {
+                relative if relative <= tolerances::MOST_DRIFT => relative,
+                _ => {
+                    return Err(value
+                        .error("more than the whole", "a part from 0 to 1")
+                        .help("write 0.01 for one per cent"))
+                }
+            };
         }
     }
     Ok(drift)

@@ -29,6 +29,22 @@ pub const MOST_DB: f64 = 200.0;
 /// more is a fifth of a bandwidth at 0.005 % loss.
 pub const SAME_FREQUENCY: f64 = 1e-6;
 
+/// Distance of two tones, Hz, below which they are refused: they beat for ten seconds and
+/// more, one tone that swells and fades. Ten times more would refuse what two close modes
+/// ask for, ten times less is no pattern of two tones.
+pub const LEAST_TONE_DISTANCE_HZ: f64 = 0.1;
+
+/// Largest drift of a scene, relative: a part of what drifts.
+pub const MOST_DRIFT: f64 = 1.0;
+
+/// Largest weight of a file, N or V: no actuator comes near it, and what is printed of it
+/// is still read.
+pub const MOST_WEIGHT: f64 = 1e15;
+
+/// Difference of a weight's amplitude and phase from its parts, relative, that decimals of
+/// other programs may leave.
+pub const SAME_WEIGHT: f64 = 1e-2;
+
 /// Distance of the tones that a band of a drive is made of, Hz: half of a narrow mode's
 /// bandwidth on a glass panel, so that none falls between them.
 pub const BAND_STEP_HZ: f64 = 2.0;

@@ -89,6 +89,20 @@ pub(crate) fn read_tones(value: &Value) -> Result<Vec<Tone>> {
                     "each frequency once, and bands that do not touch",
                 ));
             }
+            let near = |tone: &&Tone| {
+                (tone.frequency_hz - frequency_hz).abs() < tolerances::LEAST_TONE_DISTANCE_HZ
+            };
+            if let Some(near) = tones.iter().find(near) {
+                let message = format!(
+                    "{} and {frequency_hz} Hz beat: they are one tone that swells and fades",
+                    near.frequency_hz
+                );
+                let expected = format!(
+                    "tones {} Hz apart or more",
+                    tolerances::LEAST_TONE_DISTANCE_HZ
+                );
+                return Err(value.error(&message, expected));
+            }
             tones.push(Tone {
                 frequency_hz,
                 share,

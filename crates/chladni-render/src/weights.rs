@@ -7,6 +7,7 @@ use crate::indices::Indices;
 use crate::methods::ModalSteps;
 use crate::problem::Drive;
 use crate::rig::Correction;
+use crate::tolerances;
 use crate::tones::is_same;
 use crate::touch::TouchIndices;
 use chladni_frf::{Dof, Error, Findings, ReferenceUnit, Result, Source};
@@ -118,6 +119,38 @@ impl Weight {
     pub fn value(&self) -> Complex64 {
         Complex64::new(self.re, self.im)
     }
+
+    /// Checks that an actuator can have it, and that amplitude and phase are those of `re`
+    /// and `im`.
+    fn check(&self) -> Result<()> {
+        let field = format!("weights, {}", self.reference);
+        let (value, unit) = (self.value(), self.unit);
+        let size = value.norm();
+        if size > tolerances::MOST_WEIGHT {
+            return Err(Error::bad_data("a weight that no actuator can have")
+                .field(field)
+                .found(format!("{size:e} {unit}"))
+                .expected(format!("at most {:e} {unit}", tolerances::MOST_WEIGHT)));
+        }
+        let said = Complex64::from_polar(self.amplitude, self.phase_deg.to_radians());
+        // the least of numbers know no angle
+        if (said - value).norm() <= tolerances::SAME_WEIGHT * size + f64::MIN_POSITIVE {
+            return Ok(());
+        }
+        let shown =
+            |amplitude: f64, phase_deg: f64| format!("{amplitude:.3e} {unit} at {phase_deg:.1}°");
+        Err(Error::bad_data("a weight that is told in two ways")
+            .field(field)
+            .found(format!(
+                "amplitude {}, re and im {}",
+                shown(self.amplitude, self.phase_deg),
+                shown(size, value.arg().to_degrees())
+            ))
+            .expected("the same phasor in both ways")
+            .help(
+                "re and im are what is driven: change these, and amplitude and phase_deg with them",
+            ))
+    }
 }
 
 impl Weights {
@@ -193,6 +226,7 @@ impl Weights {
     fn check_list(&self) -> Result<()> {
         let mut seen = std::collections::HashSet::new();
         for weight in &self.weights {
+            weight.check()?;
             if !seen.insert((weight.reference.node, weight.reference.direction.axis())) {
                 return Err(Error::bad_data("an actuator stands twice")
                     .field("weights")

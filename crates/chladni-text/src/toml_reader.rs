@@ -7,7 +7,8 @@ use chladni_frf::{nearest_word, Error, Result};
 use toml::de::{DeTable, DeValue};
 use toml::Spanned;
 
-/// The keys a file may hold: table name (empty: top level) and its keys.
+/// The keys a file may hold: table name (empty: top level; with `[]` at its end: a list of
+/// tables) and its keys.
 pub type Keys = &'static [(&'static str, &'static [&'static str])];
 
 /// Parses the text; a syntax error becomes an error with its line.
@@ -70,7 +71,10 @@ impl<'a> Table<'a> {
             .find(|(other, known)| *other != table && known.contains(&name));
         let help = match elsewhere {
             Some(("", _)) => format!("`{name}` stands at the top of the file, before any [table]"),
-            Some((other, _)) => format!("`{name}` belongs into [{other}]"),
+            Some((other, _)) => match other.strip_suffix("[]") {
+                Some(list) => format!("`{name}` belongs under [[{list}]], in two brackets"),
+                None => format!("`{name}` belongs into [{other}]"),
+            },
             None => format!(
                 "did you mean `{}`? Known keys here: {}",
                 nearest_word(name, known).unwrap_or_default(),
@@ -199,7 +203,12 @@ impl<'a> Value<'a> {
             .value
             .get_ref()
             .as_array()
-            .ok_or_else(|| self.error("not a list", "a list in [ ]"))?;
+            .ok_or_else(|| match self.value.get_ref() {
+                DeValue::Table(_) => self
+                    .error("a table, not a list of tables", "a list in [ ]")
+                    .help(format!("write [[{0}]] in place of [{0}]", self.path)),
+                _ => self.error("not a list", "a list in [ ]"),
+            })?;
         let entry = |(k, value)| Value {
             text: self.text,
             path: format!("{}[{}]", self.path, k + 1),

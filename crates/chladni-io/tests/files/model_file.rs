@@ -312,6 +312,15 @@ fn other_files_are_told_apart() {
         (error.kind, error.field.as_deref()),
         (ErrorKind::Internal, Some("modes[1].loss_factor"))
     );
+    let mut told_twice = model();
+    told_twice.modes[0].damping_ratio = 0.3;
+    let error = write_model(&folder.path().join("model.json"), &told_twice, false).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("expected 0.005, half of its loss_factor of 0.01"),
+        "{error}"
+    );
     assert_eq!(
         std::fs::read_dir(folder.path()).unwrap().count(),
         2,

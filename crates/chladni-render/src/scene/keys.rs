@@ -38,7 +38,7 @@ pub(super) const KEYS: Keys = &[
             "polygon",
         ],
     ),
-    ("zones.polygon", &["kind", "points_m", "level_db"]),
+    ("zones.polygon[]", &["kind", "points_m", "level_db"]),
     (
         "actuators",
         &[
@@ -80,12 +80,15 @@ pub(super) const KEYS: Keys = &[
         ],
     ),
     (
-        "time.burst",
+        "time.burst[]",
         &["start_s", "duration_s", "ramp_s", "repeat", "hot"],
     ),
-    ("time.fade", &["from", "to", "start_s", "fade_s", "ramp_s"]),
     (
-        "time.move",
+        "time.fade[]",
+        &["from", "to", "start_s", "fade_s", "ramp_s"],
+    ),
+    (
+        "time.move[]",
         &[
             "start_s",
             "path_m",

@@ -2,7 +2,7 @@
 
 use super::keys::KEYS;
 use super::read_threshold::decibels;
-use crate::plane::Position;
+use crate::plane::{crosses_itself, Position};
 use crate::tolerances;
 use crate::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
 use chladni_frf::{Error, Result};
@@ -98,8 +98,8 @@ fn read_polygons(zones: &Table, value: &Value) -> Result<ZoneLayout> {
             ));
         }
     }
-    let polygons = value
-        .list()?
+    let entries = value.list()?;
+    let polygons = entries
         .iter()
         .map(read_polygon)
         .collect::<Result<Vec<_>>>()?;
@@ -113,6 +113,16 @@ fn read_polygons(zones: &Table, value: &Value) -> Result<ZoneLayout> {
             "too many corners",
             format!("at most {} in all polygons", tolerances::MAX_POLYGON_POINTS),
         ));
+    }
+    let crossed = |(_, polygon): &(_, &ZonePolygon)| crosses_itself(&polygon.points_m);
+    if let Some((entry, _)) = entries.iter().zip(&polygons).find(crossed) {
+        let corners = entry.table()?.require("points_m", "corners")?;
+        return Err(corners
+            .error(
+                "a polygon whose sides cross",
+                "corners in their order along the border",
+            )
+            .help("change the order of the corners, or write one polygon for each part"));
     }
     if !polygons
         .iter()
@@ -129,7 +139,7 @@ fn read_polygons(zones: &Table, value: &Value) -> Result<ZoneLayout> {
 
 fn read_polygon(value: &Value) -> Result<ZonePolygon> {
     let table = value.table()?;
-    table.only_keys(KEYS, "zones.polygon")?;
+    table.only_keys(KEYS, "zones.polygon[]")?;
     let kind_value = table.require("kind", "\"hot\", \"cold\" or \"ignore\"")?;
     let kind = match kind_value.string()? {
         "hot" => PolygonKind::Hot,

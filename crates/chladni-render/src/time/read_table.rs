@@ -87,7 +87,7 @@ fn start(table: &Table) -> Result<f64> {
 
 fn read_burst(value: &Value, zones: &Zones, keys: Keys) -> Result<Burst> {
     let table = value.table()?;
-    table.only_keys(keys, "time.burst")?;
+    table.only_keys(keys, "time.burst[]")?;
     let duration = required(
         &table,
         "duration_s",
@@ -145,7 +145,7 @@ fn read_repeat(value: &Value, duration_s: f64) -> Result<(usize, f64)> {
 
 fn read_fade(value: &Value, zones: &Zones, keys: Keys) -> Result<Fade> {
     let table = value.table()?;
-    table.only_keys(keys, "time.fade")?;
+    table.only_keys(keys, "time.fade[]")?;
     let from = cells(&required(&table, "from", "a list of hot cells")?, zones)?;
     let to_value = required(&table, "to", "a list of hot cells")?;
     let to = cells(&to_value, zones)?;
@@ -167,7 +167,7 @@ fn read_fade(value: &Value, zones: &Zones, keys: Keys) -> Result<Fade> {
 
 fn read_move(value: &Value, zones: &Zones, keys: Keys) -> Result<Move> {
     let table = value.table()?;
-    table.only_keys(keys, "time.move")?;
+    table.only_keys(keys, "time.move[]")?;
     let path = required(&table, "path_m", "corners [[x, y], ...] in metres")?;
     let path_m = each(&path.list()?, |point| {
         point.numbers::<2>("[x, y] in metres")

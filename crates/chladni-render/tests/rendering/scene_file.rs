@@ -127,6 +127,24 @@ fn every_mistake_is_named_with_its_line_and_what_belongs_there() {
         ),
         (with("300", "0"), 1, "frequency_hz", "greater than 0"),
         (
+            with("300", "[330.0, 330.001]"),
+            1,
+            "frequency_hz",
+            "330 and 330.001 Hz beat",
+        ),
+        (
+            with("[zones]", "points_m = [[0, 0]]\n[zones]"),
+            2,
+            "points_m",
+            "belongs under [[zones.polygon]]",
+        ),
+        (
+            format!("{MINIMAL}[drift]\nfrequency_relative = 5\n"),
+            6,
+            "drift.frequency_relative",
+            "a part from 0 to 1",
+        ),
+        (
             with("frequency_hz = 300\n", ""),
             1,
             "frequency_hz",
@@ -247,6 +265,11 @@ fn mistakes_in_polygons_are_named() {
             "an empty polygon",
         ),
         (polygon("hot", "[[0, 0], [1, 0]]"), 5, "an empty polygon"),
+        (
+            polygon("hot", "[[0, 0], [1, 1], [1, 0], [0, 1]]"),
+            5,
+            "a polygon whose sides cross",
+        ),
         (
             polygon("hot", "[[0, 0], [1, 0], [0]]"),
             5,

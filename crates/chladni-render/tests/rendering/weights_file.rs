@@ -116,6 +116,21 @@ fn damaged_files_are_refused_with_the_reason() {
             "number out of range",
         ),
         ("{", "[", "not a weights file"),
+        (
+            "\"amplitude\": ",
+            "\"amplitude\": 3.5, \"was\": ",
+            "told in two ways; found amplitude 3.500e0 N",
+        ),
+        (
+            "\"phase_deg\": ",
+            "\"phase_deg\": 720.5, \"was\": ",
+            "re and im are what is driven",
+        ),
+        (
+            "\"re\": ",
+            "\"re\": 1e200, \"was\": ",
+            "no actuator can have; found 1e200 N",
+        ),
     ] {
         assert!(text.contains(old), "{old}");
         let error = Weights::parse(&text.replacen(old, new, 1)).unwrap_err();
