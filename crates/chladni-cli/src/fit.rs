@@ -14,6 +14,7 @@ use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
 use chladni_console::input::{expand, read_frf, Reading};
 use chladni_console::memory::{parse_memory, MEMORY};
+use chladni_console::next_step::report;
 use chladni_console::output::{Output, MODEL};
 use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
@@ -58,7 +59,7 @@ pub struct Args {
     method: Method,
     /// Window of the records that the FRFs were averaged from: the fit has its line shape.
     /// Continuous random force: rectangular, hann, hamming, blackman, flattop, kaiser:BETA;
-    /// noise in a part of each record: burst:PART; hammer, sine: none [default: as the file
+    /// noise in a part of each record: burst:PART; hammer: transient; sine: none [default: as the file
     /// says, else not known, and the possible bias is named]
     #[arg(long, value_name = "WINDOW")]
     window: Option<Window>,
@@ -245,7 +246,7 @@ fn next_step(args: &Args, model: &ModalModel) -> Option<String> {
             .then(|| format!("chladni fit {own} --band {low}:{high}{output}"));
     }
     let output = output.filter(|_| model.quality.trusted)?;
-    Some(format!("chladni report {output} -o report.html"))
+    Some(report(&[output]))
 }
 
 /// Code of the finding that most of the data are left unexplained.

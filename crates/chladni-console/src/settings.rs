@@ -4,9 +4,10 @@
 //! backticks, with a value where it proposes one: `` `frf_kind mobility` ``. From Python
 //! that is the keyword; here it becomes `--frf-kind mobility`.
 
-use chladni_frf::{Error, ErrorKind, Finding};
+use crate::usage;
+use chladni_frf::{Error, ErrorKind, Finding, TimeSign};
 
-const SETTINGS: [&str; 22] = [
+const SETTINGS: [&str; 23] = [
     "block",
     "blocks",
     "dofs",
@@ -19,6 +20,7 @@ const SETTINGS: [&str; 22] = [
     "map",
     "measured",
     "memory",
+    "modes",
     "overlap",
     "phase_unit",
     "reference",
@@ -31,10 +33,27 @@ const SETTINGS: [&str; 22] = [
     "window",
 ];
 
+/// Words of libraries for the time sign that the data were not read with.
+const OTHER_SIGN: &str = "the other time sign";
+
 /// The text with every setting as an option.
 pub fn as_options(text: &str) -> String {
+    let read_with = match usage::says("--time-sign", "-") {
+        true => TimeSign::Minus,
+        false => TimeSign::Plus,
+    };
+    as_options_of(text, read_with)
+}
+
+/// The same where the data were read with this time sign.
+fn as_options_of(text: &str, read_with: TimeSign) -> String {
+    let other = match read_with {
+        TimeSign::Minus => "+",
+        TimeSign::Plus => "-",
+    };
+    let text = text.replace(OTHER_SIGN, &format!("{OTHER_SIGN} (`time_sign {other}`)"));
     let mut out = String::with_capacity(text.len());
-    let mut rest = text;
+    let mut rest = text.as_str();
     while let Some((before, quoted, after)) = next_quoted(rest) {
         out += before;
         match option_of(quoted) {
@@ -111,6 +130,20 @@ mod tests {
             ("`map` or `map frf=H`", "--map or --map frf=H"),
         ] {
             assert_eq!(as_options(text), expected);
+        }
+    }
+
+    #[test]
+    fn the_other_time_sign_is_the_one_that_was_not_given() {
+        let advice = "read it with the other time sign";
+        for (read_with, option) in [
+            (TimeSign::Plus, "(--time-sign -)"),
+            (TimeSign::Minus, "(--time-sign +)"),
+        ] {
+            assert_eq!(
+                as_options_of(advice, read_with),
+                format!("{advice} {option}")
+            );
         }
     }
 

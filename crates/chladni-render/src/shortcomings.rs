@@ -8,11 +8,12 @@ use crate::scene::Limits;
 use crate::tolerances;
 use chladni_frf::Finding;
 
-/// Tells where a drive serves fewer responses than in the model with fewer `modes`.
+/// Tells where a drive serves fewer responses than in the model with so many `modes`, of
+/// `all` that it has.
 pub(crate) fn replayed_worse(
     replayed: f64,
     points: &PointIndices,
-    modes: usize,
+    [modes, all]: [usize; 2],
     through: &str,
 ) -> Option<Finding> {
     (replayed < points.success_ratio).then(|| {
@@ -24,7 +25,10 @@ pub(crate) fn replayed_worse(
         );
         Finding::caution("replayed-worse", words)
             .value("replayed_ratio", replayed)
-            .help("sum more modes")
+            .help(match modes < all {
+                true => "sum more modes (`modes`)",
+                false => "all modes are summed: measure the field and correct the drive",
+            })
     })
 }
 
