@@ -121,3 +121,30 @@ pub(crate) fn strength(field: &Field, limits: &Limits) -> Option<Finding> {
             .help("check the limits of exposure and of the actuators")
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_is_told_to_sum_more_modes_than_there_are() {
+        let points = PointIndices {
+            hot_ratio: 1.0,
+            cold_ratio: 1.0,
+            min_ratio: 1.0,
+            success_ratio: 1.0,
+            silence_ratio: 0.0,
+            contrast_db: None,
+            margin_db: None,
+            max_force_n: None,
+            max_voltage_v: None,
+        };
+        let help = |modes| {
+            replayed_worse(0.9, &points, [modes, 14], "measured line")
+                .unwrap()
+                .help
+        };
+        assert!(help(13).starts_with("sum more modes"), "{}", help(13));
+        assert!(help(14).contains("correct the drive"), "{}", help(14));
+    }
+}

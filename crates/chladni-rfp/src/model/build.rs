@@ -329,7 +329,8 @@ impl Shaped {
     }
 }
 
-/// The finding of shapes that do not serve all references, or one FRF after the other.
+/// The finding of shapes that do not serve all references, or of a model that does not serve
+/// the only one.
 fn one_shape_worse(chi2_per_dof: f64, references: usize) -> Finding {
     let (what, why, help) = match references {
         1 => (
@@ -349,4 +350,19 @@ fn one_shape_worse(chi2_per_dof: f64, references: usize) -> Finding {
     Finding::caution("one-shape-worse", words)
         .value("chi2_per_dof", chi2_per_dof)
         .help(help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_reference_is_blamed_where_there_is_one() {
+        let told = |references| {
+            let finding = one_shape_worse(9.0, references);
+            format!("{}; {}", finding.text, finding.help)
+        };
+        assert!(!told(1).contains("reference"), "{}", told(1));
+        assert!(told(2).contains("a delay or a gain of one reference"));
+    }
 }
