@@ -59,8 +59,8 @@ pub struct Args {
     method: Method,
     /// Window of the records that the FRFs were averaged from: the fit has its line shape.
     /// Continuous random force: rectangular, hann, hamming, blackman, flattop, kaiser:BETA;
-    /// noise in a part of each record: burst:PART; hammer: transient; sine: none [default: as the file
-    /// says, else not known, and the possible bias is named]
+    /// noise in a part of each record: burst:PART; hammer: transient; sine: none [default:
+    /// as the file says, else not known, and the possible bias is named]
     #[arg(long, value_name = "WINDOW")]
     window: Option<Window>,
     /// Seed of the random mixtures inside the fit

@@ -152,17 +152,10 @@ pub fn sweep_table(sweep: &FrequencySweep, weights: &Weights, all: bool) -> Stri
         None => "no frequency in the fitted band serves any response\n".into(),
     };
     format!(
-        "\n{}by method {method}; kappa: standard deviations of the model's error that are borne, 1 \
-         is needed\n{more}{suggestion}",
+        "\n{}by method {method}; kappa: standard deviations of the model's error borne, 1 \
+         needed\n{more}{suggestion}",
         table(
-            &[
-                "frequency, Hz",
-                "kappa",
-                "success",
-                "touched",
-                &drive,
-                ""
-            ],
+            &["frequency, Hz", "kappa", "success", "touched", &drive, ""],
             &rows
         )
     )

@@ -7,7 +7,7 @@
 use crate::usage;
 use chladni_frf::{Error, ErrorKind, Finding, TimeSign};
 
-const SETTINGS: [&str; 23] = [
+const SETTINGS: [&str; 24] = [
     "block",
     "blocks",
     "dofs",
@@ -29,6 +29,7 @@ const SETTINGS: [&str; 23] = [
     "sample_rate",
     "scales",
     "snap_df",
+    "sweep",
     "time_sign",
     "window",
 ];
@@ -51,7 +52,11 @@ fn as_options_of(text: &str, read_with: TimeSign) -> String {
         TimeSign::Minus => "+",
         TimeSign::Plus => "-",
     };
-    let text = text.replace(OTHER_SIGN, &format!("{OTHER_SIGN} (`time_sign {other}`)"));
+    // what was read is told again with a result
+    let text = match text.contains(&format!("{OTHER_SIGN} (")) {
+        true => text.to_owned(),
+        false => text.replace(OTHER_SIGN, &format!("{OTHER_SIGN} (`time_sign {other}`)")),
+    };
     let mut out = String::with_capacity(text.len());
     let mut rest = text.as_str();
     while let Some((before, quoted, after)) = next_quoted(rest) {
@@ -140,10 +145,9 @@ mod tests {
             (TimeSign::Plus, "(--time-sign -)"),
             (TimeSign::Minus, "(--time-sign +)"),
         ] {
-            assert_eq!(
-                as_options_of(advice, read_with),
-                format!("{advice} {option}")
-            );
+            let told = as_options_of(advice, read_with);
+            assert_eq!(told, format!("{advice} {option}"));
+            assert_eq!(as_options_of(&told, read_with), told);
         }
     }
 

@@ -7,8 +7,8 @@ use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
 use chladni_render::Weights;
 
-/// A sweep where the drive is too sensitive to the panel, the suggested frequency after one; else the
-/// report.
+/// A sweep where the drive is too sensitive to the panel, the suggested frequency after one;
+/// else the report.
 pub fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<String> {
     let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
     let again = format!("chladni render {model} {scene}");

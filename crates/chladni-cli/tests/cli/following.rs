@@ -45,7 +45,7 @@ fn a_warmer_panel_is_followed_by_a_few_frfs_and_said_in_kelvin() {
         ["later.h5", "model.json"]
     );
     // what the fit of another day explained is no word on these data
-    let told = folder.run("fit later.h5 --poles-of model.json").said();
+    let told = folder.run("fit later.h5 --poles-of model.json").stdout;
     assert!(
         told.contains("Poles of a model, followed: natural frequencies moved"),
         "{told}"
