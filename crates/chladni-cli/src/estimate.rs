@@ -72,7 +72,8 @@ pub struct Args {
         long,
         value_name = "FACTOR",
         value_delimiter = ',',
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        value_parser = factor
     )]
     scales: Vec<f64>,
     /// Samples per second of tables without a time column
@@ -81,6 +82,13 @@ pub struct Args {
     /// Leave out what cannot be read instead of refusing the file
     #[arg(long)]
     lenient: bool,
+}
+
+fn factor(text: &str) -> std::result::Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|factor: &f64| factor.is_finite())
+        .ok_or_else(|| "no factor; write a finite number, as in 0.05".into())
 }
 
 fn positive(text: &str) -> std::result::Result<f64, String> {
@@ -100,14 +108,14 @@ impl Args {
         };
         match (self.window.as_deref(), self.exponential_window) {
             (None | Some("exponential"), Some(rate_per_s))
-                if rate_per_s.is_finite() && rate_per_s >= 0.0 =>
+                if rate_per_s.is_finite() && rate_per_s > 0.0 =>
             {
                 Ok(Some(BlockWindow::Exponential { rate_per_s }))
             }
             (None | Some("exponential"), Some(rate)) => wrong(
                 "no possible decay",
                 rate.to_string(),
-                "a rate in 1/s, 0 or more",
+                "a rate in 1/s above 0",
             ),
             (Some(name), Some(_)) => {
                 wrong("two windows", format!("--window {name} too"), "one window")

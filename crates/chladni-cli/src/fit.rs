@@ -14,6 +14,7 @@ use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
 use chladni_console::input::{expand, read_frf, Reading};
 use chladni_console::memory::{parse_memory, MEMORY};
+use chladni_console::next_step::report;
 use chladni_console::output::{Output, MODEL};
 use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
@@ -246,7 +247,7 @@ fn next_step(args: &Args, model: &ModalModel) -> Option<String> {
             .then(|| format!("chladni fit {own} --band {low}:{high}{output}"));
     }
     let output = output.filter(|_| model.quality.trusted)?;
-    Some(format!("chladni report {output} -o report.html"))
+    Some(report(&[output]))
 }
 
 /// Code of the finding that most of the data are left unexplained.

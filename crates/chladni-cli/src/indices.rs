@@ -2,7 +2,8 @@
 
 use crate::limits::BEST_SHOWN;
 use chladni_console::table::{significant, table};
-use chladni_render::{FrequencySweep, Indices, StressRow, SweptFrequency, Weights};
+use chladni_render::{FrequencySweep, Indices, Method, StressRow, SweptFrequency, Weights};
+use serde_json::Value;
 
 /// Indices at the responses and over the area between them.
 pub fn indices_table(indices: &Indices) -> String {
@@ -112,7 +113,13 @@ fn best_of(sweep: &FrequencySweep) -> Vec<&SweptFrequency> {
 }
 
 /// The scene at other frequencies, the best ones or all of them, and the suggestion.
-pub fn sweep_table(sweep: &FrequencySweep, all: bool) -> String {
+pub fn sweep_table(sweep: &FrequencySweep, weights: &Weights, all: bool) -> String {
+    let asked = weights.options.get("method").and_then(Value::as_str);
+    let method = match asked {
+        None | Some("default") => Method::Mls.as_str(),
+        Some(asked) => asked,
+    };
+    let drive = format!("largest drive, {}", weights.unit());
     let shown = |value: Option<f64>, decimals: usize| {
         value.map_or_else(|| "unknown".into(), |value| format!("{value:.decimals$}"))
     };
@@ -145,16 +152,10 @@ pub fn sweep_table(sweep: &FrequencySweep, all: bool) -> String {
         None => "no frequency in the fitted band serves any response\n".into(),
     };
     format!(
-        "\n{}{more}{suggestion}",
+        "\n{}by method {method}; kappa: standard deviations of the model's error borne, 1 \
+         needed\n{more}{suggestion}",
         table(
-            &[
-                "frequency, Hz",
-                "kappa",
-                "success",
-                "touched",
-                "largest drive",
-                ""
-            ],
+            &["frequency, Hz", "kappa", "success", "touched", &drive, ""],
             &rows
         )
     )

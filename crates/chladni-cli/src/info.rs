@@ -9,7 +9,8 @@ use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{warnings, Checksum, Dof, Error, Finding, FrfKind, FrfSet, Result};
 use chladni_io::{
-    assemble, list_document, read_model, DatasetInfo, Document, FileFormat, ReadOptions,
+    assemble, checksum_of, list_document, read_field, read_model, DatasetInfo, Document,
+    FileFormat, ReadOptions,
 };
 use serde_json::{json, Value};
 use std::collections::BTreeSet;
@@ -41,11 +42,14 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     for file in &files {
         let listing = match list_document(file, &args.reading.options()) {
             Ok(document) => Listing::new(document, &args.reading.options()),
-            Err(error) => {
-                let listing = Listing::of_error(file, &error);
-                first_error.get_or_insert(error);
-                listing
-            }
+            Err(error) => match Listing::of_field(file) {
+                Some(listing) => listing,
+                None => {
+                    let listing = Listing::of_error(file, &error);
+                    first_error.get_or_insert(error);
+                    listing
+                }
+            },
         };
         listings.push(listing);
     }
@@ -92,6 +96,21 @@ struct Listing {
 }
 
 impl Listing {
+    /// A measured field; `None` where the file holds none.
+    fn of_field(file: &Path) -> Option<Self> {
+        let field = read_field(file).ok()?;
+        let hz = significant(field.frequency_hz, 6);
+        Some(Self {
+            format: Some(FileFormat::Csv),
+            checksum: checksum_of(file).ok(),
+            responses: field.points.iter().map(|point| point.response).collect(),
+            axis: Some(format!("a measured field at {hz} Hz")),
+            findings: Vec::new(),
+            damaged: false,
+            ..Self::of_error(file, &Error::bad_data(""))
+        })
+    }
+
     fn of_error(file: &Path, error: &Error) -> Self {
         Self {
             file: file.to_path_buf(),

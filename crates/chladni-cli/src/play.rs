@@ -8,7 +8,7 @@ use chladni_console::input::{read_weights, source};
 use chladni_console::output::{make_folder, Output, MOVING, SIGNALS};
 use chladni_console::table::significant;
 use chladni_console::{Console, Outcome};
-use chladni_frf::{ModalModel, Result};
+use chladni_frf::{Error, ModalModel, Result};
 use chladni_io::{read_model, write_atomically};
 use chladni_render::{
     play, stress_in_time, ChannelMap, MethodChoice, PlayOptions, Played, Ramps, RenderOptions,
@@ -132,7 +132,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .stress
         .then(|| tried(&played, &scene, &model, args.seed, console))
         .transpose()?;
-    let mut signal = played.signal(&args.signal_options(channels), &scene.name())?;
+    let mut signal = played
+        .signal(&args.signal_options(channels), &scene.name())
+        .map_err(with_option)?;
     signal.sidecar.source = sources;
     if let Some(files) = &files {
         console.stage("writing");
@@ -188,6 +190,15 @@ impl Args {
     }
 }
 
+/// The error with the option that a field of the signal is.
+fn with_option(error: Error) -> Error {
+    match error.field.as_deref() {
+        Some("rate_hz") => error.field("--rate"),
+        Some("full_scale") => error.field("--full-scale"),
+        _ => error,
+    }
+}
+
 fn channel_map(file: &Path) -> Result<ChannelMap> {
     let text = read_text(file, "a channel map, CSV")?;
     ChannelMap::parse(&text).map_err(|error| error.file(file))
@@ -213,7 +224,7 @@ fn tried(
 
 /// Writes the chart; plain ramps lie behind.
 fn draw(folder: &Path, scene: &Scene, played: &Played, console: &Console) -> Result<()> {
-    make_folder(folder)?;
+    make_folder(folder, "--charts")?;
     let title = format!("{} over time", scene.name());
     let drawing = time_figure("time", &title, played).draw();
     let mut files: Vec<(&str, Vec<u8>)> = vec![

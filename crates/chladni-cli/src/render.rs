@@ -377,11 +377,11 @@ pub fn render_scene(
     Ok(rendering)
 }
 
-/// The error with the scene's file.
+/// The error with the scene's file, where it names no other.
 pub fn of_scene(error: Error, scene: &Scene) -> Error {
     match &scene.file {
-        Some(file) => error.file(file),
-        None => error,
+        Some(file) if error.file.is_none() => error.file(file),
+        _ => error,
     }
 }
 

@@ -66,7 +66,7 @@ struct ShownWeights {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let output = Output::asked(args.output.as_deref(), HTML, &args.files, console)?;
     if let Some(folder) = &args.charts {
-        make_folder(folder)?;
+        make_folder(folder, "--charts")?;
         unbroken(|| try_place(&folder.join("figure"), true))?;
     }
     console.stage("reading");
@@ -232,12 +232,9 @@ fn sort(files: &[PathBuf]) -> Result<(Option<PathBuf>, Vec<WeightsFile>, Vec<Tab
                     .expected("one model and any number of weights")
                     .help("make one report for each model"))
             }
-            _ => {
-                return Err(Error::bad_data("neither a model nor weights")
-                    .file(file)
-                    .found("measured data")
-                    .expected("a model or weights file")
-                    .help("fit a model first: chladni fit FRF -o MODEL.json"))
+            other => {
+                return Err(chladni_io::not_a_model(file, other)
+                    .expected("models, weights, or tables of `chladni bench`"))
             }
         }
     }

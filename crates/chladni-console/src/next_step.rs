@@ -1,9 +1,33 @@
 //! Options of the command line that take the next step of a finding. Libraries know none.
 
-/// The option that helps with findings of this code.
-pub fn option_for(code: &str) -> Option<&'static str> {
-    Some(match code {
-        "conjugated" | "negative-damping" => "--time-sign -",
+use chladni_frf::{Finding, Values};
+use std::path::Path;
+
+/// The page that is proposed for a report.
+const PAGE: &str = "report.html";
+
+/// The command that makes a report of `files`, quoted for a shell, from this folder.
+pub fn report(files: &[String]) -> String {
+    let force = match Path::new(PAGE).exists() {
+        true => " --force",
+        false => "",
+    };
+    format!("chladni report {} -o {PAGE}{force}", files.join(" "))
+}
+
+/// True where gains endanger a drive more than the panel does.
+pub fn is_of_gains(finding: &Finding) -> bool {
+    let share = |name: &str| match finding.values.get(name) {
+        Some(Values::One(share)) => *share,
+        _ => 1.0,
+    };
+    share("amplifiers_alone") < share("frequencies_alone").min(share("finger_alone"))
+}
+
+/// The option, or the command, that helps with a finding.
+pub fn option_for(finding: &Finding) -> Option<&'static str> {
+    Some(match &*finding.code {
+        "rig-sensitive" if is_of_gains(finding) => "chladni correct",
         "wrong-kind" => "--frf-kind",
         "mostly-unexplained" | "band-edge" => "--band LO:HI",
         "law-undecidable" | "law-if-phases-true" => "--damping structural or viscous",
@@ -17,7 +41,22 @@ pub fn option_for(code: &str) -> Option<&'static str> {
         "mode-on-drive" | "rig-sensitive" => "--sweep LO:HI",
         "ground-between" | "too-few-actuators" => "--actuators",
         "quicker-method" => "--method robust",
-        "replayed-worse" => "--modes",
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gains_that_endanger_a_drive_are_corrected_and_the_panel_is_swept() {
+        for (amplifiers, option) in [(0.0, "chladni correct"), (1.0, "--sweep LO:HI")] {
+            let finding = Finding::caution("rig-sensitive", "few rigs")
+                .value("amplifiers_alone", amplifiers)
+                .value("frequencies_alone", 0.9)
+                .value("finger_alone", 0.1);
+            assert_eq!(option_for(&finding), Some(option));
+        }
+    }
 }

@@ -56,11 +56,11 @@ pub const PICTURE: &[&str] = &["svg", "png", "gif"];
 /// Pictures, moving ones among them.
 pub const MOVING: &[&str] = &["svg", "png", "gif"];
 
-/// Makes `folder` where it does not exist.
+/// Makes `folder`, named by `option`, where it does not exist.
 ///
 /// # Errors
 /// [`ErrorKind::CannotCreate`].
-pub fn make_folder(folder: &Path) -> Result<()> {
+pub fn make_folder(folder: &Path, option: &str) -> Result<()> {
     if folder.is_dir() {
         return Ok(());
     }
@@ -69,10 +69,10 @@ pub fn make_folder(folder: &Path) -> Result<()> {
             ErrorKind::Usage,
             "several files cannot go to the standard output",
         )
-        .field("-o")
+        .field(option)
         .found("-")
         .expected("the name of a folder")
-        .help("choose a folder with -o"));
+        .help(format!("choose a folder with {option}")));
     }
     std::fs::create_dir(folder).map_err(|error| {
         Error::new(
@@ -80,14 +80,14 @@ pub fn make_folder(folder: &Path) -> Result<()> {
             format!("cannot create the folder: {error}"),
         )
         .file(folder)
-        .field("-o")
+        .field(option)
         .found(if folder.exists() {
             "a file of that name"
         } else {
             "nothing"
         })
         .expected("a new or existing folder inside an existing one")
-        .help("choose another folder with -o")
+        .help(format!("choose another folder with {option}"))
     })
 }
 

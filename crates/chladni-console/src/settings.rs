@@ -4,9 +4,10 @@
 //! backticks, with a value where it proposes one: `` `frf_kind mobility` ``. From Python
 //! that is the keyword; here it becomes `--frf-kind mobility`.
 
-use chladni_frf::{Error, ErrorKind, Finding};
+use crate::usage;
+use chladni_frf::{Error, ErrorKind, Finding, TimeSign};
 
-const SETTINGS: [&str; 22] = [
+const SETTINGS: [&str; 24] = [
     "block",
     "blocks",
     "dofs",
@@ -19,6 +20,7 @@ const SETTINGS: [&str; 22] = [
     "map",
     "measured",
     "memory",
+    "modes",
     "overlap",
     "phase_unit",
     "reference",
@@ -27,14 +29,36 @@ const SETTINGS: [&str; 22] = [
     "sample_rate",
     "scales",
     "snap_df",
+    "sweep",
     "time_sign",
     "window",
 ];
 
+/// Words of libraries for the time sign that the data were not read with.
+const OTHER_SIGN: &str = "the other time sign";
+
 /// The text with every setting as an option.
 pub fn as_options(text: &str) -> String {
+    let read_with = match usage::says("--time-sign", "-") {
+        true => TimeSign::Minus,
+        false => TimeSign::Plus,
+    };
+    as_options_of(text, read_with)
+}
+
+/// The same where the data were read with this time sign.
+fn as_options_of(text: &str, read_with: TimeSign) -> String {
+    let other = match read_with {
+        TimeSign::Minus => "+",
+        TimeSign::Plus => "-",
+    };
+    // what was read is told again with a result
+    let text = match text.contains(&format!("{OTHER_SIGN} (")) {
+        true => text.to_owned(),
+        false => text.replace(OTHER_SIGN, &format!("{OTHER_SIGN} (`time_sign {other}`)")),
+    };
     let mut out = String::with_capacity(text.len());
-    let mut rest = text;
+    let mut rest = text.as_str();
     while let Some((before, quoted, after)) = next_quoted(rest) {
         out += before;
         match option_of(quoted) {
@@ -111,6 +135,19 @@ mod tests {
             ("`map` or `map frf=H`", "--map or --map frf=H"),
         ] {
             assert_eq!(as_options(text), expected);
+        }
+    }
+
+    #[test]
+    fn the_other_time_sign_is_the_one_that_was_not_given() {
+        let advice = "read it with the other time sign";
+        for (read_with, option) in [
+            (TimeSign::Plus, "(--time-sign -)"),
+            (TimeSign::Minus, "(--time-sign +)"),
+        ] {
+            let told = as_options_of(advice, read_with);
+            assert_eq!(told, format!("{advice} {option}"));
+            assert_eq!(as_options_of(&told, read_with), told);
         }
     }
 

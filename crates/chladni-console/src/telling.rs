@@ -91,7 +91,7 @@ fn sentence(group: &[&Finding], verbose: bool, help: bool) -> String {
     if (help || is_option) && !first.help.is_empty() {
         sentence += &format!("; {}", first.help);
     }
-    match option_for(&first.code) {
+    match option_for(first) {
         Some(option) => sentence + &format!(" ({option})"),
         None => sentence,
     }

@@ -6,6 +6,7 @@ use crate::stdout::print_error;
 use chladni_frf::{Error, ErrorKind};
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
 use clap::{Arg, ArgMatches, ColorChoice, Command, Parser};
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -14,6 +15,16 @@ pub fn asks_for(option: &str) -> bool {
     std::env::args_os()
         .take_while(|arg| arg != "--")
         .any(|arg| arg == option)
+}
+
+/// True where `option` has this value among the arguments.
+pub fn says(option: &str, value: &str) -> bool {
+    let args: Vec<_> = std::env::args_os().take_while(|arg| arg != "--").collect();
+    let joined = format!("{option}={value}");
+    args.iter().any(|arg| *arg == *joined)
+        || args
+            .windows(2)
+            .any(|pair| pair[0] == option && pair[1] == value)
 }
 
 /// The reason that there is nothing to run.
@@ -32,10 +43,16 @@ pub fn parse<C: Parser>() -> Result<C, Answer> {
     };
     let matches = purpose_first(C::command())
         .color(colours)
-        .try_get_matches()
+        .try_get_matches_from(arguments())
         .map_err(Answer::Clap)?;
     one_standard_input(&matches).map_err(Answer::Refused)?;
     C::from_arg_matches(&matches).map_err(Answer::Clap)
+}
+
+/// The arguments of this process; `help --help` asks for what `help` shows.
+fn arguments() -> impl Iterator<Item = OsString> {
+    let is_help = std::env::args_os().nth(1).is_some_and(|arg| arg == "help");
+    std::env::args_os().filter(move |arg| !(is_help && (arg == "--help" || arg == "-h")))
 }
 
 /// A help page: what the command is for, examples, then its options.
@@ -51,7 +68,7 @@ const SHARED: [&str; 2] = ["Common options", "Reading FRFs"];
 const OFTEN_NEEDED: &str = "frf_kind";
 
 /// The command and all below it with help pages that begin with their purpose, and short
-/// ones that hold their own options.
+/// ones that hold their own options. A negative number after an option is its value.
 fn purpose_first(command: Command) -> Command {
     let is_shared = |arg: &Arg| {
         let heading = arg.get_help_heading();
@@ -61,7 +78,9 @@ fn purpose_first(command: Command) -> Command {
         .help_template(HELP)
         .mut_args(|arg| {
             let hide = is_shared(&arg);
+            let takes_value = arg.get_action().takes_values() && !arg.is_positional();
             arg.hide_short_help(hide)
+                .allow_negative_numbers(takes_value)
         })
         .mut_subcommands(purpose_first)
 }
@@ -127,8 +146,7 @@ fn refuse(error: &Error, json: bool) -> ExitCode {
 
 fn error_of(answer: &clap::Error, program: &Command) -> Error {
     // a file that an option names could not be read: no wrong usage
-    let reason = std::error::Error::source(answer).and_then(|reason| reason.downcast_ref());
-    if let Some(error) = reason.filter(|error: &&Error| error.file.is_some()) {
+    if let Some(error) = reason(answer).filter(|error| error.file.is_some()) {
         return error.clone();
     }
     let context = |kind| context(answer, kind);
@@ -153,6 +171,10 @@ fn error_of(answer: &clap::Error, program: &Command) -> Error {
         ClapKind::MissingRequiredArgument => error
             .found("nothing")
             .expected(argument.unwrap_or_default()),
+        ClapKind::ArgumentConflict if is_twice(answer) => error
+            .field(argument.unwrap_or_default())
+            .found("the option twice")
+            .expected("it once"),
         ClapKind::ArgumentConflict => error
             .field(argument.unwrap_or_default())
             .found("both")
@@ -166,10 +188,25 @@ fn error_of(answer: &clap::Error, program: &Command) -> Error {
     let usage = context(ContextKind::Usage)
         .filter(|_| answer.kind() != ClapKind::UnknownArgument)
         .map(|usage| usage.trim_start_matches("Usage: ").trim().to_owned());
-    error.help(match usage {
-        Some(usage) => format!("usage: {usage}; see `{} --help`", called(program)),
-        None => format!("see `{} --help`", called(program)),
+    let see = format!("see `{} --help`", called(program));
+    let advice = reason(answer).and_then(|reason| reason.help.clone());
+    error.help(match (advice, usage) {
+        (Some(advice), _) => format!("{advice}; {see}"),
+        (None, Some(usage)) => format!("usage: {usage}; {see}"),
+        (None, None) => see,
     })
+}
+
+/// The reason in words of our own, where a value was refused for one.
+fn reason(answer: &clap::Error) -> Option<&Error> {
+    std::error::Error::source(answer).and_then(|reason| reason.downcast_ref())
+}
+
+/// True for an option that stands twice, which clap calls a conflict with itself.
+fn is_twice(answer: &clap::Error) -> bool {
+    let of = |kind| context(answer, kind);
+    let argument = of(ContextKind::InvalidArg);
+    argument.is_some() && argument == of(ContextKind::PriorArg)
 }
 
 /// The words of clap on one side of the matter.
@@ -189,6 +226,9 @@ fn with_value(error: Error, answer: &clap::Error) -> Error {
         Some(value) => error.found(value),
         None => error.found("nothing"),
     };
+    if let Some(expected) = reason(answer).and_then(|reason| reason.expected.as_deref()) {
+        return error.expected(expected);
+    }
     match context(answer, ContextKind::ValidValue) {
         Some(valid) => error.expected(match context(answer, ContextKind::SuggestedValue) {
             Some(near) => format!("{near}, or another of {valid}"),
@@ -235,6 +275,9 @@ fn in_words(placeholder: &str) -> &str {
 }
 
 fn message(answer: &clap::Error) -> String {
+    if let Some(reason) = reason(answer) {
+        return reason.message.clone();
+    }
     if let Some(reason) = std::error::Error::source(answer) {
         // the words of number parsers are meant for programmers
         return match reason.is::<std::num::ParseIntError>() {
@@ -249,6 +292,7 @@ fn message(answer: &clap::Error) -> String {
             "no command is given".into()
         }
         ClapKind::MissingRequiredArgument => "a required argument is missing".into(),
+        ClapKind::ArgumentConflict if is_twice(answer) => "this option is given twice".into(),
         ClapKind::ArgumentConflict => "these options exclude each other".into(),
         ClapKind::InvalidValue
             if answer

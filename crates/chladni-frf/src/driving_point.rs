@@ -74,7 +74,7 @@ impl Fault {
         let (words, help) = match self {
             Self::TimeSign => (
                 "the phase rises through the resonances, as with e^(-jωt)".into(),
-                "read the file with `time_sign -`".into(),
+                "read the file with the other time sign".into(),
             ),
             Self::Reversed => (
                 "the structure gives power out: its response or its force points the other way"
@@ -261,7 +261,7 @@ mod tests {
             };
             assert!(one(|value| -value).contains("other way"), "{kind}");
             assert!(
-                one(|value| value.conj()).contains("`time_sign -`"),
+                one(|value| value.conj()).contains("the other time sign"),
                 "{kind}"
             );
             assert!(one(|value| value * 1e9).contains("units"), "{kind}");

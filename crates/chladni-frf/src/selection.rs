@@ -296,7 +296,9 @@ fn judge(whole: &ModalModel, left: &mut ModalModel, dropped: usize) {
         )
         .value("modes_dropped", dropped as f64)
         .value("relative_error", after.sqrt())
-        .help("fit again for poles without the dropped modes"),
+        .help(
+            "keep modes whose part counts: poles stay as they were fitted beside the dropped ones",
+        ),
     );
     if !left.in_band_modes().any(|mode| mode.trust == Trust::Sure) {
         left.quality.trusted = false;

@@ -256,10 +256,18 @@ fn json_format(bytes: &[u8]) -> Result<FileFormat> {
             .field("format")
             .found(other.unwrap_or("nothing"))
             .expected(format!("{MODEL_FORMAT} or {WEIGHTS_FORMAT}"))
-            .help(
-                "give a file that this program wrote, or export the data as a universal file, \
-                   HDF5 or a table",
-            )),
+            .help(match other {
+                Some("chladni.calibration") => {
+                    "it is what a rig was found to do: name it as `calibration` in a scene"
+                }
+                Some(own) if own.starts_with("chladni.") => {
+                    "it is no data: give it where such a file is asked for"
+                }
+                _ => {
+                    "give a model or weights that this program wrote, or export the data as a \
+                     universal file, HDF5 or a table"
+                }
+            })),
     }
 }
 

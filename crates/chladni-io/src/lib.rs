@@ -78,7 +78,7 @@ pub use document::{
 };
 pub use field_file::{field_csv, parse_field, read_field};
 pub use json::write_json;
-pub use model_file::{model_json, read_model, write_model};
+pub use model_file::{model_json, not_a_model, read_model, write_model};
 pub use model_shapes::{field_shape, model_shapes};
 pub use numpy::{write_npz, NamedArray};
 pub use parts::{frf_bytes, FrfParts, Part};

@@ -22,30 +22,34 @@ const VERSION: u32 = 1;
 /// version.
 pub fn read_model(path: &Path) -> Result<ModalModel> {
     let _kept = KeptInputs::new();
-    let wrong = |message: &str, found: &str| {
-        Error::bad_data(message)
-            .file(path)
-            .found(found)
-            .expected("a model, JSON or HDF5")
-    };
     let model = match detect_format(path)? {
         FileFormat::Model => read_json(path)?,
         FileFormat::Hdf5 => hdf5::read_model(path)?,
-        FileFormat::Weights => {
-            return Err(wrong("weights, not a model", "a weights file")
-                .help("give the model that the weights were made from"))
-        }
-        FileFormat::Uff
-        | FileFormat::Csv
-        | FileFormat::Matlab
-        | FileFormat::Numpy
-        | FileFormat::Wav => {
-            return Err(wrong("measured data, not a model", "measured data")
-                .help("fit a model first: chladni fit FRF -o MODEL.json"))
-        }
+        other => return Err(not_a_model(path, other)),
     };
     check(&model).map_err(|error| error.file(path))?;
     Ok(model)
+}
+
+/// The error of a file of another `format` in place of a model.
+pub fn not_a_model(path: &Path, format: FileFormat) -> Error {
+    let (what, help) = match format {
+        FileFormat::Weights => ("weights", "give the model that the weights were made from"),
+        FileFormat::Wav => ("a sound", "give the model that the sound was made with"),
+        _ if super::extension(path) == "toml" => (
+            "TOML, as of a scene or a panel",
+            "give the model here, and the TOML file in its own place",
+        ),
+        _ => (
+            "measured data",
+            "fit a model first: chladni fit FRF -o MODEL.json",
+        ),
+    };
+    Error::bad_data(format!("{what}, not a model"))
+        .file(path)
+        .found(what)
+        .expected("a model, JSON or HDF5")
+        .help(help)
 }
 
 /// Writes a model: `.json`, or `.h5` / `.hdf5`; for other programs `.mat` (MATLAB) and

@@ -58,7 +58,7 @@ pub struct FrequencySweep {
 /// says nothing are left out.
 ///
 /// # Errors
-/// As [`crate::render`]; an empty range, or one with more than 500 frequencies; a scene with several tones.
+/// As [`crate::render`]; an empty range, or one wider than 1000 Hz; a scene with several tones.
 pub fn sweep(
     model: &ModalModel,
     scene: &Scene,
@@ -74,8 +74,8 @@ pub fn sweep(
                 .help("sweep a scene with one of them"),
         );
     }
-    let steps = ((high_hz - low_hz) / tolerances::SWEEP_STEP_HZ).floor();
-    if !(low_hz > 0.0 && (0.0..tolerances::MOST_SWEPT).contains(&steps)) {
+    let steps = (high_hz - low_hz) / tolerances::SWEEP_STEP_HZ;
+    if !(low_hz > 0.0 && (0.0..=tolerances::MOST_SWEPT).contains(&steps)) {
         return Err(
             Error::new(ErrorKind::Usage, "no usable range of frequencies")
                 .field("sweep")

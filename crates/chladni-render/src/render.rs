@@ -174,6 +174,8 @@ fn render_tone(
 struct Found {
     setup: Setup,
     judge: Judge,
+    /// Number of the modes that could be summed.
+    all_modes: usize,
     /// With the actuators chosen, where these are not all.
     fewer: Option<Setup>,
     /// Number of the actuators chosen.
@@ -205,6 +207,7 @@ impl Found {
             Some((frf, actuators)) => Judge::of_line(&whole, frf, actuators)?,
             None => Judge::of_model(&whole, options.modes == Count::Auto),
         };
+        let all_modes = whole.modes.len();
         let Reduced {
             setup,
             finding: of_modes,
@@ -236,6 +239,7 @@ impl Found {
             actuators: chosen.columns.len(),
             setup,
             judge,
+            all_modes,
             fewer,
             named,
             bears,
@@ -275,7 +279,7 @@ impl Found {
             findings.push(shortfall(points, ceiling, &setup.limits, self.method));
         }
         let [_, replayed, _] = self.judge.served(&self.drive);
-        let modes = setup.modes.len();
+        let modes = [setup.modes.len(), self.all_modes];
         findings.extend(replayed_worse(replayed, points, modes, through));
         let area = outcome.indices.area.filter(|_| feasible && counted);
         findings.extend(area.and_then(|area| ground_lost(&area, self.actuators)));
@@ -290,7 +294,13 @@ fn set_up(model: &ModalModel, others: &[Scene], options: &RenderOptions) -> Resu
             Calibrated::new(model, other, Some(other.frequency_hz), &options.drift)?;
         Setup::new(&model, &scene, &options.drift)
     };
-    others.iter().map(set_up).collect()
+    let named = |other: &Scene| {
+        set_up(other).map_err(|error| match &other.file {
+            Some(file) if error.file.is_none() => error.file(file),
+            _ => error,
+        })
+    };
+    others.iter().map(named).collect()
 }
 
 fn check_actuators(whole: &Setup, others: &[Setup]) -> Result<()> {

@@ -8,11 +8,12 @@ use crate::scene::Limits;
 use crate::tolerances;
 use chladni_frf::Finding;
 
-/// Tells where a drive serves fewer responses than in the model with fewer `modes`.
+/// Tells where a drive serves fewer responses than in the model with so many `modes`, of
+/// `all` that it has.
 pub(crate) fn replayed_worse(
     replayed: f64,
     points: &PointIndices,
-    modes: usize,
+    [modes, all]: [usize; 2],
     through: &str,
 ) -> Option<Finding> {
     (replayed < points.success_ratio).then(|| {
@@ -24,7 +25,10 @@ pub(crate) fn replayed_worse(
         );
         Finding::caution("replayed-worse", words)
             .value("replayed_ratio", replayed)
-            .help("sum more modes")
+            .help(match modes < all {
+                true => "sum more modes (`modes`)",
+                false => "all modes are summed: measure the field and correct the drive",
+            })
     })
 }
 
@@ -116,4 +120,31 @@ pub(crate) fn strength(field: &Field, limits: &Limits) -> Option<Finding> {
             .value("level_db", level)
             .help("check the limits of exposure and of the actuators")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_is_told_to_sum_more_modes_than_there_are() {
+        let points = PointIndices {
+            hot_ratio: 1.0,
+            cold_ratio: 1.0,
+            min_ratio: 1.0,
+            success_ratio: 1.0,
+            silence_ratio: 0.0,
+            contrast_db: None,
+            margin_db: None,
+            max_force_n: None,
+            max_voltage_v: None,
+        };
+        let help = |modes| {
+            replayed_worse(0.9, &points, [modes, 14], "measured line")
+                .unwrap()
+                .help
+        };
+        assert!(help(13).starts_with("sum more modes"), "{}", help(13));
+        assert!(help(14).contains("correct the drive"), "{}", help(14));
+    }
 }

@@ -339,7 +339,7 @@ pub const LOSS_OF_GROUND: f64 = 0.005;
 /// glass panel's modes there.
 pub const SWEEP_STEP_HZ: f64 = 2.0;
 
-/// Most frequencies of a sweep.
+/// Most steps of a sweep.
 pub const MOST_SWEPT: f64 = 500.0;
 
 /// Shares of responses nearer than this are equal to the frequency chooser: less than one

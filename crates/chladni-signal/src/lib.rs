@@ -183,7 +183,16 @@ impl<'a> Group<'a> {
                     self.responses.len()
                 ))
                 .expected("at least one of each")
-                .help("name the reference channels with `references DOF,...`"),
+                .help(match self.references.is_empty() {
+                    true => {
+                        "name the reference channels with `references DOF,...`; of a file without \
+                         DOFs and units (WAV) all channels, in their order, with `dofs`, `units` \
+                         and `scales`"
+                    }
+                    false => {
+                        "give the responses of the same take as channels beside the references"
+                    }
+                }),
         )
     }
 }

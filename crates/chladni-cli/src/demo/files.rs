@@ -40,7 +40,7 @@ impl Files {
             corrected: folder.join("weights-1-corrected.json"),
             report: folder.join("report.html"),
         };
-        make_folder(folder)?;
+        make_folder(folder, "-o")?;
         for path in files.all() {
             Output::new(path, &[FRF, MODEL, SCENE, HTML].concat(), &[], console)?;
         }

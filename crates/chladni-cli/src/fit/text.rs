@@ -8,7 +8,7 @@ use std::io::{stdout, IsTerminal};
 
 /// The sentence, the table of modes, and a line about the whole.
 pub fn text(model: &ModalModel, verbose: bool) -> String {
-    let mut text = format!("{}\n", for_terminal(&sentence(model)));
+    let mut text = format!("{}\n", for_terminal(&headline(model)));
     text += &match verbose {
         true => every_mode(model),
         false => modes(model),
@@ -17,6 +17,18 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
     match &model.quality.path {
         Some(path) if verbose => text + &format!("path: {path}\n"),
         _ => text,
+    }
+}
+
+/// What a fit explains; where poles were moved to new data, by how much instead: quality is
+/// that of the model that was followed.
+fn headline(model: &ModalModel) -> String {
+    let is_followed = model.options.contains_key("poles_of");
+    let findings = &model.quality.findings;
+    let moved = findings.iter().rfind(|one| one.code == "poles-followed");
+    match moved.filter(|_| is_followed) {
+        Some(moved) => format!("{}.", moved.text.replacen("poles", "Poles", 1)),
+        None => sentence(model),
     }
 }
 

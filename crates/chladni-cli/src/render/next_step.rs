@@ -2,20 +2,22 @@
 
 use super::Args;
 use crate::limits::SWEEP_HZ;
+use chladni_console::next_step::{is_of_gains, report};
 use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
 use chladni_render::Weights;
 
-/// A sweep where the drive is too sensitive, the suggested frequency after one; else the
-/// report.
+/// A sweep where the drive is too sensitive to the panel, the suggested frequency after one;
+/// else the report.
 pub fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<String> {
     let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
     let again = format!("chladni render {model} {scene}");
     let drive_hz = weights.frequency_hz;
+    // no frequency bears gains that are off
     let is_sensitive = weights
         .findings
         .iter()
-        .any(|finding| finding.code == "rig-sensitive");
+        .any(|finding| finding.code == "rig-sensitive" && !is_of_gains(finding));
     match (&weights.sweep, is_sensitive || !weights.feasible) {
         (Some(sweep), true) => {
             let hz = sweep.suggested_hz.filter(|hz| *hz != drive_hz)?;
@@ -24,13 +26,14 @@ pub fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<St
                 significant(hz, 6)
             ))
         }
-        (None, true) => {
+        // a sweep looks for one frequency
+        (None, true) if weights.other_tones.is_empty() => {
             let [low, high] = around(drive_hz, band_hz)?.map(|hz| significant(hz, 6));
             Some(format!("{again} --sweep {low}:{high}"))
         }
         _ => {
             let output = args.output.as_deref().map(shell_path)?;
-            Some(format!("chladni report {model} {output} -o report.html"))
+            Some(report(&[model, output]))
         }
     }
 }

@@ -35,7 +35,7 @@ fn tone(weights: &Weights, field: &Field, limits: &Limits, verbose: bool) -> Str
         + &weights
             .sweep
             .as_ref()
-            .map(|sweep| sweep_table(sweep, verbose))
+            .map(|sweep| sweep_table(sweep, weights, verbose))
             .unwrap_or_default()
 }
 

@@ -60,6 +60,9 @@ fit panel.h5 --map frf=/nope,freq=/freq|65|bad_data|map frf|/nope|/frf
 fit panel.h5 --map frf|2|usage|--map|NAME=PATH
 fit panel.h5 --map foo=/frf|2|usage|--map|foo|freq
 fit panel.h5 -q -v|2|usage|exclude each other
+fit panel.h5 -o new.json -o newer.json|2|usage|--output|given twice|expected it once
+fit panel.h5 --memory -5|2|usage|--memory|found -5|500M
+fit panel.h5 --exponential-window -5|2|usage|--exponential-window|found -5
 fit|2|usage|FRF
 fix panel.h5|2|usage|fix|fit
 fit kindless.csv|65|unknown_frf_kind|kindless.csv|--frf-kind|mobility
@@ -105,6 +108,16 @@ render versionless.json scene.toml|65|bad_data|versionless.json|missing field|ve
 render short.json scene.toml|65|bad_data|short.json|modes[0].shape_std|found 23|expected 24
 render weights.json scene.toml|65|bad_data|weights.json|not a model
 render truth.json scene.toml --method magic|2|usage|--method|magic|mls
+render truth.json scene.toml --actuators -5|2|usage|--actuators|found -5|above 0
+render truth.json scene.toml --frequency -5|2|usage|--frequency|found -5
+render truth.json scene.toml --sweep 40:1041|2|usage|--sweep|at most 1000 Hz wide
+render truth.json scene.toml --actuators auto --also deaf.toml|65|bad_data|deaf.toml|3000 Hz
+render scene.toml truth.json|65|bad_data|scene.toml|TOML|its own place
+play truth.json scene.toml --rate 0|2|usage|--rate|0 Hz
+play truth.json scene.toml --full-scale 1e-9|2|usage|--full-scale|nothing clips
+play truth.json scene.toml --seed -5|2|usage|--seed|found -5
+estimate headless.csv -o new.h5 --scales nan,1|2|usage|--scales|found nan|finite
+estimate headless.csv -o new.h5 --exponential-window 0|2|usage|--exponential-window|found 0|above 0
 evaluate truth.json --scene scene.toml --on panel.h5|65|bad_data|truth.json|weights
 evaluate binary.dat --scene scene.toml --on panel.h5|65|bad_data|binary.dat|a binary file|weights
 evaluate hollow.json --scene scene.toml --on panel.h5|65|bad_data|hollow.json|missing field|version|render
@@ -113,10 +126,13 @@ evaluate weights.json --on panel.h5|2|usage|--scene
 report panel.toml -o new.html|65|bad_data|panel.toml|model
 report panel.h5 -o new.html|65|bad_data|panel.h5|no model
 report truth.json truth.h5 -o new.html|2|usage|truth.h5|one model
+report scene.toml -o new.html|65|bad_data|scene.toml|TOML
+report truth.json --charts old.json|73|cannot_create|--charts|a file
 report truth.json -o new.pdf|2|usage|.pdf|.html
 info nowhere.uff|66|no_input|nowhere.uff
 info empty|66|no_input|empty
 info binary.dat|65|bad_data|binary.dat
+info rig.json|65|bad_data|rig.json|chladni.calibration|in a scene
 demo -o no/such/demo|73|cannot_create|no/such/demo
 demo -o panel.h5|73|cannot_create|panel.h5|a file
 man fix|2|usage|fix
@@ -165,6 +181,7 @@ fn prepared() -> Folder {
         ("unknown.unv", "    -1\n   999\nx\n    -1\n"),
         ("brace.json", "{"),
         ("other.json", "{\"format\": \"music\"}"),
+        ("rig.json", "{\"format\": \"chladni.calibration\"}"),
         ("versionless.json", "{\"format\": \"chladni.model\"}"),
         ("hollow.json", "{\"format\": \"chladni.weights\"}"),
         ("text.toml", "[plate]\nwidth_m = \"a\"\n"),
@@ -362,4 +379,25 @@ fn an_interruption_leaves_nothing_half_written() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         assert!(!name.starts_with('.'), "{name} was left behind");
     }
+}
+
+#[test]
+fn what_is_found_is_said_once() {
+    let folder = Folder::with_panel();
+    for line in [
+        "fit panel.h5 --modes 0",
+        "render truth.json scene.toml --actuators 0",
+    ] {
+        let said = folder.run(line).exits(2).said();
+        assert_eq!(said.matches("found").count(), 1, "{said}");
+    }
+}
+
+#[test]
+fn help_explains_itself_and_windows() {
+    let folder = Folder::new();
+    assert!(folder.run("help --help").exits(0).stdout.contains("Usage"));
+    let fit = folder.run("help fit --help").exits(0).stdout;
+    let words: Vec<&str> = fit.split_whitespace().collect();
+    assert!(words.join(" ").contains("hammer: transient"), "{fit}");
 }

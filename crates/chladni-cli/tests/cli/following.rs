@@ -44,6 +44,13 @@ fn a_warmer_panel_is_followed_by_a_few_frfs_and_said_in_kelvin() {
         [&sources[0]["file"], &sources[1]["file"]],
         ["later.h5", "model.json"]
     );
+    // what the fit of another day explained is no word on these data
+    let told = folder.run("fit later.h5 --poles-of model.json").stdout;
+    assert!(
+        told.contains("Poles of a model, followed: natural frequencies moved"),
+        "{told}"
+    );
+    assert!(!told.contains("of the data"), "{told}");
     let refused = folder.run("fit later.h5 --per-kelvin -1e-4").exits(2);
     assert!(refused.said().contains("--poles-of"), "{}", refused.said());
     folder.run("fit later.h5 --poles-of scene.toml").exits(65);
@@ -103,6 +110,8 @@ fn a_warmer_panel_is_followed_by_a_rendered_field() {
         .run("fit field.csv field.csv --poles-of model.json --weights weights.json")
         .exits(2);
     folder.run("fit field.csv --weights weights.json").exits(2);
+    let listed = folder.run("info field.csv").exits(0).stdout;
+    assert!(listed.contains("a measured field at"), "{listed}");
     let refused = folder.run("fit field.csv --poles-of model.json").said();
     assert!(refused.contains("--weights"), "{refused}");
 }

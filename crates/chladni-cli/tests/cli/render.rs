@@ -388,3 +388,21 @@ fn weights_are_not_written_where_their_signal_cannot_be_made() {
         .exits(65);
     assert!(!folder.names().contains(&"w.json".to_owned()));
 }
+
+#[test]
+fn a_sweep_says_its_method_and_unit_and_is_not_proposed_for_two_tones() {
+    let folder = prepared();
+    let swept = folder.run("render model.json corner.toml --sweep 328:330");
+    for words in ["by method mls", "largest drive, N"] {
+        assert!(swept.stdout.contains(words), "{}", swept.stdout);
+    }
+    let two = scene(330, 1, "").replace("330", "[260.0, 335.0]");
+    folder.write("two.toml", two);
+    folder.write("report.html", "");
+    let said = folder.run("render model.json two.toml -o w.json").said();
+    let next = said.split("Next: ").nth(1).unwrap_or_default();
+    assert!(
+        next.starts_with("chladni report model.json w.json -o report.html --force"),
+        "{said}"
+    );
+}

@@ -122,6 +122,9 @@ fn wrong_time_sign() {
     let folder = clean();
     spoil(&folder, |frf| each_value(frf, |value| value.conj()));
     named(&folder, "fit", "spoiled.h5", "clean.h5", "--time-sign");
+    // the option that spoilt the data is not the one that helps
+    let said = folder.run("fit clean.h5 --time-sign -").exits(1).said();
+    assert!(said.contains("(--time-sign +)"), "{said}");
 }
 
 #[test]

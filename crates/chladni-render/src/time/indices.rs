@@ -132,9 +132,9 @@ pub(crate) fn is_met(indices: &TimeIndices, table: &TimeTable) -> bool {
 pub(crate) fn said(indices: &TimeIndices, table: &TimeTable, ramps: Ramps) -> Vec<Finding> {
     [
         cold_over(indices.by(table.measure), table.measure, ramps),
-        cold_instants(&indices.peak, table.measure),
+        cold_instants(&indices.peak, table),
         hot_not_held(&indices.peak, table.level),
-        burst_short(&indices.summed, table),
+        burst_short(indices, table),
     ]
     .into_iter()
     .flatten()
@@ -160,8 +160,8 @@ fn cold_over(judged: &TimeMeasure, measure: Measure, ramps: Ramps) -> Option<Fin
     Some(finding)
 }
 
-fn cold_instants(peak: &TimeMeasure, measure: Measure) -> Option<Finding> {
-    (measure != Measure::Peak && peak.ever_over_ratio > 0.0).then(|| {
+fn cold_instants(peak: &TimeMeasure, table: &TimeTable) -> Option<Finding> {
+    (table.measure != Measure::Peak && peak.ever_over_ratio > 0.0).then(|| {
         let over = peak.worst_cold_db.unwrap_or(0.0);
         let words = format!(
             "at some instants cold ground is over its limit by up to {over:.1} dB; summed over \
@@ -169,7 +169,13 @@ fn cold_instants(peak: &TimeMeasure, measure: Measure) -> Option<Finding> {
         );
         Finding::caution("time-cold-instants", words)
             .value("worst_cold_db", over)
-            .help("ask for it by measure = \"peak\"")
+            .help(match table.level {
+                Level::Steady => "ask for it by measure = \"peak\"",
+                Level::Compensated => {
+                    "take longer events, which need no stronger drive: measure = \"peak\" would \
+                     undo level = \"compensated\""
+                }
+            })
     })
 }
 
@@ -189,18 +195,39 @@ fn hot_not_held(peak: &TimeMeasure, level: Level) -> Option<Finding> {
     })
 }
 
-fn burst_short(summed: &TimeMeasure, table: &TimeTable) -> Option<Finding> {
+fn burst_short(indices: &TimeIndices, table: &TimeTable) -> Option<Finding> {
+    let TimeIndices { peak, summed, .. } = indices;
     let level = summed.worst_hot_db.filter(|&level| level < 0.0)?;
-    (table.level == Level::Steady && table.measure == Measure::Summed).then(|| {
-        let words = format!(
-            "the events are short for the sense of touch, which sums over {} s: hot ground stays \
-             {:.1} dB below its limit",
-            table.summation_s, -level
-        );
-        Finding::caution("time-burst-short", words)
-            .value("worst_hot_db", level)
-            .help("level = \"compensated\" makes up for it")
-    })
+    let lacks = format!("hot ground stays {:.1} dB below its limit", -level);
+    let touch = format!(
+        "the sense of touch, which sums over {} s",
+        table.summation_s
+    );
+    let (words, stronger) = match (table.level, table.measure) {
+        (Level::Steady, Measure::Summed) => (
+            format!("the events are short for {touch}: {lacks}"),
+            "level = \"compensated\"",
+        ),
+        (Level::Compensated, Measure::Peak) => (
+            format!(
+                "level = \"compensated\" makes up for nothing by measure = \"peak\": for {touch}, \
+                 {lacks}"
+            ),
+            "measure = \"summed\"",
+        ),
+        _ => return None,
+    };
+    let is_borne = |cold: &TimeMeasure| cold.worst_cold_db.is_none_or(|db| db - level <= 0.0);
+    let help = match (is_borne(peak), is_borne(summed)) {
+        (true, _) => format!("take longer events, or {stronger}"),
+        (false, true) => format!(
+            "take longer events; {stronger} makes up for it by a stronger drive, under which cold \
+             ground keeps its limit summed over time, but not at each instant"
+        ),
+        (false, false) => "take longer events: cold ground bears no stronger drive".into(),
+    };
+    let finding = Finding::caution("time-burst-short", words).value("worst_hot_db", level);
+    Some(finding.help(help))
 }
 
 #[cfg(test)]
@@ -226,6 +253,50 @@ mod tests {
         let finding = hot_not_held(&still(), Level::Steady).unwrap();
         assert!(finding.text.ends_with("it does not move"), "{finding:?}");
         assert!(finding.values.is_empty(), "{finding:?}");
+    }
+
+    #[test]
+    fn a_level_that_its_measure_overrules_is_said_and_the_cost_of_a_stronger_drive() {
+        let by = |worst_cold_db: f64, worst_hot_db: f64| TimeMeasure {
+            worst_cold_db: Some(worst_cold_db),
+            worst_hot_db: Some(worst_hot_db),
+            ..still()
+        };
+        let told = |level, measure, cold_summed_db| {
+            let indices = TimeIndices {
+                peak: by(-0.1, 0.3),
+                summed: by(cold_summed_db, -3.8),
+                rms: still(),
+                area: None,
+                ramp_s: 0.01,
+                peak_drive: 1.0,
+                steady_drive: 1.0,
+                events: Vec::new(),
+            };
+            let table = TimeTable {
+                level,
+                measure,
+                ..TimeTable::default()
+            };
+            burst_short(&indices, &table).unwrap()
+        };
+        let steady = told(Level::Steady, Measure::Summed, -4.3);
+        assert!(steady.help.contains("but not at each instant"));
+        let overruled = told(Level::Compensated, Measure::Peak, -4.3);
+        assert!(overruled.text.contains("makes up for nothing"));
+        assert!(overruled.help.contains("measure = \"summed\""));
+        let borne = told(Level::Steady, Measure::Summed, -3.0).help;
+        assert!(!borne.contains("compensated"), "{borne}");
+        let louder = TimeTable {
+            level: Level::Compensated,
+            ..TimeTable::default()
+        };
+        let loud = TimeMeasure {
+            ever_over_ratio: 0.5,
+            ..by(3.7, 4.1)
+        };
+        let help = cold_instants(&loud, &louder).unwrap().help;
+        assert!(help.starts_with("take longer events"), "{help}");
     }
 
     #[test]

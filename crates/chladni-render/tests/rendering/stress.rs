@@ -215,6 +215,8 @@ fn a_sweep_leaves_out_what_its_threshold_does_not_cover() {
     let last = found.frequencies.last().unwrap();
     assert_eq!((found.frequencies.len(), last.frequency_hz), (6, 340.0));
     assert!(covered([350.0, 360.0]).is_err());
+    // as wide as the refusal of wider ones says
+    assert!(covered([300.0, 1300.0]).is_ok());
 }
 
 #[test]

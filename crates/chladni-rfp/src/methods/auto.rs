@@ -313,7 +313,7 @@ fn on_way<S: Source>(
 fn conjugated() -> Finding {
     Finding::fault(
         "conjugated",
-        "every resonance turns the wrong way: the data follow e^(-jwt)",
+        "every resonance turns the wrong way: the data follow e^(-jwt) as they were read",
     )
     .help("read the data with the other time sign")
 }

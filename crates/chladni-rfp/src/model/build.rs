@@ -218,7 +218,7 @@ impl Shaped {
     fn findings(&self, data: &DataLayout, modes: &[Mode]) -> Vec<Finding> {
         let mut findings = Vec::new();
         if self.chi2_per_dof > limits::SHAPE_MISFIT {
-            findings.push(one_shape_worse(self.chi2_per_dof));
+            findings.push(one_shape_worse(self.chi2_per_dof, data.references.len()));
         }
         if self.scaling == Scaling::Unscaled {
             findings.push(unscaled(data.reference_unit));
@@ -329,14 +329,40 @@ impl Shaped {
     }
 }
 
-/// The finding of shapes that do not serve all references.
-fn one_shape_worse(chi2_per_dof: f64) -> Finding {
+/// The finding of shapes that do not serve all references, or of a model that does not serve
+/// the only one.
+fn one_shape_worse(chi2_per_dof: f64, references: usize) -> Finding {
+    let (what, why, help) = match references {
+        1 => (
+            "the model explains the data",
+            "modes may be missing, or the data are no response of a structure",
+            "fit a narrower band",
+        ),
+        _ => (
+            "one shape per mode explains the references together",
+            "modes may be missing, or a reference is delayed or not reciprocal",
+            "look for a delay or a gain of one reference, or fit a narrower band",
+        ),
+    };
     let words = format!(
-        "one shape per mode explains the references together worse than free residues (χ² per \
-         degree of freedom {chi2_per_dof:.1}): modes may be missing, or a reference is delayed or \
-         not reciprocal"
+        "{what} worse than free residues (χ² per degree of freedom {chi2_per_dof:.1}): {why}"
     );
     Finding::caution("one-shape-worse", words)
         .value("chi2_per_dof", chi2_per_dof)
-        .help("look for a delay or a gain of one reference, or fit a narrower band")
+        .help(help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_reference_is_blamed_where_there_is_one() {
+        let told = |references| {
+            let finding = one_shape_worse(9.0, references);
+            format!("{}; {}", finding.text, finding.help)
+        };
+        assert!(!told(1).contains("reference"), "{}", told(1));
+        assert!(told(2).contains("a delay or a gain of one reference"));
+    }
 }
