@@ -101,7 +101,7 @@ struct Place {
 impl Place {
     /// Makes the folder and refuses, before the work, tables that stand there already.
     fn prepare(&self, tables: &[&str], console: &Console) -> Result<()> {
-        make_folder(&self.output)?;
+        make_folder(&self.output, "--output")?;
         tables.iter().try_for_each(|name| {
             Output::new(&self.output.join(name), TABLE, &[], console).map(drop)
         })

@@ -257,7 +257,10 @@ fn assumed_newton(
     let [_, numerator, denominator, _] = axes;
     let unsaid = denominator.unit.is_empty() && denominator.quantity == EXCITATION_FORCE;
     let newton = unit_label::parse("N").filter(|_| unsaid && units.is_none())?;
-    let is_motion = |unit: &Unit| unit.per(newton).frf_kind() == motion(numerator.quantity);
+    let is_motion = |unit: &Unit| {
+        let kind = unit.per(newton).frf_kind().map(|(kind, _)| kind);
+        kind.is_some() && kind == motion(numerator.quantity)
+    };
     unit_label::parse(&numerator.unit).filter(is_motion)?;
     let words = format!(
         "the file states the unit of the motion ({}), not that of the force: N is assumed",
