@@ -323,6 +323,11 @@ fn a_slider_shows_the_ground_of_a_burst_at_any_instant() {
         (77 * 5..=77 * 60).contains(&(runs.as_u64().unwrap() as usize)),
         "{runs}"
     );
+    let places = page.text("#scene-1 .time-places");
+    assert!(
+        places.contains("between the lines are not judged"),
+        "{places}"
+    );
     page.place("#time-1");
     let silent = page.eval(shown);
     page.eval("(() => { const s = document.querySelector('#scene-1 .time input[type=range]'); s.value = Math.round(s.max * 0.2); s.dispatchEvent(new Event('input')); })()");

@@ -174,14 +174,6 @@ fn facts(weights: &Weights) -> Vec<[String; 2]> {
         ),
         ("Method", weights.method.clone()),
         ("Scene", verdict(weights)),
-        (
-            "Used",
-            format!(
-                "{}, {}",
-                counted(weights.modes_used, "mode"),
-                counted(weights.actuators_used, "actuator")
-            ),
-        ),
     ];
     let on_drive = of_code(weights, "mode-on-drive").map(|finding| finding.text.as_str());
     let on_drive: Vec<&str> = on_drive.collect();
@@ -193,6 +185,11 @@ fn facts(weights: &Weights) -> Vec<[String; 2]> {
         let words = format!("{share} % of {} simulated", endurance.rigs);
         rows.push(("Rigs that are served", words));
     }
+    let used = [
+        counted(weights.modes_used, "mode"),
+        counted(weights.actuators_used, "actuator"),
+    ];
+    rows.push(("Used", used.join(", ")));
     if let Some(kappa) = weights.kappa {
         let words = match kappa >= 0.0 {
             true => format!(
