@@ -155,7 +155,7 @@ fn signals_that_cannot_be_are_refused_before_anything_is_written() {
     );
     for (line, code, words) in [
         ("burst.toml -o drive.mp3", 2, ".wav"),
-        ("burst.toml -o drive.wav --rate 600", 2, "rate_hz"),
+        ("burst.toml -o drive.wav --rate 600", 2, "--rate"),
         // above twice the tone, and not above its ramps of 9 ms
         ("burst.toml -o drive.wav --rate 700", 2, "with its ramps"),
         ("burst.toml -o drive.wav --full-scale 1e-9", 2, "clips"),
