@@ -163,7 +163,7 @@ fn window_of(
 ) -> PyResult<Option<BlockWindow>> {
     match (name, rate_per_s) {
         (None, None) => Ok(None),
-        (None | Some("exponential"), Some(rate_per_s)) if rate_per_s >= 0.0 => {
+        (None | Some("exponential"), Some(rate_per_s)) if rate_per_s > 0.0 => {
             Ok(Some(BlockWindow::Exponential { rate_per_s }))
         }
         (Some("hann"), None) => Ok(Some(BlockWindow::Hann)),

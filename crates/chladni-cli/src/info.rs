@@ -105,13 +105,11 @@ impl Listing {
             checksum: checksum_of(file).ok(),
             responses: field.points.iter().map(|point| point.response).collect(),
             axis: Some(format!("a measured field at {hz} Hz")),
-            findings: Vec::new(),
-            damaged: false,
-            ..Self::of_error(file, &Error::bad_data(""))
+            ..Self::empty(file)
         })
     }
 
-    fn of_error(file: &Path, error: &Error) -> Self {
+    fn empty(file: &Path) -> Self {
         Self {
             file: file.to_path_buf(),
             format: None,
@@ -121,9 +119,17 @@ impl Listing {
             responses: Vec::new(),
             references: Vec::new(),
             axis: None,
-            findings: vec![damage(error)],
+            findings: Vec::new(),
             datasets: Vec::new(),
+            damaged: false,
+        }
+    }
+
+    fn of_error(file: &Path, error: &Error) -> Self {
+        Self {
+            findings: vec![damage(error)],
             damaged: true,
+            ..Self::empty(file)
         }
     }
 

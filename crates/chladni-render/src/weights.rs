@@ -169,6 +169,30 @@ impl Weights {
         references.iter().map(weight_of).collect()
     }
 
+    /// The reason, in words that follow "met, but", to doubt that a scene which is met in the model
+    /// is met on the rig.
+    pub fn reservation(&self) -> Option<String> {
+        let finding = |code: &str| self.findings.iter().find(|finding| finding.code == code);
+        let of_model = [
+            (
+                "untrusted-model",
+                "only in a model that is not to be trusted",
+            ),
+            ("drive-outside-band", "only in a model of other frequencies"),
+            ("field-of-residuals", "only in a model without modes"),
+        ];
+        if let Some((_, why)) = of_model.iter().find(|(code, _)| finding(code).is_some()) {
+            return Some((*why).into());
+        }
+        finding("rig-sensitive")?;
+        let on_drive = finding("mode-on-drive").map(|finding| finding.modes.first());
+        Some(match on_drive {
+            Some(Some(number)) => format!("mode {number} lies on the drive"),
+            Some(None) => "a mode lies on the drive".into(),
+            None => "not on every rig".into(),
+        })
+    }
+
     /// Reads a weights file's text.
     ///
     /// # Errors

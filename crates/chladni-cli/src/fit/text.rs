@@ -20,8 +20,8 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
     }
 }
 
-/// What a fit explains; where poles were moved to new data, by how much instead: quality is
-/// that of the model that was followed.
+/// The part of the data that a fit explains; where poles were moved to new data, by how much
+/// instead: quality is that of the model that was followed.
 fn headline(model: &ModalModel) -> String {
     let is_followed = model.options.contains_key("poles_of");
     let findings = &model.quality.findings;

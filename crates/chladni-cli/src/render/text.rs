@@ -78,25 +78,9 @@ fn sentence(weights: &Weights, judged: &Judged) -> String {
         .points
         .margin_db
         .map_or_else(String::new, |db| format!(" with {db:.1} dB to spare"));
-    let unfounded = [
-        ("untrusted-model", "the model is not to be trusted"),
-        (
-            "drive-outside-band",
-            "the model was fitted to other frequencies",
-        ),
-        ("field-of-residuals", "the model has no mode"),
-    ];
-    if let Some((_, why)) = unfounded.iter().find(|(code, _)| finding(code).is_some()) {
-        return format!("The model says that the scene is met at {hz} Hz{spare}, but {why}.");
-    }
-    let but = match (finding("rig-sensitive"), finding("mode-on-drive")) {
-        (Some(_), Some(mode)) => match mode.modes.first() {
-            Some(number) => format!(", but mode {number} lies on the drive"),
-            None => ", but a mode lies on the drive".into(),
-        },
-        (Some(_), None) => ", but not on every rig".into(),
-        (None, _) => String::new(),
-    };
+    let but = weights
+        .reservation()
+        .map_or_else(String::new, |but| format!(", but {but}"));
     format!("The scene is met at {hz} Hz{spare}{but}.")
 }
 

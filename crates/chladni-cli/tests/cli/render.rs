@@ -61,7 +61,7 @@ fn a_model_that_its_fit_does_not_trust_serves_no_scene() {
     let run = folder.run("render doubted.json corner.toml").exits(1);
     assert!(run.said().contains("the model is not to be trusted"));
     assert!(
-        run.stdout.contains("but the model is not"),
+        run.stdout.contains("but only in a model that is not"),
         "{}",
         run.stdout
     );
@@ -74,7 +74,7 @@ fn a_model_that_its_fit_does_not_trust_serves_no_scene() {
         .exits(1);
     let run = folder.run("render model.json beyond.toml").exits(0);
     assert!(
-        run.stdout.contains("fitted to other frequencies"),
+        run.stdout.contains("only in a model of other frequencies"),
         "{}",
         run.stdout
     );

@@ -6,7 +6,7 @@
 //! 164 contradict each other, 164 is used and a warning names both.
 
 use super::header::Units;
-use crate::unit_label::{self, Unit};
+use crate::unit_label::{self, Unit, STANDARD_GRAVITY};
 use crate::Axis;
 use chladni_frf::{Direction, Finding, FrfKind, ReferenceUnit};
 
@@ -259,7 +259,9 @@ fn assumed_newton(
     let newton = unit_label::parse("N").filter(|_| unsaid && units.is_none())?;
     let is_motion = |unit: &Unit| {
         let kind = unit.per(newton).frf_kind().map(|(kind, _)| kind);
-        kind.is_some() && kind == motion(numerator.quantity)
+        // beside inches and feet the force is hardly in newtons
+        let metric = unit.factor.log10().fract() == 0.0 || unit.factor == STANDARD_GRAVITY;
+        kind.is_some() && kind == motion(numerator.quantity) && metric
     };
     unit_label::parse(&numerator.unit).filter(is_motion)?;
     let words = format!(

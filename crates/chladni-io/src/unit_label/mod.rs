@@ -28,7 +28,7 @@ const ONE: Unit = Unit {
     powers: [0; 6],
 };
 /// g_n of ISO 80000-3, m/s².
-const STANDARD_GRAVITY: f64 = 9.80665;
+pub(super) const STANDARD_GRAVITY: f64 = 9.80665;
 /// Pound-force: 0.45359237 kg · g_n, N.
 const POUND_FORCE: f64 = 4.448_221_615_260_5;
 

@@ -155,14 +155,9 @@ fn verdict(weights: &Weights) -> String {
     if !weights.feasible {
         return "not met in the model: some judged response misses its limit".into();
     }
-    let but = match (finding("rig-sensitive"), finding("mode-on-drive")) {
-        (Some(_), Some(mode)) => match mode.modes.first() {
-            Some(number) => format!(", but mode {number} lies on the drive"),
-            None => ", but a mode lies on the drive".into(),
-        },
-        (Some(_), None) => ", but not on every rig".into(),
-        (None, _) => String::new(),
-    };
+    let but = weights
+        .reservation()
+        .map_or_else(String::new, |but| format!(", but {but}"));
     format!("met: every judged response keeps its limit in the model{but}")
 }
 

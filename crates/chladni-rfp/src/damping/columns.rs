@@ -208,6 +208,7 @@ mod tests {
             Window::Flattop,
             Window::Kaiser { beta: 8.6 },
             Window::Burst { part: 0.7 },
+            Window::HannBurst { part: 0.7 },
         ];
         for window in windows {
             let leakage = Leakage::new(window.kernel().unwrap(), RECORD, 1);

@@ -167,6 +167,9 @@ pub(super) const EVEN: f64 = 0.01;
 
 /// Largest β: of a window that is all but a point.
 pub(super) const BETA_MOST: f64 = 40.0;
+/// Parts of a record that a burst under Hann's window may last: the window rises with the square of the
+/// time, and of a shorter burst nothing is left beside what rounding leaves.
+pub(super) const HANN_BURST_PARTS: std::ops::RangeInclusive<f64> = 0.05..=1.0;
 
 /// Values and harmonics that a window without a closed form is taken by.
 pub(super) const BY_VALUES: (usize, usize) = (1024, 256);

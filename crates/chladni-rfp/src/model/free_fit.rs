@@ -141,9 +141,12 @@ impl FreeFit {
         if misfits(&widest) {
             return Ok(widest);
         }
-        while misfits(&shapes) && ranks != all {
+        while misfits(&shapes) {
             for &n in &loose {
                 ranks[n] = (ranks[n] + 1).min(full);
+            }
+            if ranks == all {
+                return Ok(widest);
             }
             shapes = low_rank_around(&free, &ranks, &given)?;
         }

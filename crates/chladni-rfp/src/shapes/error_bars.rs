@@ -12,6 +12,7 @@ use crate::shapes::inverse_root::{finite, inverse_root};
 use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
 use crate::shapes::low_rank::Shapes;
+use crate::shapes::residues::alike;
 use crate::shapes::scale::Scale;
 use crate::shapes::tangent::{overlapping, taken, unknowns, Tangent, Unknown};
 use chladni_linalg::{matmul, matmul_h, LinalgError};
@@ -142,18 +143,6 @@ struct ShapeErrors {
     real: bool,
     /// True where poles were found with their participations, not from free residues.
     joint: bool,
-}
-
-/// The references that responses were measured from, with these responses.
-fn alike(present: &Array2<bool>) -> Vec<(Vec<bool>, Vec<usize>)> {
-    let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
-    for (i, row) in present.rows().into_iter().enumerate() {
-        match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
-            Some((_, responses)) => responses.push(i),
-            None => kinds.push((row.to_vec(), vec![i])),
-        }
-    }
-    kinds
 }
 
 impl ShapeErrors {

@@ -137,3 +137,15 @@ pub(crate) fn schur_weight(
     };
     Ok(matmul_h(outside.view(), outside.view()))
 }
+
+/// The references that responses were measured from, with these responses.
+pub(crate) fn alike(present: &Array2<bool>) -> Vec<(Vec<bool>, Vec<usize>)> {
+    let mut kinds: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
+    for (i, row) in present.rows().into_iter().enumerate() {
+        match kinds.iter_mut().find(|(kept, _)| *kept == row.to_vec()) {
+            Some((_, responses)) => responses.push(i),
+            None => kinds.push((row.to_vec(), vec![i])),
+        }
+    }
+    kinds
+}

@@ -39,7 +39,7 @@ pub enum Window {
     },
     /// The same with Hann's window over the whole of each record.
     HannBurst {
-        /// Part of the record with noise, above 0 to 1.
+        /// Part of the record with noise, 0.05 to 1.
         part: f64,
     },
 }
@@ -56,7 +56,9 @@ impl FromStr for Window {
                 Ok(Self::Kaiser { beta })
             }
             ("burst", Some(part)) if part > 0.0 && part <= 1.0 => Ok(Self::Burst { part }),
-            ("hann-burst", Some(part)) if part > 0.0 && part <= 1.0 => Ok(Self::HannBurst { part }),
+            ("hann-burst", Some(part)) if limits::HANN_BURST_PARTS.contains(&part) => {
+                Ok(Self::HannBurst { part })
+            }
             _ => Self::NAMED
                 .into_iter()
                 .find(|window| window.to_string() == text)
@@ -100,8 +102,8 @@ impl Window {
     ];
     /// All, as they are written.
     pub const WORDS: &'static str = "none, transient, hann, hamming, blackman, flattop, \
-                                     rectangular, kaiser:BETA (0 to 40), burst:PART or hann-burst:PART \
-                                     (above 0 to 1)";
+                                     rectangular, kaiser:BETA (0 to 40), burst:PART (above 0 to 1) \
+                                     or hann-burst:PART (0.05 to 1)";
 
     /// True for the windows of continuous random excitation.
     pub(crate) fn is_continuous(self) -> bool {
@@ -197,6 +199,7 @@ mod tests {
             "burst:0",
             "burst:1.5",
             "hann-burst",
+            "hann-burst:0.01",
         ] {
             let message = wrong.parse::<Window>().unwrap_err();
             assert!(message.contains("burst:PART"), "{message}");

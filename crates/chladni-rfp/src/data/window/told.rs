@@ -36,7 +36,9 @@ fn window_of(made: &Estimation) -> Option<Window> {
         (Forcing::Continuous, BlockWindow::Hann) => Some(Window::Hann),
         (Forcing::Continuous, BlockWindow::Rectangular) => Some(Window::Rectangular),
         (Forcing::Burst { part }, BlockWindow::Rectangular) => Some(Window::Burst { part }),
-        (Forcing::Burst { part }, BlockWindow::Hann) => Some(Window::HannBurst { part }),
+        (Forcing::Burst { part }, BlockWindow::Hann) => limits::HANN_BURST_PARTS
+            .contains(&part)
+            .then_some(Window::HannBurst { part }),
         // an exponential window moves the poles, and the columns with them
         (Forcing::Transient, BlockWindow::Rectangular | BlockWindow::Exponential { .. }) => {
             Some(Window::Transient)
@@ -124,6 +126,9 @@ mod tests {
     fn blows_under_a_hann_window_have_no_line_shape_and_say_so() {
         let blows = made(BlockWindow::Hann, Some(Forcing::Transient));
         assert!(blows.hann_on_blows() && window_of(&blows).is_none());
+        let of_burst = |part| window_of(&made(BlockWindow::Hann, Some(Forcing::Burst { part })));
+        assert_eq!(of_burst(0.6), Some(Window::HannBurst { part: 0.6 }));
+        assert_eq!(of_burst(0.01), None);
         let noise = made(BlockWindow::Hann, Some(Forcing::Continuous));
         assert!(!noise.hann_on_blows() && window_of(&noise) == Some(Window::Hann));
     }
