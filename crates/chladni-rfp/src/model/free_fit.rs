@@ -131,24 +131,18 @@ impl FreeFit {
             let held = (work, data.pairs.len());
             shapes.rise > most_by_chance(constraints, variance, rounding, held)
         };
-        if !misfits(&shapes) || loose.iter().all(|&n| ranks[n] == full) {
-            return Ok(shapes);
-        }
-        // of what all directions together leave, fewer explain no more
-        let mut all = ranks.clone();
-        loose.iter().for_each(|&n| all[n] = full);
-        let widest = low_rank_around(&free, &all, &given)?;
-        if misfits(&widest) {
-            return Ok(widest);
-        }
-        while misfits(&shapes) {
+        let mut rounds = 0;
+        while misfits(&shapes) && loose.iter().any(|&n| ranks[n] < full) {
+            let more = if rounds < limits::RANK_ROUNDS {
+                1
+            } else {
+                full
+            };
             for &n in &loose {
-                ranks[n] = (ranks[n] + 1).min(full);
-            }
-            if ranks == all {
-                return Ok(widest);
+                ranks[n] = (ranks[n] + more).min(full);
             }
             shapes = low_rank_around(&free, &ranks, &given)?;
+            rounds += 1;
         }
         Ok(shapes)
     }

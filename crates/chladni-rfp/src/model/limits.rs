@@ -67,6 +67,11 @@ pub(super) const TRACK_LOSS_STEP: f64 = 0.5;
 
 // free_fit.rs
 
+/// Rounds in which poles outside the band get one direction more each; where these are not enough
+/// all of them hardly are, and are tried at once. Judgement: no model of
+/// `scripts/record_results.sh` changes by it.
+pub(super) const RANK_ROUNDS: usize = 8;
+
 /// Natural frequency over that of the last line below which a pole has none.
 pub(super) const NO_FREQUENCY: f64 = 1e-6;
 

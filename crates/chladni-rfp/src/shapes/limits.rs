@@ -131,7 +131,7 @@ pub(super) const STRUCTURED_LOSS_KEPT: f64 = 0.1;
 
 /// Unknowns of the terms outside the band, above which their shapes get no error bars: a wrong
 /// kind of FRF leaves poles of dozens of terms there, and the work goes with the third power.
-pub(super) const OUTSIDE_MOST: usize = 1500;
+pub(super) const OUTSIDE_MOST: usize = 2000;
 
 // tangent.rs
 
