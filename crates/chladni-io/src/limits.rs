@@ -60,7 +60,7 @@ pub(crate) const LARGEST_DECIBELS: f64 = 400.0;
 /// Rows looked at to tell decimal commas from commas between numbers.
 pub(crate) const ROWS_TRIED: usize = 50;
 
-// csv/said.rs
+// csv/said.rs, arrays/foreign
 
 /// Two labels of one unit give factors that differ by less, by their rounding.
 pub(crate) const SAME_UNIT: f64 = 1e-6;

@@ -112,9 +112,12 @@ impl Attribute {
 /// Named attributes, in order.
 pub(crate) type Attributes = Vec<(String, Attribute)>;
 
+/// Names of attributes that cannot be read, and why.
+pub(crate) type Unread = Vec<(String, String)>;
+
 /// A library's description of a dataset: shape, element type, attributes, and those that
 /// cannot be read.
-pub(crate) type Description = (Vec<usize>, Element, Attributes, Vec<String>);
+pub(crate) type Description = (Vec<usize>, Element, Attributes, Unread);
 
 /// One object of a file: a group, or a dataset with its shape and element type.
 #[derive(Debug, Clone)]
@@ -124,8 +127,7 @@ pub(crate) struct Entry {
     /// `None` for a group.
     pub(crate) dataset: Option<(Vec<usize>, Element)>,
     pub(crate) attributes: Attributes,
-    /// Attributes that cannot be read, and why.
-    pub(crate) unread_attributes: Vec<String>,
+    pub(crate) unread_attributes: Unread,
 }
 
 impl Entry {
@@ -148,6 +150,11 @@ impl Entry {
             attributes,
             unread_attributes,
         }
+    }
+    /// A sentence for each attribute that cannot be read.
+    pub(crate) fn unread(&self) -> impl Iterator<Item = String> + '_ {
+        let sentence = |(name, why): &(String, String)| format!("attribute {name}: {why}");
+        self.unread_attributes.iter().map(sentence)
     }
     pub(crate) fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes

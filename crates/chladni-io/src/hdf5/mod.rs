@@ -51,9 +51,8 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     for entry in &entries {
         document.warnings.extend(
             entry
-                .unread_attributes
-                .iter()
-                .map(|warning| Finding::note("not-read", format!("{}: {warning}", entry.path))),
+                .unread()
+                .map(|words| Finding::note("not-read", format!("{}: {words}", entry.path))),
         );
     }
     let own = Own {
@@ -179,9 +178,8 @@ fn dataset_info(entry: &Entry) -> DatasetInfo {
         values: entry.shape().last().copied(),
         nodes,
         warnings: entry
-            .unread_attributes
-            .iter()
-            .map(|warning| Finding::note("not-read", warning))
+            .unread()
+            .map(|words| Finding::note("not-read", words))
             .collect(),
         left_behind: true, // until something of the document is made of it
         ..DatasetInfo::default()

@@ -163,7 +163,7 @@ impl Own<'_> {
     pub(super) fn check_read(&self) -> Result<()> {
         for name in ["frf_kind", "reference_unit", "time_sign"] {
             let mut unread = self.root().unread_attributes.iter();
-            if let Some(why) = unread.find(|why| why.starts_with(&format!("attribute {name} "))) {
+            if let Some((_, why)) = unread.find(|(found, _)| found == name) {
                 return Err(Error::bad_data("what the values are cannot be read")
                     .field(format!("{name} of /"))
                     .found(why)

@@ -35,6 +35,7 @@ impl Rows {
             return Ok(None);
         }
         let read = own.check_version().and_then(|()| {
+            own.check_read()?;
             let entry = own.frf_entry()?;
             let head = own.set_of(FrfValues::F64(Array3::zeros((0, 0, 0))))?;
             if head.responses.len() != entry.shape()[0] {

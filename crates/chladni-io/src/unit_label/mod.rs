@@ -11,6 +11,7 @@ mod parser;
 pub(super) use decibel::{decibel_reference, is_decibel_label};
 pub(super) use parser::parse;
 
+use crate::limits::SAME_UNIT;
 use chladni_frf::{FrfKind, ReferenceUnit};
 use std::f64::consts::{PI, TAU};
 
@@ -92,6 +93,15 @@ impl Unit {
             [1, 0, 0, -1, 0, 0] => Some((Receptance, Volt)),
             [1, 0, -1, -1, 0, 0] => Some((Mobility, Volt)),
             [1, 0, -2, -1, 0, 0] => Some((Accelerance, Volt)),
+            _ => None,
+        }
+    }
+    /// The reference that is measured in this unit, without a factor.
+    pub(super) fn reference(self) -> Option<ReferenceUnit> {
+        let is_si = (self.factor - 1.0).abs() <= SAME_UNIT;
+        match self.powers {
+            [1, 1, -2, 0, 0, 0] if is_si => Some(ReferenceUnit::Newton),
+            [0, 0, 0, 1, 0, 0] if is_si => Some(ReferenceUnit::Volt),
             _ => None,
         }
     }

@@ -237,6 +237,29 @@ fn parts_hold_the_values_of_their_rows_whatever_memory_they_are_read_into() {
 }
 
 #[test]
+fn a_time_sign_that_cannot_be_read_is_refused_whole_and_in_parts() {
+    let source = "../../fixtures/malformed/h5-attributes/time-sign.h5";
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join(source);
+    let mut bytes = std::fs::read(source).unwrap();
+    let name = b"time_sign\0";
+    let at = bytes.windows(name.len()).position(|found| found == name);
+    // the type after the name, which is padded to 16 bytes: a field of bits, no text
+    bytes[at.unwrap() + 16] = 0x14;
+    let (_folder, path) = folder_with("damaged.h5");
+    std::fs::write(&path, &bytes).unwrap();
+    let whole = read_one(&path, &ReadOptions::default()).unwrap_err();
+    let parts = FrfParts::open(std::slice::from_ref(&path), &ReadOptions::default());
+    for error in [whole, parts.err().unwrap()] {
+        assert_eq!(error.kind, ErrorKind::BadData);
+        let text = error.to_string();
+        assert!(
+            text.contains("time_sign of /") && !text.contains("`time_sign`"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
 fn single_precision_stays_single_and_missing_pairs_stay_missing() {
     let (_folder, path) = folder_with("single.h5");
     let mut set = set(2, 2, 4);

@@ -46,6 +46,13 @@ fn ways(rank: usize) -> &'static [Axes] {
     }
 }
 
+/// Words of the file for the axes; those that are unknown say nothing.
+struct Words<'a> {
+    text: &'a str,
+    roles: Vec<Option<usize>>,
+    field: String,
+}
+
 impl<'a> Reader<'a> {
     /// Axes of response, reference and line in the logical shape, and whether the file or
     /// the user says which is which.
@@ -69,13 +76,9 @@ impl<'a> Reader<'a> {
             })?;
             return Ok((axes, true));
         }
-        // a single axis is the line, whatever it is called
-        if let Some(fact) = said.axes.as_ref().filter(|_| shape.len() > 1) {
-            let axes = named_axes(&fact.text, shape, lengths.lines).ok_or_else(|| {
-                let error = Error::bad_data("the axes do not fit").field(&fact.field);
-                misfit(error, &fact.text, shape, lengths.lines)
-                    .help("correct them, or name them with `map axes=...`")
-            })?;
+        if let Some(axes) =
+            (said.axes.as_ref()).and_then(|fact| named_axes(&fact.text, shape, lengths.lines))
+        {
             return Ok((axes, true));
         }
         let mut fitting: Vec<Axes> = ways(shape.len())
@@ -86,16 +89,31 @@ impl<'a> Reader<'a> {
         if fitting.is_empty() {
             return Err(no_way(frf.path.as_str(), shape, lengths));
         }
-        let labels = frf.text("DIMENSION_LABELS").unwrap_or_default();
-        let labels = if shape.len() > 1 { labels } else { "" };
-        let roles: Vec<Option<usize>> = labels.split(',').map(role).collect();
-        fitting.retain(|axes| agrees(axes, &roles));
-        let Some(&first) = fitting.first() else {
-            let error = Error::bad_data("the labels of the dimensions do not fit");
-            let error = error.field(format!("DIMENSION_LABELS of {}", frf.path));
-            return Err(misfit(error, labels, shape, lengths.lines)
-                .help("correct them, or name the axes with `map axes=...`"));
-        };
+        let labels = frf.text("DIMENSION_LABELS").map(|labels| Words {
+            text: labels,
+            roles: labels.split(',').map(role).collect(),
+            field: format!("DIMENSION_LABELS of {}", frf.path),
+        });
+        let words = said.axes.as_ref().map(|fact| Words {
+            text: &fact.text,
+            roles: roles(&fact.text),
+            field: fact.field.clone(),
+        });
+        let mut by_words = false;
+        for words in [words, labels].into_iter().flatten() {
+            // a single axis is the line, and a single word the name of a dataset
+            if shape.len() == 1 || words.roles.len() == 1 {
+                continue;
+            }
+            by_words |= words.roles.iter().any(Option::is_some);
+            fitting.retain(|axes| agrees(axes, &words.roles));
+            if fitting.is_empty() {
+                let error = Error::bad_data("the axes do not fit").field(words.field);
+                return Err(misfit(error, words.text, shape, lengths.lines)
+                    .help("correct them, or name the axes with `map axes=...`"));
+            }
+        }
+        let first = fitting[0];
         // axes of one value may change places
         let differs = |a: Option<usize>, b: Option<usize>| {
             a != b && a.or(b).is_some_and(|axis| shape[axis] > 1)
@@ -119,11 +137,10 @@ impl<'a> Reader<'a> {
             ));
         }
         let by_lists = lengths.response.is_some() || lengths.reference.is_some();
-        let by_labels = roles.iter().any(Option::is_some);
         let same = fitting
             .iter()
             .all(|axes| !differs(axes[0], first[0]) && !differs(axes[1], first[1]));
-        Ok((first, (by_lists || by_labels) && same))
+        Ok((first, (by_lists || by_words) && same))
     }
 }
 
@@ -158,6 +175,12 @@ fn role(word: &str) -> Option<usize> {
         .position(|words| words.contains(&word.as_str()) || words.contains(&singular))
 }
 
+/// The roles of words with anything between them.
+fn roles(text: &str) -> Vec<Option<usize>> {
+    let words = text.split(|c: char| !c.is_alphanumeric());
+    words.filter(|word| !word.is_empty()).map(role).collect()
+}
+
 /// True where every axis with a role has that role.
 fn agrees(axes: &Axes, roles: &[Option<usize>]) -> bool {
     let mut told = roles.iter().enumerate();
@@ -167,8 +190,7 @@ fn agrees(axes: &Axes, roles: &[Option<usize>]) -> bool {
 /// `response-reference-line` in any order, two or three words; `None` where they do not
 /// name every axis, or another as the line.
 fn named_axes(text: &str, shape: &[usize], lines: usize) -> Option<Axes> {
-    let words = text.split(|c: char| !c.is_alphanumeric());
-    let roles: Vec<Option<usize>> = words.filter(|word| !word.is_empty()).map(role).collect();
+    let roles = roles(text);
     let axes = ways(shape.len()).iter().find(|axes| agrees(axes, &roles))?;
     let complete = roles.len() == shape.len() && roles.iter().all(Option::is_some);
     (complete && axes[2].is_some_and(|axis| shape[axis] == lines)).then_some(*axes)

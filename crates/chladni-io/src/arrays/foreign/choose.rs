@@ -3,7 +3,7 @@
 
 use super::super::tree::{Element, Entry};
 use super::super::values::{reals, ComplexArray};
-use super::{describe, frequency, length, Reader};
+use super::{describe, dofs, frequency, length, Reader};
 use crate::limits::DATASETS_LISTED;
 use crate::paths::shortened;
 use chladni_frf::{Error, ErrorKind, Finding, Result};
@@ -227,7 +227,8 @@ impl<'a> Reader<'a> {
     }
 
     /// Axes where no rising list has a usual name: those of other names, else those out
-    /// of order, which are refused by what is wrong with them.
+    /// of order, which are refused by what is wrong with them. A list called by a letter,
+    /// `x` or `f`, may be of positions or forces: none where a rising one may be the axis.
     fn other_axes(
         &self,
         sources: &[Source<'a>],
@@ -239,8 +240,16 @@ impl<'a> Reader<'a> {
         if !pairs(sources, &rising).is_empty() {
             return Ok(rising);
         }
-        let all = named.into_iter().chain(others);
-        Ok(all.map(|(entry, _)| entry).collect())
+        let mut all: Vec<&Entry> = (named.into_iter().chain(others))
+            .map(|(entry, _)| entry)
+            .collect();
+        let nameless = self.lists(|name| !dofs::is_name(name))?;
+        let mut nameless = self::rising(&nameless);
+        nameless.retain(|entry| length(entry) > 1);
+        if !pairs(sources, &nameless).is_empty() {
+            all.retain(|entry| entry.name().chars().count() > 1);
+        }
+        Ok(all)
     }
 
     /// Complex arrays beside lists of numbers that may be their axis, but for the name.

@@ -41,9 +41,16 @@ pub(super) const REFERENCE: SideWords = SideWords {
 impl SideWords {
     /// True for an entry beside the FRFs that goes by one of the names.
     fn is_beside(&self, entry: &Entry, frf: &Entry) -> bool {
-        entry.folder() == frf.folder()
-            && (self.names.iter()).any(|name| entry.name().eq_ignore_ascii_case(name))
+        entry.folder() == frf.folder() && self.is_name(entry.name())
     }
+    fn is_name(&self, name: &str) -> bool {
+        (self.names.iter()).any(|known| name.eq_ignore_ascii_case(known))
+    }
+}
+
+/// True for the names that a list of DOFs goes by.
+pub(super) fn is_name(name: &str) -> bool {
+    RESPONSE.is_name(name) || REFERENCE.is_name(name)
 }
 
 impl<'a> Reader<'a> {

@@ -4,6 +4,7 @@ use super::super::tree::Entry;
 use super::super::values::reals;
 use super::said::{attribute, Said};
 use super::Reader;
+use crate::limits::SAME_UNIT;
 use crate::unit_label::frequency_unit;
 use chladni_frf::{Error, Finding, Result};
 
@@ -94,7 +95,8 @@ fn axis_to_hz(freq: &Entry, said: &Said<'_>, warnings: &mut Vec<Finding>) -> Res
         }));
         return Ok(1.0);
     };
-    if factors.into_iter().flatten().all(|factor| factor == to_hz) {
+    let is_same = |factor: f64| (factor / to_hz - 1.0).abs() <= SAME_UNIT;
+    if factors.into_iter().flatten().all(is_same) {
         return Ok(to_hz);
     }
     let places = [

@@ -5,11 +5,12 @@ use super::super::tree::{Attribute, Element, Entry, Values};
 use super::super::values::reals;
 use super::choose::Source;
 use super::{is_characters, length, Reader};
+use crate::unit_label::{parse, Unit};
 use chladni_frf::{Error, FrfKind, ReferenceUnit, Result, TimeSign};
 use std::str::FromStr;
 
-const UNIT: [&str; 3] = ["unit", "frf_unit", "y_unit"];
-const FREQUENCY_UNIT: [&str; 4] = ["frequency_unit", "freq_unit", "f_unit", "x_unit"];
+const UNIT: [&str; 2] = ["unit", "frf_unit"];
+const FREQUENCY_UNIT: [&str; 2] = ["frequency_unit", "freq_unit"];
 const PHASE_UNIT: [&str; 2] = ["phase_unit", "angle_unit"];
 
 /// A fact in words, and the field that states it.
@@ -140,7 +141,7 @@ impl<'a> Reader<'a> {
                 .filter_map(|fact| fact.dataset)
                 .collect(),
             kind: kind.map_or(Ok(None), |fact| self.kind(&fact))?,
-            time_sign: sign.map(|fact| fact.word()).transpose()?,
+            time_sign: sign.map_or(Ok(None), |fact| self.time_sign(&fact))?,
             reference_unit: reference.map(|fact| reference_unit(&fact)).transpose()?,
             unit,
             frequency_unit,
@@ -156,6 +157,23 @@ impl<'a> Reader<'a> {
             (Ok(kind), _) => Ok(Some(kind)),
             (Err(_), Some(_)) => Ok(None),
             (Err(error), None) => Err(error.help("correct it, or say the kind with `frf_kind`")),
+        }
+    }
+
+    /// The time sign that the file says; a word that is none matters only where the
+    /// caller says no minus.
+    fn time_sign(&self, fact: &Fact<'_>) -> Result<Option<TimeSign>> {
+        let said = match fact.text.to_lowercase().as_str() {
+            "1" | "+1" | "plus" => Ok(TimeSign::Plus),
+            "-1" | "minus" => Ok(TimeSign::Minus),
+            _ => fact.word(),
+        };
+        match (said, self.options.time_sign) {
+            (Ok(sign), _) => Ok(Some(sign)),
+            (Err(_), TimeSign::Minus) => Ok(None),
+            (Err(error), TimeSign::Plus) => {
+                Err(error.help("correct it, or say minus with `time_sign`"))
+            }
         }
     }
 
@@ -216,9 +234,11 @@ impl<'a> Reader<'a> {
 }
 
 fn reference_unit(fact: &Fact<'_>) -> Result<ReferenceUnit> {
-    match fact.text.to_lowercase().as_str() {
-        "n" | "newton" => Ok(ReferenceUnit::Newton),
-        "v" | "volt" => Ok(ReferenceUnit::Volt),
-        _ => Err(fact.not_understood("unknown unit of the reference; write N or V")),
-    }
+    let word = fact.text.to_lowercase();
+    let singular = word.strip_suffix('s').unwrap_or(&word);
+    let unit = parse(&fact.text)
+        .or_else(|| parse(singular))
+        .or_else(|| parse(&word.to_uppercase()));
+    unit.and_then(Unit::reference)
+        .ok_or_else(|| fact.not_understood("unknown unit of the reference; write N or V"))
 }

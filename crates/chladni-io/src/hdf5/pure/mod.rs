@@ -7,7 +7,7 @@ mod write;
 pub(super) use write::write;
 
 use crate::arrays::tree::{
-    check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Values,
+    check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Unread, Values,
 };
 use crate::Turn;
 use chladni_frf::{Error, Result};
@@ -38,6 +38,7 @@ impl File {
         if said != u64::MAX && said > held {
             return Err(Error::bad_data("the file is cut off")
                 .file(path)
+                .at_byte(held)
                 .found(format!("{held} bytes"))
                 .expected(format!("the {said} bytes that its first lines tell of"))
                 .help("copy it again from where it was measured"));
@@ -196,7 +197,7 @@ fn not_understood(datatype: &Datatype) -> Error {
 fn known_attributes(
     values: HashMap<String, AttrValue>,
     types: HashMap<String, Datatype>,
-) -> (Attributes, Vec<String>) {
+) -> (Attributes, Unread) {
     let mut known = Attributes::new();
     let mut unread = Vec::new();
     // complex and other attributes are left out of `values` without an error; their types
@@ -214,10 +215,10 @@ fn known_attributes(
         match attribute {
             Some(attribute) => known.push((name, attribute)),
             None if value.is_some() => {} // an array of numbers: nothing here asks for one
-            None => unread.push(format!(
-                "attribute {name} ({}) cannot be read",
-                element_of(&datatype).describe()
-            )),
+            None => {
+                let why = format!("{} cannot be read", element_of(&datatype).describe());
+                unread.push((name, why));
+            }
         }
     }
     (known, unread)

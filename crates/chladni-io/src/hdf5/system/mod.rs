@@ -14,7 +14,7 @@ mod write;
 pub(super) use write::write;
 
 use crate::arrays::tree::{
-    check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Values,
+    check_nesting, check_size, library_error, Attribute, Attributes, Element, Entry, Unread, Values,
 };
 use crate::Turn;
 use chladni_frf::{Error, Result};
@@ -180,8 +180,8 @@ impl File {
     }
 }
 
-fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Vec<String>)> {
-    let (mut known, mut unread) = (Attributes::new(), Vec::new());
+fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Unread)> {
+    let (mut known, mut unread) = (Attributes::new(), Unread::new());
     let mut names = location.attr_names()?;
     names.sort();
     for name in names {
@@ -189,7 +189,7 @@ fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Vec<String>)>
             .attr(&name)
             .and_then(|attribute| Ok((attribute.dtype()?.to_descriptor()?, attribute)));
         let Ok((descriptor, attribute)) = described else {
-            unread.push(format!("attribute {name} cannot be read"));
+            unread.push((name, "it cannot be read".into()));
             continue;
         };
         match (element_of(&descriptor), attribute.size()) {
@@ -209,14 +209,13 @@ fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Vec<String>)>
                         Ok(value) => known.push((name, Attribute::Integer(value))),
                         Err(_) => known.push((name, Attribute::Real(values[0] as f64))),
                     },
-                    _ => unread.push(format!("attribute {name} cannot be read")),
+                    _ => unread.push((name, "it cannot be read".into())),
                 }
             }
             (Element::Text | Element::Integer | Element::Real { .. }, _) => {} // a list of numbers: nothing here asks for one
-            (element, _) => unread.push(format!(
-                "attribute {name} ({}) cannot be read",
-                element.describe()
-            )),
+            (element, _) => {
+                unread.push((name, format!("{} cannot be read", element.describe())));
+            }
         }
     }
     Ok((known, unread))

@@ -2,7 +2,7 @@
 
 use super::npz::Npz;
 use super::sets::value;
-use chladni_frf::{ErrorKind, FrfKind, FrfSet, ReferenceUnit};
+use chladni_frf::{ErrorKind, FrfKind, FrfSet, ReferenceUnit, TimeSign};
 use chladni_io::ReadOptions;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -46,6 +46,12 @@ fn frequencies_have_the_unit_that_is_said() {
         ("omega", "frequency_unit", "Hz", 1.0),
         ("f_Hz", "unit", "m/s/N", 1.0),
         ("omega_rad_s", "unit", "m/s/N", TAU),
+        // one unit, rounded
+        ("freq_rpm", "frequency_unit", "1/min", 60.0),
+        // of positions, forces and something else
+        ("freq", "x_unit", "m", 1.0),
+        ("freq", "f_unit", "N", 1.0),
+        ("freq", "y_unit", "mm/N", 1.0),
     ] {
         let set = read(&over(axis, &HZ.map(|f| f * per_hz)).texts(key, &[unit]));
         for (found, f) in set.frequency_hz.iter().zip(HZ) {
@@ -94,6 +100,21 @@ fn an_axis_out_of_order_or_without_a_name_says_so() {
         text.contains("/abscissa") && text.contains("`map frf=PATH,freq=PATH`"),
         "{text}"
     );
+    // positions are not blamed where another list may be the axis
+    let document = over("abscissa", &HZ)
+        .reals("x", &[0.1, 0.1, 0.2, 0.2, 0.3])
+        .document(&ReadOptions::default());
+    let text = crate::words(&document.warnings).join("\n");
+    assert!(
+        document.errors.is_empty() && text.contains("/abscissa"),
+        "{text}"
+    );
+    let beside = over("freq", &[3.0, 2.0, 1.0]).reals("response", &[1.0, 2.0, 3.0]);
+    refused(&beside, &["/freq", "the frequency axis falls"]);
+    refused(
+        &over("freq", &[3.0, 2.0, 1.0]).reals("z", &[1.0, 2.0, 3.0]),
+        &["/freq", "the frequency axis falls"],
+    );
     let stem = Npz(Vec::new())
         .reals("H_re", &[1.0, 2.0])
         .reals("H_im", &[3.0, 4.0])
@@ -138,7 +159,32 @@ fn words_in_any_case_are_understood_and_others_refused() {
         refused(&over("freq", &HZ).texts(key, &[word]), &[key, word]);
     }
     let number = over("freq", &HZ).reals("time_sign", &[-1.0]);
-    refused(&number, &["/time_sign", "found -1"]);
+    assert_eq!(read(&number).values.get(0, 0, 1), value(0, 0, 1).conj());
+    for (word, is_minus) in [("Minus", true), ("plus", false), ("+1", false)] {
+        let set = read(&over("freq", &HZ).texts("time_sign", &[word]));
+        assert_eq!(set.values.get(0, 0, 1) == value(0, 0, 1).conj(), is_minus);
+    }
+    let told = ReadOptions {
+        time_sign: TimeSign::Minus,
+        ..ReadOptions::default()
+    };
+    let unknown = over("freq", &HZ).texts("time_sign", &["negative"]);
+    let (set, _) = unknown.read(&told).unwrap();
+    assert_eq!(set.values.get(0, 0, 1), value(0, 0, 1).conj());
+    refused(&unknown, &["`time_sign`"]);
+    for (word, unit) in [
+        ("newtons", ReferenceUnit::Newton),
+        ("n", ReferenceUnit::Newton),
+        ("kg m/s^2", ReferenceUnit::Newton),
+        ("Volts", ReferenceUnit::Volt),
+    ] {
+        let set = read(&over("freq", &HZ).texts("reference_unit", &[word]));
+        assert_eq!(set.reference_unit, unit, "{word}");
+    }
+    for word in ["kN", "mV", "m"] {
+        let npz = over("freq", &HZ).texts("reference_unit", &[word]);
+        refused(&npz, &["/reference_unit", word, "N or V"]);
+    }
     let blank = over("freq", &HZ).texts("frf_kind", &[" "]);
     assert_eq!(read(&blank).kind, None);
 }
@@ -160,9 +206,19 @@ fn axes_may_be_a_list_or_have_commas() {
         assert_eq!(set.values.dim(), (3, 2, 5), "{axes:?}");
         assert_eq!(set.values.get(2, 1, 4), value(2, 1, 4));
     }
-    for axes in ["a, b, line", "response-line", "line-response-reference"] {
+    for axes in ["response-line", "line-response-reference", "a, line, b"] {
         refused(&npz(&[axes]), &["/axes", axes, "[2, 3, 5]"]);
     }
+    // names of somebody's own say nothing
+    for axes in ["a, b, line", "a, b", "x, y, z", "freq", "0"] {
+        let (set, warnings) = npz(&[axes]).read(&ReadOptions::default()).unwrap();
+        assert_eq!(set.values.dim(), (2, 3, 5), "{axes}");
+        let said = warnings.iter().any(|words| words.contains("in the order"));
+        assert!(said, "{axes}: {warnings:?}");
+    }
+    // one known word is enough
+    let set = read(&npz(&["reference, point, line"]));
+    assert_eq!(set.values.dim(), (3, 2, 5));
 }
 
 #[test]
