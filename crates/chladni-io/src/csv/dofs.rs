@@ -72,7 +72,7 @@ impl DofWords {
         let is_behind_other = std::mem::replace(&mut self.is_behind_other, true);
         let first = words(token).next().unwrap_or_default().to_lowercase();
         self.drop_measured(&first);
-        let role = role_of(token).filter(|_| !is_below && !(first == TO && is_behind_other));
+        let role = role_of(token).filter(|_| !(is_below || first == TO && is_behind_other));
         let place = match is_in_front(&first) {
             true => Place::InFront,
             false => Place::Either,
