@@ -169,17 +169,24 @@ fn universal_without_its_first_line(head: &[u8]) -> Option<Error> {
         let first = line.trim_ascii_start().first();
         first.is_none_or(|byte| byte.is_ascii_digit() || b"+-.,".contains(byte))
     };
+    let text = |line: Option<(usize, &[u8])>| {
+        String::from_utf8_lossy(line.map_or(b"", |(_, line)| line)).into_owned()
+    };
     let mut lines = head
         .split(|&byte| byte == b'\n')
         .map(<[u8]>::trim_ascii_end)
         .enumerate()
-        .filter(|(_, line)| !line.is_empty())
-        .peekable();
+        .filter(|(_, line)| !line.is_empty());
     let mut before: Option<&[u8]> = None;
     while let Some((at, line)) = lines.next() {
         let is_below = match before {
             Some(before) => before.trim_ascii() == b"-1",
-            None => lines.peek().is_some_and(|(_, next)| !is_row(next)),
+            None => {
+                let mut below = lines.clone();
+                let next = below.next();
+                next.is_some_and(|(_, next)| !is_row(next))
+                    && !csv::is_header(&text(next), &text(below.next()))
+            }
         };
         if is_below && is_dataset(line) {
             return Some(
@@ -312,7 +319,14 @@ mod tests {
         assert_eq!(format_of(b"\x93NUMPY\x01\x00").unwrap(), FileFormat::Numpy);
         assert_eq!(format_of(b"f,re,im\n1,2,3\n").unwrap(), FileFormat::Csv);
         assert_eq!(format_of(b"-1,2,3\n").unwrap(), FileFormat::Csv);
-        assert_eq!(format_of(b"    15\n1 2 3\n").unwrap(), FileFormat::Csv);
+        for counted in [
+            &b"    15\n1 2 3\n"[..],
+            b"    15\nf re im\n1 2 3\n",
+            b"    15\nf re im\nHz m/s/N m/s/N\n1 2 3\n",
+            b"    58\nt 1:+Z\n0 1\n1 2\n",
+        ] {
+            assert_eq!(format_of(counted).unwrap(), FileFormat::Csv);
+        }
         assert_eq!(format_of(b"\xff\xfef\0,\0").unwrap(), FileFormat::Csv);
     }
 
@@ -327,6 +341,10 @@ mod tests {
             (b"\xff\xfe \0 \0 \0 \0-\x001\0\n\0", "UTF-16"),
             (b"Export of XYZ\r\n    -1\r\n    58\r\nNONE\r\n", "line 3"),
             (b"    58\nNONE\nNONE\n", "first line is not -1"),
+            (
+                b"    58\nFrequency response\n22-Jul-26\n",
+                "first line is not -1",
+            ),
         ] {
             let error = format_of(bytes).unwrap_err();
             assert!(error.to_string().contains(words), "{error}");

@@ -1,6 +1,6 @@
 //! The DOFs among the words of a name, and which of them is the response.
 
-use super::vocabulary::{role_of, Role};
+use super::vocabulary::{is_in_front, is_measurement, role_of, words, Role, TO};
 use chladni_frf::Dof;
 
 /// Response and reference that a name gives.
@@ -33,18 +33,30 @@ impl Dofs {
 }
 
 /// The words of a name that tell its DOFs, in their order.
-#[derive(Default)]
-pub(super) struct DofWords(Vec<Word>);
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct DofWords {
+    words: Vec<Word>,
+    /// A word that tells no DOF was the last.
+    is_behind_other: bool,
+}
 
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Word {
-    Role(Role),
+    Role(Role, Place),
     One(Dof, Spelling),
     Pair(Dof, Dof),
 }
 
+/// The place of the word of a role beside its DOF.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    InFront,
+    /// In front or behind: `response 1Z`, `1Z response`.
+    Either,
+}
+
 /// The trust in a word such as `1z`.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Spelling {
     Firm,
     /// Lower case, as nothing else is written: `1z`.
@@ -57,8 +69,15 @@ impl DofWords {
     /// Adds a word of a name; true where it is a DOF. The lower side of a ratio is a unit,
     /// not the word of a DOF: `velocity per force`.
     pub(super) fn add(&mut self, token: &str, is_below: bool) -> bool {
-        let role = role_of(token).filter(|_| !is_below);
-        self.0.extend(role.map(Word::Role));
+        let is_behind_other = std::mem::replace(&mut self.is_behind_other, true);
+        let first = words(token).next().unwrap_or_default().to_lowercase();
+        self.drop_measured(&first);
+        let role = role_of(token).filter(|_| !(is_below || first == TO && is_behind_other));
+        let place = match is_in_front(&first) {
+            true => Place::InFront,
+            false => Place::Either,
+        };
+        self.words.extend(role.map(|role| Word::Role(role, place)));
         let dofs = match dof_pair(token) {
             Some((one, None)) => Word::One(one, spelling(token)),
             Some((response, Some(reference))) => Word::Pair(response, reference),
@@ -66,36 +85,68 @@ impl DofWords {
                 // `1Z/Force` of `Velocity 1Z/Force 101Z`
                 if let Some((left, right)) = token.split_once('/') {
                     if let Some((one, None)) = dof_pair(left) {
-                        self.0.push(Word::One(one, spelling(left)));
-                        self.0.extend(role_of(right).map(Word::Role));
+                        self.words.push(Word::One(one, spelling(left)));
+                        let role = role_of(right);
+                        let role = role.map(|role| Word::Role(role, Place::InFront));
+                        self.words.extend(role);
                     }
                 }
                 return false;
             }
         };
-        self.0.push(dofs);
+        self.is_behind_other = false;
+        self.words.push(dofs);
         true
     }
 
-    /// Takes out what describes a measurement: `5s record`, `10x avg`.
-    pub(super) fn drop_loose(&mut self) {
-        let lower = |word: &Word| matches!(word, Word::One(_, Spelling::Lower));
-        if !self.0.iter().any(lower) {
-            let is_loose = |word: &Word| matches!(word, Word::One(_, Spelling::Loose));
-            self.0.retain(|word| !is_loose(word));
+    /// Takes out the loose DOF that a word of how was measured stands behind: `5s record`.
+    fn drop_measured(&mut self, word: &str) {
+        let is_loose = matches!(self.words.last(), Some(Word::One(_, Spelling::Loose)));
+        if is_loose && is_measurement(word) {
+            self.words.pop();
         }
+    }
+
+    /// Takes out the loose DOFs.
+    pub(super) fn drop_loose(&mut self) {
+        self.words
+            .retain(|word| !matches!(word, Word::One(_, Spelling::Loose)));
+    }
+
+    /// The loose DOFs, in their order.
+    pub(super) fn loose(&self) -> Vec<Dof> {
+        let loose = self.words.iter().filter_map(|word| match word {
+            Word::One(dof, Spelling::Loose) => Some(*dof),
+            _ => None,
+        });
+        loose.collect()
+    }
+
+    pub(super) fn has_lower(&self) -> bool {
+        let is_lower = |word: &Word| matches!(word, Word::One(_, Spelling::Lower));
+        self.words.iter().any(is_lower)
+    }
+
+    pub(super) fn has_firm(&self) -> bool {
+        let is_firm = |word: &Word| matches!(word, Word::One(_, Spelling::Firm) | Word::Pair(..));
+        self.words.iter().any(is_firm)
     }
 
     /// The DOFs: those of a pair, else by the words in front of each or behind it, else
     /// the response first.
     pub(super) fn dofs(&self) -> Dofs {
-        let pair = self.0.iter().enumerate().find_map(|(at, word)| match word {
-            Word::Pair(response, reference) => Some((at, Dofs::pair(*response, *reference))),
-            _ => None,
-        });
+        let pair = self
+            .words
+            .iter()
+            .enumerate()
+            .find_map(|(at, word)| match word {
+                Word::Pair(response, reference) => Some((at, Dofs::pair(*response, *reference))),
+                _ => None,
+            });
         if let Some((at, dofs)) = pair {
             // `ref/rsp 101Z/1Z`
-            let is_unclear = self.0[..at].first() == Some(&Word::Role(Role::Reference));
+            let first = self.words[..at].first();
+            let is_unclear = matches!(first, Some(Word::Role(Role::Reference, _)));
             return Dofs { is_unclear, ..dofs };
         }
         match self.with_roles().as_slice() {
@@ -120,6 +171,7 @@ impl DofWords {
                     (roles, false) => (roles.last(), false),
                 };
                 let dofs = Dofs::pair(*first, *second);
+                let is_unclear = is_unclear || self.has_role_between();
                 let dofs = Dofs { is_unclear, ..dofs };
                 match (one, others.last()) {
                     (Some(Role::Reference), Some(Role::Reference)) => Dofs {
@@ -133,19 +185,25 @@ impl DofWords {
         }
     }
 
+    /// `1Z response 101Z`: the word may belong to either.
+    fn has_role_between(&self) -> bool {
+        use Word::{One, Role as Says};
+        matches!(self.words[..], [One(..), Says(_, Place::Either), One(..)])
+    }
+
     /// Each single DOF with the words in front of it, or behind it where all words stand
     /// so: `1Z output 101Z input`.
     fn with_roles(&self) -> Vec<(Dof, Vec<Role>)> {
         use Word::{One, Role as Says};
-        let are_behind = matches!(self.0[..], [One(..), Says(_), One(..), Says(_)]);
-        let mut words = self.0.clone();
+        let are_behind = matches!(self.words[..], [One(..), Says(..), One(..), Says(..)]);
+        let mut words = self.words.clone();
         if are_behind {
             words.reverse();
         }
         let (mut named, mut roles) = (Vec::new(), Vec::new());
         for word in words {
             match word {
-                Says(role) => roles.push(role),
+                Says(role, _) => roles.push(role),
                 One(dof, _) => named.push((dof, std::mem::take(&mut roles))),
                 Word::Pair(..) => {}
             }
@@ -191,8 +249,11 @@ mod tests {
         if dofs.is_unclear {
             return "unclear".into();
         }
-        let text = |dof: Option<chladni_frf::Dof>| dof.map_or("-".into(), |dof| dof.to_string());
-        format!("{} {}", text(dofs.response), text(dofs.reference))
+        format!("{} {}", one(dofs.response), one(dofs.reference))
+    }
+
+    fn one(dof: Option<chladni_frf::Dof>) -> String {
+        dof.map_or("-".into(), |dof| dof.to_string())
     }
 
     #[test]
@@ -230,13 +291,25 @@ mod tests {
             "Re velocity per force 1Z 101Z",
             "Frequency response 1Z/101Z Re",
             "Output/Input 1Z/101Z Re",
-            "Force response 101Z/1Z Re",
+            "1Z relative to 101Z Re",
+            "1Z due to 101Z Re",
+            "H at 1Z with respect to 101Z Re",
+            "1Z in to 101Z Re",
+            "1Z to force 101Z Re",
+            "1Z ref 101Z Re",
+            "Re 1Z from 101Z",
+            "to 1Z from 101Z Re",
+            "Re to 1Z from 101Z",
+            "Re_101Z_to_1Z",
         ] {
-            let expected = match name.contains("Force response") {
-                true => "unclear",
-                false => "1:+Z 101:+Z",
-            };
-            assert_eq!(show(name), expected, "{name}");
+            assert_eq!(show(name), "1:+Z 101:+Z", "{name}");
+        }
+        for name in [
+            "Force response 101Z/1Z Re",
+            "1Z response 101Z Re",
+            "101Z input 1Z Re",
+        ] {
+            assert_eq!(show(name), "unclear", "{name}");
         }
         assert_eq!(show("Ref 101Z Re"), "- 101:+Z");
         assert_eq!(show("Re velocity/force 1Z"), "1:+Z -");
@@ -247,12 +320,51 @@ mod tests {
         for name in ["Re 5s record", "Re 10x avg", "Re T=5s"] {
             assert_eq!(show(name), "- -", "{name}");
         }
-        assert_eq!(show("Re 12Z 5s record"), "12:+Z -");
+        for name in ["Re 12Z 5s record", "Re 12Z 10x", "Acc 12z 5s record re"] {
+            let expected = if name.contains("10x") {
+                "12:+Z 10:+X"
+            } else {
+                "12:+Z -"
+            };
+            assert_eq!(show(name), expected, "{name}");
+        }
+        for name in ["Acc 5s re", "Record 10x re", "Acc 12Z 10x re"] {
+            let expected = if name.contains("12Z") {
+                "12:+Z -"
+            } else {
+                "- -"
+            };
+            assert_eq!(show(name), expected, "{name}");
+        }
+        for name in ["Acc 1x Re", "vel 1x", "plate 1x re"] {
+            assert_eq!(show(name), "1:+X -", "{name}");
+        }
         for name in ["re 1x", "H1 1x re", "re_1x", "Re(1x)", "1X of the plate re"] {
             assert_eq!(show(name), "1:+X -", "{name}");
         }
         assert_eq!(show("plate 1x 3z re"), "1:+X 3:+Z");
         assert_eq!(show("plate 1z re"), "1:+Z -");
         assert_eq!(show("p12 re"), "- -");
+    }
+
+    #[test]
+    fn loose_dofs_count_where_the_columns_tell_them_apart() {
+        for (names, dofs) in [
+            (&["Acc 1x", "Acc 2x"][..], "1:+X,2:+X"),
+            (&["Acc 1x", "Acc 1y", "Acc 1z"], "1:+X,1:+Y,1:+Z"),
+            (&["Acc 1x re", "Acc 1x im"], "1:+X,1:+X"),
+            (&["Acc 1s", "Acc 2s", "Acc 3s"], "1:S,2:S,3:S"),
+            (&["Acc 5s", "Vel 5s"], "-,-"),
+            (&["Acc 10x", "Sum 10x", "Vel 10x"], "-,-,-"),
+            (&["Acc 1Z 10x", "Acc 2Z 10x"], "1:+Z,2:+Z"),
+            (&["Acc 1z 5s record", "Acc 2z 5s record"], "1:+Z,2:+Z"),
+            (&["Acc 1z 5s", "Acc 2z 5s"], "1:+Z,2:+Z"),
+        ] {
+            let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+            let heads = Head::of_columns(&names, &vec![String::new(); names.len()]);
+            let shown: Vec<String> = heads.iter().map(|head| one(head.dofs.response)).collect();
+            assert_eq!(shown.join(","), dofs, "{names:?}");
+            assert!(heads.iter().all(|head| head.dofs.reference.is_none()));
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::head::{AngleSaid, Head};
 use super::vocabulary::{is_decibel, words};
 use super::Said;
-use crate::unit_label::{decibel_reference, frf_unit, FrfUnit};
+use crate::unit_label::{decibel_reference, frf_unit, is_decibel_label, FrfUnit};
 use crate::PhaseUnit;
 use chladni_frf::{Error, Finding, Result};
 use num_complex::Complex64;
@@ -171,6 +171,9 @@ fn decibels_without_reference(magnitude: &Column<'_>) -> Error {
 /// Refuses a magnitude that is not linear: below zero, or in a file that speaks of
 /// decibels and gives this column no unit.
 fn linear(magnitude: &Column<'_>, said: &Said) -> Result<()> {
+    if let Some(told) = said.unit.as_deref().filter(|told| is_decibel_label(told)) {
+        return Err(said.two_units(told, &magnitude.head.unit));
+    }
     let below = magnitude.values.iter().find(|value| **value < 0.0);
     let speaks_of_decibels = magnitude.head.unit.is_empty()
         && said.unit.is_none()

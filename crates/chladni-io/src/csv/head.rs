@@ -2,11 +2,12 @@
 
 use super::dofs::{dof_pair, DofWords, Dofs};
 use super::vocabulary::{
-    is_beside_dof, is_decibel, is_filler, is_squared, known_words, part_of, words, Part, LAG,
-    MINUS, NEGATIVE,
+    is_beside_dof, is_decibel, is_filler, is_measurement, is_squared, known_words, part_of, words,
+    Part, LAG, MINUS, NEGATIVE,
 };
 use crate::unit_label::{self, frequency_unit, frf_unit, FrfUnit};
 use crate::PhaseUnit;
+use chladni_frf::{Direction, Dof};
 
 /// Header of one column.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +23,11 @@ pub(super) struct Head {
     is_decibel: bool,
     /// Units of a phase among the words of the name.
     angles: Vec<PhaseUnit>,
+    dof_words: DofWords,
+    /// The name has words that do not stand beside a DOF: `Acc 1x`.
+    is_described: bool,
+    /// Some of them say how was measured: `5s record`.
+    is_of_measurement: bool,
 }
 
 /// The information of a header about the unit of a phase.
@@ -34,9 +40,26 @@ pub(super) enum AngleSaid {
 }
 
 impl Head {
+    /// Reads the names of all columns of a table, with the rows of their units.
+    pub(super) fn of_columns(names: &[String], units: &[String]) -> Vec<Self> {
+        let both = names.iter().zip(units);
+        let mut heads: Vec<Self> = both
+            .map(|(name, unit)| Self::words_of(name, unit))
+            .collect();
+        settle_dofs(&mut heads);
+        heads
+    }
+
+    /// Reads a column name by itself.
+    pub(super) fn parse(name: &str, unit_row: &str) -> Self {
+        let mut head = Self::words_of(name, unit_row);
+        settle_dofs(std::slice::from_mut(&mut head));
+        head
+    }
+
     /// Reads a column name such as `Re(x) [mm/s/N]`, `1Z:3Z imag`, `Magnitude (dB re 1
     /// m/s/N)`, `phase_rad`, `coherence`.
-    pub(super) fn parse(name: &str, unit_row: &str) -> Self {
+    fn words_of(name: &str, unit_row: &str) -> Self {
         let (rest, unit) = split_unit(name);
         let (rest, unit) = if unit.is_empty() {
             let (rest, unit) = split_trailing_unit(rest);
@@ -53,18 +76,20 @@ impl Head {
             dofs: Dofs::default(),
             is_negative: false,
             angles: Vec::new(),
+            dof_words: DofWords::default(),
+            is_described: false,
+            is_of_measurement: false,
         };
         let mut others = Vec::new();
         let mut parts = Vec::new();
-        let mut dofs = DofWords::default();
-        let (mut is_described, mut is_lag) = (false, false);
+        let mut is_lag = false;
         let (mut token_before, mut word_before) = ("", String::new());
         for token in rest
             .split(|c: char| c.is_whitespace() || "()[]{}_,;=".contains(c))
             .filter(|token| !token.is_empty())
         {
             let before = std::mem::replace(&mut token_before, token);
-            if dofs.add(token, ["/", "per"].contains(&before)) {
+            if head.dof_words.add(token, ["/", "per"].contains(&before)) {
                 others.push(token.to_lowercase());
                 word_before.clear();
                 continue;
@@ -91,16 +116,13 @@ impl Head {
                 } else if lower == LAG {
                     is_lag = true;
                 } else if !is_filler(&lower) {
-                    is_described |= !is_beside_dof(&lower);
+                    head.is_described |= !is_beside_dof(&lower);
+                    head.is_of_measurement |= is_measurement(&lower);
                     others.push(lower.clone());
                 }
                 word_before = lower;
             }
         }
-        if is_described {
-            dofs.drop_loose();
-        }
-        head.dofs = dofs.dofs();
         parts.dedup();
         head.base = others.join(" ");
         head.part = match parts.as_slice() {
@@ -135,6 +157,31 @@ impl Head {
     /// Unit of the FRF, where the header names one.
     pub(super) fn frf_unit(&self) -> Option<FrfUnit> {
         frf_unit(&self.unit)
+    }
+}
+
+/// The DOFs of columns. `1x` beside other words is one where the columns differ in such
+/// words; else it may be a multiple (`10x`), and counts in a table of lower-case DOFs and
+/// as the only DOF of a single FRF. `5s` alike in all columns is a time.
+fn settle_dofs(heads: &mut [Head]) {
+    let all = heads
+        .iter()
+        .map(|head| (head.dof_words.loose(), head.base.clone()));
+    let loose: Vec<(Vec<Dof>, String)> = all.filter(|(loose, _)| !loose.is_empty()).collect();
+    let differ = loose.windows(2).any(|pair| pair[0].0 != pair[1].0);
+    let is_one_frf = loose.windows(2).all(|pair| pair[0].1 == pair[1].1);
+    let has_lower = heads.iter().any(|head| head.dof_words.has_lower());
+    for head in heads {
+        let words = &head.dof_words;
+        let is_along_x = words
+            .loose()
+            .iter()
+            .all(|dof| dof.direction != Direction::SCALAR);
+        let is_alone = is_one_frf && !words.has_firm() && !head.is_of_measurement;
+        if head.is_described && !differ && !(is_along_x && (has_lower || is_alone)) {
+            head.dof_words.drop_loose();
+        }
+        head.dofs = head.dof_words.dofs();
     }
 }
 

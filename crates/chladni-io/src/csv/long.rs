@@ -3,6 +3,7 @@
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
 use super::long_header::{DofColumns, LongTable};
+use super::said::is_same_unit;
 use super::table::not_finite;
 use super::text::{both_commas, Cell, Line};
 use super::vocabulary::Part;
@@ -100,12 +101,16 @@ impl LongTable<'_> {
         let mut unit: Option<(String, u64)> = None;
         for row in &self.rows {
             let cells = self.columns.dialect.cells(row.text);
-            let Some(label) = cells.get(column).filter(|label| !label.is_empty()) else {
+            let is_whole = self.check_length(row, &cells).is_ok(); // else refused by its length
+            let label = cells
+                .get(column)
+                .filter(|label| is_whole && !label.is_empty());
+            let Some(label) = label else {
                 continue;
             };
             match &unit {
                 None => unit = Some((label.to_string(), row.number)),
-                Some((known, line)) if known != label => {
+                Some((known, line)) if !is_same_unit(known, label) => {
                     return Err(Error::bad_data("units that differ from row to row")
                         .at_line(row.number)
                         .field(&self.columns.names[column])

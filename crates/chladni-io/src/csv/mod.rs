@@ -37,11 +37,12 @@ use super::{DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, FrfSet, ReferenceUnit, Result};
 use num_complex::Complex64;
 use remarks::lines_and_remarks;
-use said::{differ, two_units, Said};
+use said::{differ, Said};
 use std::io::Write;
 use std::path::Path;
 pub(super) use text::decode;
 use text::{refuse_complex_lists, Dialect};
+use vocabulary::known_words;
 
 /// One FRF of a table, as it stands there.
 struct Trace {
@@ -73,6 +74,12 @@ pub(super) fn is_table(head: &[u8]) -> bool {
     long_header::find(&lines).is_some()
         || Dialect::any_finds_rows(&lines)
         || refuse_complex_lists(&lines).is_err()
+}
+
+/// True where the first of these lines names the columns of a table: in words of the trade,
+/// or right above a row of numbers.
+pub(super) fn is_header(first: &str, second: &str) -> bool {
+    known_words(first) > 1 || Dialect::any_finds_row(second)
 }
 
 fn read_text(
@@ -161,7 +168,10 @@ impl Units {
         let file = said.unit.as_deref().and_then(frf_unit);
         let mut found: Option<(FrfUnit, &str)> =
             file.map(|unit| (unit, said.unit.as_deref().unwrap_or_default()));
-        let mut unknown = said.unit.clone().filter(|_| file.is_none());
+        // decibels whose reference has a unit are values of that unit by now
+        let told_unit = said.linear_unit();
+        let is_used = told_unit.is_some() && traces.iter().all(|trace| trace.unit.is_some());
+        let mut unknown = (said.unit.clone()).filter(|_| file.is_none() && !is_used);
         let mut unlabelled = file.is_none();
         for trace in traces {
             let Some(unit) = trace.unit else {
@@ -181,9 +191,9 @@ impl Units {
                     ))
                     .help("split the file by kind"));
             }
-            if let (Some(told), Some(label)) = (file, &said.unit) {
+            if let (Some(told), Some(label)) = (told_unit, &said.unit) {
                 if differ(told, unit) {
-                    return Err(two_units(label, &trace.unit_text));
+                    return Err(said.two_units(label, &trace.unit_text));
                 }
             }
         }
@@ -226,8 +236,9 @@ impl Units {
 /// DOFs of every trace: those of the file, else numbered, with a warning that names the
 /// assumption.
 ///
-/// An unknown reference gets no direction (`1:S`), so that it is never taken for a
-/// driving point, and so does the one response of references that stand alone; a reference that the caller names is N:+Z.
+/// An unknown reference, or the unknown response of references that stand alone, gets no
+/// direction (`1:S`), so that it is never a driving point. A reference that the caller names
+/// is N:+Z.
 fn name_dofs(
     said: &Said,
     traces: &[Trace],

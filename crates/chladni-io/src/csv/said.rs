@@ -2,7 +2,7 @@
 
 use super::remarks::Remark;
 use crate::limits::SAME_UNIT;
-use crate::unit_label::{frequency_unit, frf_unit, FrfUnit};
+use crate::unit_label::{decibel_reference, frequency_unit, frf_unit, FrfUnit};
 use crate::PhaseUnit;
 use chladni_frf::{Dof, Error, Finding, FrfKind, ReferenceUnit, Result, TimeSign};
 
@@ -11,6 +11,8 @@ use chladni_frf::{Dof, Error, Finding, FrfKind, ReferenceUnit, Result, TimeSign}
 pub(super) struct Said {
     pub(super) kind: Option<FrfKind>,
     pub(super) unit: Option<String>,
+    /// A column states the unit, not a remark.
+    pub(super) is_unit_of_column: bool,
     pub(super) time_sign: Option<TimeSign>,
     pub(super) reference_unit: Option<ReferenceUnit>,
     pub(super) response: Option<Dof>,
@@ -79,15 +81,47 @@ impl Said {
     /// # Errors
     /// A remark with another unit.
     pub(super) fn add_unit(&mut self, label: String) -> Result<()> {
-        if let Some(told) = self.unit.as_ref().filter(|told| **told != label) {
-            let is_same =
-                matches!((frf_unit(told), frf_unit(&label)), (Some(a), Some(b)) if !differ(a, b));
-            if !is_same {
-                return Err(two_units(told, &label));
-            }
+        if let Some(told) = self
+            .unit
+            .as_ref()
+            .filter(|told| !is_same_unit(told, &label))
+        {
+            return Err(self.two_units(told, &label));
         }
         self.unit = Some(label);
+        self.is_unit_of_column = true;
         Ok(())
+    }
+
+    /// The error of the unit of the file and that of a column.
+    pub(super) fn two_units(&self, of_file: &str, of_column: &str) -> Error {
+        let (what, place) = match self.is_unit_of_column {
+            true => (
+                "a column of units and the name of a column",
+                "column of units",
+            ),
+            false => ("a remark and a column", "remark"),
+        };
+        let other = if self.is_unit_of_column {
+            "name"
+        } else {
+            "column"
+        };
+        Error::bad_data(format!("{what} state different units"))
+            .field("unit")
+            .found(format!(
+                "`{of_file}` in the {place}, `{of_column}` in the {other}"
+            ))
+            .expected("one unit")
+            .help(format!(
+                "correct the {place} or the header, or leave one of them out"
+            ))
+    }
+
+    /// The unit of the file; of decibels, that of their reference.
+    pub(super) fn linear_unit(&self) -> Option<FrfUnit> {
+        let label = self.unit.as_deref()?;
+        frf_unit(label).or_else(|| frf_unit(decibel_reference(label)?.1))
     }
 
     /// Factor to Hz of a frequency column called `label`: that of a remark where the
@@ -116,13 +150,18 @@ pub(super) fn differ(a: FrfUnit, b: FrfUnit) -> bool {
     (a.kind, a.reference) != (b.kind, b.reference) || (a.to_si / b.to_si - 1.0).abs() > SAME_UNIT
 }
 
-/// The error of a file and a column that state different units.
-pub(super) fn two_units(of_file: &str, of_column: &str) -> Error {
-    Error::bad_data("a remark and a column state different units")
-        .field("unit")
-        .found(format!(
-            "`{of_file}` in the remark, `{of_column}` in the column"
-        ))
-        .expected("one unit")
-        .help("correct the remark or the header, or leave one of them out")
+/// True for labels of one unit, however it is spelled; of decibels, also their reference.
+pub(super) fn is_same_unit(one: &str, other: &str) -> bool {
+    let value = |label: &str| match decibel_reference(label) {
+        Some((reference, unit)) => frf_unit(unit).map(|unit| {
+            let to_si = unit.to_si * reference;
+            (true, FrfUnit { to_si, ..unit })
+        }),
+        None => frf_unit(label).map(|unit| (false, unit)),
+    };
+    one == other
+        || matches!(
+            (value(one), value(other)),
+            (Some((a_db, a)), Some((b_db, b))) if a_db == b_db && !differ(a, b)
+        )
 }

@@ -124,6 +124,14 @@ impl Dialect {
             .any(|dialect| dialect.rows_among(lines) > 1)
     }
 
+    /// True where some way of cutting makes a line a row of numbers.
+    pub(super) fn any_finds_row(line: &str) -> bool {
+        DIALECTS
+            .iter()
+            .chain([&COMMAS])
+            .any(|dialect| dialect.is_row(line))
+    }
+
     /// Every dialect, this one first: a header may be cut in another way than the
     /// numbers.
     pub(super) fn and_others(self) -> impl Iterator<Item = Self> {

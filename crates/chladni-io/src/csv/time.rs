@@ -90,8 +90,8 @@ pub(super) fn document(
     }
     let mut document = Document::new(file, FileFormat::Csv);
     let mut numbered = 0;
-    for column in first_channel..table.columns {
-        let head = Head::parse(&table.names[column], &table.units[column]);
+    let heads = Head::of_columns(&table.names, &table.units);
+    for (column, head) in heads.iter().enumerate().skip(first_channel) {
         let samples = samples(table, column)?;
         // the place of a channel, be it a force or a motion
         let response = head.dofs.response.or(head.dofs.reference);
@@ -99,7 +99,7 @@ pub(super) fn document(
             numbered += 1;
             Dof::new((column + 1 - first_channel) as u64, Direction::SCALAR)
         });
-        let (label, unit) = channel_unit(&table.names[column], &head);
+        let (label, unit) = channel_unit(&table.names[column], head);
         if unit.is_none() {
             let words = format!(
                 "column {}: no unit that is understood; values are taken as they are",

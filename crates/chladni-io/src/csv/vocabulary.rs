@@ -81,6 +81,34 @@ const ROLES: [(Role, &[&str]); 2] = [
         ],
     ),
 ];
+/// The word of a response that means other things too: `relative to`, `due to`.
+pub(super) const TO: &str = "to";
+/// Words of a role that stand in front of their DOF, never behind it.
+const IN_FRONT: [&str; 5] = [TO, "from", "ref", "reference", "referenz"];
+/// Words beside a number of seconds or repetitions: `5s record`, `10x avg`.
+const MEASUREMENT: [&str; 21] = [
+    "record",
+    "records",
+    "rec",
+    "recording",
+    "avg",
+    "avgs",
+    "average",
+    "averages",
+    "averaged",
+    "averaging",
+    "mean",
+    "window",
+    "block",
+    "blocks",
+    "sweep",
+    "sweeps",
+    "duration",
+    "length",
+    "zoom",
+    "time",
+    "t",
+];
 /// Words that a DOF stands beside: `H1 of point 1x`.
 const PLACES: [&str; 12] = [
     "h", "h1", "h2", "hv", "frf", "point", "pt", "node", "dof", "at", "channel", "ch",
@@ -197,6 +225,16 @@ pub(super) fn role_of(text: &str) -> Option<Role> {
         .iter()
         .find(|(_, names)| names.contains(&lower.as_str()))
         .map(|(role, _)| *role)
+}
+
+/// True for a word of a role, in lower case, whose DOF stands behind it.
+pub(super) fn is_in_front(word: &str) -> bool {
+    IN_FRONT.contains(&word)
+}
+
+/// True for a word of how was measured, in lower case.
+pub(super) fn is_measurement(word: &str) -> bool {
+    MEASUREMENT.contains(&word)
 }
 
 /// True for a word that stands beside a DOF, in lower case, and describes nothing else.

@@ -18,9 +18,7 @@ pub(super) fn traces(
     said: &Said,
     warnings: &mut Vec<Finding>,
 ) -> Result<(Vec<f64>, Vec<Trace>)> {
-    let heads: Vec<Head> = (0..table.columns)
-        .map(|column| Head::parse(&table.names[column], &table.units[column]))
-        .collect();
+    let heads = Head::of_columns(&table.names, &table.units);
     let frequency_hz = frequency_axis(table, said)?;
     let mut traces: Vec<Trace> = Vec::new();
     for group in group_columns(table, &heads, warnings)? {

@@ -253,12 +253,41 @@ fn words_tell_responses_from_references_in_rows_and_names() {
     }
     let text = "f,Force 1Z Re,Force 1Z Im,Force 2Z Re,Force 2Z Im\n1,1,2,3,4\n2,5,6,7,8\n";
     assert_eq!(dofs(text), "1:S | 1:+Z 2:+Z");
-    let unclear = "f,Ref/Rsp 101Z/1Z Re,Ref/Rsp 101Z/1Z Im\n1,1,2\n2,5,6\n";
-    let text = refusal(unclear);
-    assert!(
-        text.contains("column 2") && text.contains("which DOF is the response"),
-        "{text}"
-    );
+    for name in ["1Z relative to 101Z", "1Z due to 101Z", "1Z ref 101Z"] {
+        let text = format!("f,{name} Re,{name} Im\n1,1,2\n2,5,6\n");
+        assert_eq!(dofs(&text), "1:+Z | 101:+Z", "{name}");
+    }
+    for name in ["Ref/Rsp 101Z/1Z", "1Z response 101Z"] {
+        let text = refusal(format!("f,{name} Re,{name} Im\n1,1,2\n2,5,6\n"));
+        assert!(
+            text.contains("column 2") && text.contains("which DOF is the response"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn lower_case_dofs_along_x_stand_beside_other_words() {
+    let one = "\n1,1,2\n2,5,6\n";
+    let two = "\n1,1,2,3,4\n2,5,6,7,8\n";
+    let three = "\n1,1,2,3,4,5,6\n2,5,6,7,8,9,9\n";
+    for (names, rows, responses) in [
+        (&["Acc 1x"][..], one, "1:+X"),
+        (&["Acc 1x", "Acc 2x"], two, "1:+X 2:+X"),
+        (&["Acc 1x", "Acc 1y", "Acc 1z"], three, "1:+X 1:+Y 1:+Z"),
+        (&["Acc 10x 1Z", "Acc 10x 2Z"], two, "1:+Z 2:+Z"),
+        (&["Acc 5s record 1z", "Acc 5s record 2z"], two, "1:+Z 2:+Z"),
+        (&["Left 5s", "Right 5s"], two, "1:+Z 2:+Z"),
+        (
+            &["Left 10x", "Mid 10x", "Right 10x"],
+            three,
+            "1:+Z 2:+Z 3:+Z",
+        ),
+    ] {
+        let pairs = names.iter().map(|name| format!(",{name} re,{name} im"));
+        let text = format!("f{}{rows}", pairs.collect::<String>());
+        assert_eq!(dofs(&text), format!("{responses} | 1:S"), "{text}");
+    }
 }
 
 #[test]

@@ -258,6 +258,47 @@ fn a_column_of_units_counts_where_all_rows_agree() {
     );
     let text = refusal(format!("# unit = m/s/N\n{}", table(["mm/s/N", "mm/s/N"])));
     assert!(text.contains("different units"), "{text}");
+    let (set, _) = read(table(["mm/s/N", "(mm/s)/N"])).unwrap();
+    assert!((set.values.get(0, 0, 1) - c(0.004, 0.005)).norm() < 1e-15);
+    // the name of a column beside it
+    let text = table(["mm/s/N", "mm/s/N"]).replace("re,im", "re [m/s/N],im");
+    let text = refusal(text);
+    assert!(
+        text.contains("`mm/s/N` in the column of units, `m/s/N` in the name"),
+        "{text}"
+    );
+    // a row of another length is refused by its length
+    let text = refusal(format!(
+        "{}1Z,9Z,3,4,5,6,m/s/N\n",
+        table(["mm/s/N", "mm/s/N"])
+    ));
+    assert!(text.contains("another length"), "{text}");
+}
+
+#[test]
+fn the_unit_of_decibels_for_the_whole_file_is_that_of_their_reference() {
+    let long = |units: [&str; 2]| {
+        format!(
+            "response,reference,f,mag,phase [deg],unit\n1Z,9Z,1,20,0,{}\n1Z,9Z,2,40,0,{}\n",
+            units[0], units[1]
+        )
+    };
+    for text in [
+        "# unit = dB re 1 m/s/N\nf,mag,phase [deg]\n1,20,0\n2,40,0\n".to_owned(),
+        long(["dB re 1 m/s/N", "dB re 1 (m/s)/N"]),
+    ] {
+        let (set, warnings) = read(&text).unwrap();
+        assert_eq!(set.kind, Some(FrfKind::Mobility));
+        assert!((set.values.get(0, 0, 0) - c(10.0, 0.0)).norm() < 1e-12);
+        assert!(!warnings.join("\n").contains("taken as SI"), "{warnings:?}");
+    }
+    let text = refusal(long(["dB re 1 m/s/N", "dB re 1e-6 m/s/N"]));
+    assert!(text.contains("differ from row to row"), "{text}");
+    let text = refusal("# unit = dB re 1 m/s/N\nf,mag [m/s/N],phase [deg]\n1,2,3\n2,1,1\n");
+    assert!(text.contains("different units"), "{text}");
+    // no decibels: what they are is not known
+    let (_, warnings) = read("# unit = dB re 1 m/s/N\nf,re,im\n1,2,3\n2,1,1\n").unwrap();
+    assert!(warnings.join("\n").contains("taken as SI"), "{warnings:?}");
 }
 
 #[test]
