@@ -3,7 +3,6 @@
 mod field;
 
 use crate::indices::indices_table;
-use crate::render::of_scene;
 use crate::time_table::time_table;
 use chladni_console::input::{expand, model_of, read_frf, read_weights, source, Reading};
 use chladni_console::table::significant;
@@ -131,7 +130,7 @@ fn indices_in_time(
         return Ok(None);
     }
     let played = play(model, scene, Some(weights), &PlayOptions::default())
-        .map_err(|error| of_scene(error, scene))?;
+        .map_err(|error| scene.blame(error))?;
     console.find_all(&played.findings);
     Ok(Some(played.indices))
 }
@@ -175,7 +174,7 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
         Recorded::from_samples(&samples, rate_hz, &sidecar).map_err(|error| error.file(file))?;
     console.stage("judging");
     let (indices, findings) = evaluate_signal(&recorded, &sidecar.events, &scene, &model)
-        .map_err(|error| of_scene(error, &scene))?;
+        .map_err(|error| scene.blame(error))?;
     console.find_all(&findings);
     let sources = [file, &beside, &args.scene, &files[0]]
         .into_iter()

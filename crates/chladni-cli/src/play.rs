@@ -1,7 +1,7 @@
 //! `chladni play`: drive signals of a scene in time.
 
 use crate::limits::{PLAY_FRAMES, PNG_SCALE, STRESS_DRAWS};
-use crate::render::{doubt, of_scene};
+use crate::render::doubt;
 use crate::signal_files::SignalFiles;
 use crate::time_table::{stress_table, time_table};
 use chladni_console::input::{read_weights, source};
@@ -126,7 +126,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .collect::<Result<Vec<_>>>()?;
     console.stage("rendering");
     let played = play(&model, &scene, weights.as_ref(), &args.options())
-        .map_err(|error| of_scene(error, &scene))?;
+        .map_err(|error| scene.blame(error))?;
     console.find_all(&played.findings);
     let stress = args
         .stress

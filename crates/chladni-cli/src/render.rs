@@ -204,7 +204,7 @@ impl Args {
                 scene.frequency_hz = hz;
                 Ok(None)
             }
-            Some(Frequency::Hertz(_)) => Err(of_scene(
+            Some(Frequency::Hertz(_)) => Err(scene.blame(
                 Error::new(
                     ErrorKind::Usage,
                     "one frequency cannot replace several tones",
@@ -213,7 +213,6 @@ impl Args {
                 .found(format!("{} tones in the scene", scene.tones().len()))
                 .expected("a scene of one frequency")
                 .help("leave --frequency out, or give a scene with one of the tones"),
-                scene,
             )),
             None => Ok(None),
         }
@@ -232,7 +231,7 @@ impl Args {
         let range = self
             .sweep
             .unwrap_or([(hz - SWEEP_HZ).max(1.0), hz + SWEEP_HZ]);
-        let sweep = sweep(model, scene, options, range).map_err(|error| of_scene(error, scene))?;
+        let sweep = sweep(model, scene, options, range).map_err(|error| scene.blame(error))?;
         scene.frequency_hz = sweep.suggested_hz.unwrap_or(hz);
         Ok((range, sweep))
     }
@@ -299,7 +298,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let options = args.options();
     let swept = args.set_frequency(&model, &mut scene, &options, console)?;
     let rendered = render_with_others(&model, &scene, &others, &options, measured.as_ref())
-        .map_err(|error| of_scene(error, &scene))?;
+        .map_err(|error| scene.blame(error))?;
     let mut weights = rendered.weights.clone();
     weights.source = sources;
     if !others.is_empty() {
@@ -372,17 +371,9 @@ pub fn render_scene(
     sources: Vec<Source>,
 ) -> Result<Rendering> {
     let mut rendering = chladni_render::render_measured(model, scene, options, measured)
-        .map_err(|error| of_scene(error, scene))?;
+        .map_err(|error| scene.blame(error))?;
     rendering.weights.source = sources;
     Ok(rendering)
-}
-
-/// The error with the scene's file, where it names no other.
-pub fn of_scene(error: Error, scene: &Scene) -> Error {
-    match &scene.file {
-        Some(file) if error.file.is_none() => error.file(file),
-        _ => error,
-    }
 }
 
 /// Trials of weights beside the scene itself.

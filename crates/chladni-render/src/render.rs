@@ -294,12 +294,7 @@ fn set_up(model: &ModalModel, others: &[Scene], options: &RenderOptions) -> Resu
             Calibrated::new(model, other, Some(other.frequency_hz), &options.drift)?;
         Setup::new(&model, &scene, &options.drift)
     };
-    let named = |other: &Scene| {
-        set_up(other).map_err(|error| match &other.file {
-            Some(file) if error.file.is_none() => error.file(file),
-            _ => error,
-        })
-    };
+    let named = |other: &Scene| set_up(other).map_err(|error| other.blame(error));
     others.iter().map(named).collect()
 }
 

@@ -27,7 +27,7 @@ use crate::tolerances;
 use crate::tones::{is_same, read_tones, Share, Tone};
 use crate::touch::{read_touch, Touch};
 use crate::zones::Zones;
-use chladni_frf::Result;
+use chladni_frf::{Error, Result};
 use chladni_text::read_text;
 use chladni_text::toml_reader::{parse, Table};
 use std::path::{Path, PathBuf};
@@ -69,6 +69,14 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The error with the scene's file, where it names no other.
+    pub fn blame(&self, error: Error) -> Error {
+        match &self.file {
+            Some(file) if error.file.is_none() => error.file(file),
+            _ => error,
+        }
+    }
+
     /// Reads a scene file; a threshold file is looked for beside it.
     ///
     /// # Errors

@@ -1,6 +1,5 @@
 //! Drive signals of `chladni render --wav`.
 
-use super::of_scene;
 use crate::signal_files::SignalFiles;
 use chladni_frf::{ModalModel, Result};
 use chladni_render::{play, signal_csv, PlayOptions, Scene, Signal, SignalOptions, Weights};
@@ -28,7 +27,7 @@ impl Drive {
             return Ok(Self::Table(signal_csv(weights)));
         }
         let played = play(model, scene, Some(weights), &PlayOptions::default())
-            .map_err(|error| of_scene(error, scene))?;
+            .map_err(|error| scene.blame(error))?;
         let mut signal = played.signal(&SignalOptions::default(), &scene.name())?;
         signal.sidecar.source = weights.source.clone();
         Ok(Self::Samples(Box::new(signal)))

@@ -300,18 +300,27 @@ impl Fitted {
 mod tests {
     use super::*;
 
+    /// Of records of two seconds.
+    fn shape(kernel: Option<&WindowKernel>) -> LineShape<'_> {
+        LineShape {
+            kernel,
+            record_s: 2.0,
+        }
+    }
+
+    /// jω of these lines, and a pole of two lines per half-power bandwidth at line 120.2.
+    fn lines_and_pole(lines: std::ops::Range<u32>) -> (Vec<Complex64>, Complex64) {
+        let on_axis = |k| Complex64::new(0.0, TAU * 0.5 * f64::from(k));
+        (
+            lines.map(on_axis).collect(),
+            Complex64::new(-TAU * 0.5, TAU * 60.1),
+        )
+    }
+
     #[test]
     fn the_window_of_a_line_is_told_and_its_pole_found() {
         let kernel = Window::Hann.kernel().unwrap();
-        let shape = |kernel| LineShape {
-            kernel,
-            record_s: 2.0,
-        };
-        // two lines per half-power bandwidth
-        let pole = Complex64::new(-TAU * 0.5, TAU * 60.1);
-        let s: Vec<Complex64> = (104..137)
-            .map(|k| Complex64::new(0.0, TAU * 0.5 * f64::from(k)))
-            .collect();
+        let (s, pole) = lines_and_pole(104..137);
         let [own, _] = shape(Some(&kernel)).columns(&s, pole);
         let isolated = Isolated {
             own,
@@ -329,14 +338,7 @@ mod tests {
     #[test]
     fn lines_do_not_tell_a_cut_burst_from_continuous_noise_but_its_damping_is_another() {
         let [hann, burst] = [Window::Hann, CUT_BURST].map(|window| window.kernel().unwrap());
-        let shape = |kernel| LineShape {
-            kernel,
-            record_s: 2.0,
-        };
-        let pole = Complex64::new(-TAU * 0.5, TAU * 60.1);
-        let s: Vec<Complex64> = (112..129)
-            .map(|k| Complex64::new(0.0, TAU * 0.5 * f64::from(k)))
-            .collect();
+        let (s, pole) = lines_and_pole(112..129);
         let [mut own, _] = shape(Some(&burst)).columns(&s, pole);
         // errors 30 dB below the peak, alike in no two lines
         let level = 0.03 * own.iter().map(|v| v.norm()).fold(0.0, f64::max);

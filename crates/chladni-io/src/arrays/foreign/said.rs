@@ -40,7 +40,9 @@ impl<'a> Fact<'a> {
 
     /// The error of a fact that `message` says nothing can be made of.
     pub(super) fn not_understood(&self, message: &str) -> Error {
-        Error::bad_word(message, &self.text).field(&self.field)
+        Error::bad_word(message, &self.text)
+            .field(&self.field)
+            .help("correct it in the file, or leave it out")
     }
 }
 
