@@ -50,6 +50,7 @@ pub mod fft;
 mod limits;
 mod scalar;
 mod upper_halves;
+mod wide;
 
 pub use back_ends::{back_ends, BackEnd, Dense, Factors, Given};
 use doors::Doors;
@@ -57,6 +58,8 @@ use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 pub use scalar::Scalar;
 use thiserror::Error;
+#[doc(hidden)] // for the crates of Chladni: no promise
+pub use wide::wide;
 
 /// Name of the back end in use, for result files and benches.
 pub const BACKEND: &str = backend::NAME;

@@ -14,6 +14,11 @@ pub(super) const LEAST_LOSS: f64 = 1e-6;
 /// Largest loss factor that a step gives a viscous pole: critical damping is 2.
 pub(super) const LOSS_MOST: f64 = 1.9;
 
+// filled.rs
+
+/// Lines that are written at a time: the widest registers hold eight numbers.
+pub(super) const LANES: usize = 8;
+
 // gram.rs
 
 /// Columns that a thread makes at a time: fewer take less time than to share them out.

@@ -3,6 +3,7 @@
 
 pub(crate) mod bars;
 pub(crate) mod columns;
+mod filled;
 pub(crate) mod gram;
 pub(crate) mod law;
 mod limits;

@@ -7,6 +7,7 @@
 //! frequency turns all residues of its mode too.
 
 use crate::damping::columns::loss;
+use crate::damping::gram::Cauchy;
 use crate::damping::limits;
 use crate::damping::places::in_plane_of;
 use crate::damping::structural::{basis, basis_derivative};
@@ -192,9 +193,11 @@ impl Point {
         turn: &[f64],
     ) -> Result<Self, LinalgError> {
         let n = lambda.len();
-        let (_, left) = projected(common.background.view(), columns(work, lambda).view());
-        let gram = blocked_matmul_h(left.view(), left.view());
-        let against = blocked_matmul_h(left.view(), common.data.view());
+        let (columns, whole) = columns(work, lambda);
+        // the data have nothing inside the background
+        let against = blocked_matmul_h(columns.view(), common.data.view());
+        let inside = blocked_matmul_h(common.background.view(), columns.view());
+        let gram = whole - blocked_matmul_h(inside.view(), inside.view());
         let phase: Vec<Complex64> = turn
             .iter()
             .map(|t| Complex64::from_polar(1.0, *t))
@@ -279,29 +282,35 @@ impl Point {
     }
 }
 
-/// φ and its [`slopes`], side by side.
-fn columns(work: &Columns, lambda: &[Complex64]) -> Array2<Complex64> {
-    let (across, down) = slopes(work, lambda);
-    concatenate![Axis(1), basis(work, lambda, &[]), across, down]
+/// φ, −j·∂φ/∂Im λ and, where it is another, ∂φ/∂Re λ in the law of `work`, side by side; and
+/// their inner products.
+fn columns(work: &Columns, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
+    let cauchy = Cauchy::new(work, lambda, &[]);
+    if work.law == Damping::Structural {
+        let gram = cauchy.gram();
+        return (cauchy.columns, gram);
+    }
+    let across = cauchy.columns.slice(s![.., lambda.len()..]);
+    let down = along_frequency(work, lambda, across.to_owned());
+    let all = concatenate![Axis(1), cauchy.columns, down];
+    let gram = blocked_matmul_h(all.view(), all.view());
+    (all, gram)
 }
 
-/// −j·∂φ/∂Im λ and ∂φ/∂Re λ in the law of `work`; without the second where both are the
-/// same.
-fn slopes(work: &Columns, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
-    let across = basis_derivative(work, lambda);
-    if work.law == Damping::Structural {
-        let none = Array2::zeros((work.lines(), 0));
-        return (across, none);
-    }
-    let mut down = across.clone();
-    for (mut column, pole) in down.columns_mut().into_iter().zip(lambda) {
+/// ∂φ/∂Re λ of the viscous law from −j·∂φ/∂Im λ.
+fn along_frequency(
+    work: &Columns,
+    lambda: &[Complex64],
+    mut across: Array2<Complex64>,
+) -> Array2<Complex64> {
+    for (mut column, pole) in across.columns_mut().into_iter().zip(lambda) {
         for (value, &x) in column.iter_mut().zip(&work.x) {
             // λ − x → Re λ + j·Im λ·√(x/Re λ) − x
             let loss = loss(work.law, *pole, x);
             *value *= Complex64::new(1.0, -0.5 * pole.im * loss / pole.re) / loss;
         }
     }
-    (across, down)
+    across
 }
 
 #[cfg(test)]
@@ -327,10 +336,10 @@ mod tests {
         let pole = Complex64::new(0.25, 0.01);
         for law in [Damping::Structural, Damping::Viscous] {
             let work = lines(law, 1);
-            let (across, down) = slopes(&work, &[pole]);
+            let across = basis_derivative(&work, &[pole]);
             let down = match law {
                 Damping::Structural => across.clone(),
-                Damping::Viscous => down,
+                Damping::Viscous => along_frequency(&work, &[pole], across.clone()),
             };
             let across = across.mapv(|v| v * Complex64::I);
             for (slope, unit) in [(down, Complex64::ONE), (across, Complex64::I)] {

@@ -2,7 +2,7 @@
 //! structural law, where they are complex-analytic in the poles, and what stands for them
 //! in the viscous one.
 
-use crate::damping::columns::{loss, resonance, Leaking};
+use crate::damping::filled::{fill, fill_terms};
 use crate::data::columns::Columns;
 use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -13,43 +13,23 @@ pub(crate) const POWERS: [i32; 4] = [-1, 0, 1, 2];
 /// Columns g/(λ_n − x), in the law of the lines, and g·x^p: the basis of a common-pole
 /// model (theory.md, eq. 6).
 pub(crate) fn basis(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Array2<Complex64> {
-    let mut a = Array2::zeros((work.lines(), lambda.len() + powers.len()).f());
-    for (mut column, &pole) in a.columns_mut().into_iter().zip(lambda) {
-        let column = column.as_slice_mut().expect("column-major");
-        let lines = column.iter_mut().zip(&work.x).zip(&work.g);
-        match &work.leakage {
-            None => lines.for_each(|((value, &x), &g)| *value = resonance(work.law, pole, x) * g),
-            Some(leakage) => {
-                let leaking = Leaking::new(work.law, leakage, pole);
-                lines.for_each(|((value, &x), &g)| *value = leaking.at(x)[0] * g);
-            }
-        }
+    let lines = work.lines();
+    let mut a = Array2::zeros((lines, lambda.len() + powers.len()).f());
+    let values = a.as_slice_memory_order_mut().unwrap_or_default();
+    let (plain, terms) = values.split_at_mut(lambda.len() * lines);
+    for (column, &pole) in plain.chunks_mut(lines.max(1)).zip(lambda) {
+        fill(work, pole, column, None);
     }
-    for (p, &power) in powers.iter().enumerate() {
-        let column = a.column_mut(lambda.len() + p);
-        for ((value, &x), &g) in column.into_iter().zip(&work.x).zip(&work.g) {
-            *value = Complex64::new(g * x.powi(power), 0.0);
-        }
-    }
+    fill_terms(work, powers, terms);
     a
 }
 
 /// ∂/∂λ of the pole columns: −g/(λ_n − x)²; in the viscous law ∂/∂(j·Im λ).
 pub(crate) fn basis_derivative(work: &Columns, lambda: &[Complex64]) -> Array2<Complex64> {
-    let mut d = Array2::zeros((work.lines(), lambda.len()).f());
-    for (mut column, &pole) in d.columns_mut().into_iter().zip(lambda) {
-        let column = column.as_slice_mut().expect("column-major");
-        let lines = column.iter_mut().zip(&work.x).zip(&work.g);
-        match &work.leakage {
-            None => lines.for_each(|((value, &x), &g)| {
-                let resonance = resonance(work.law, pole, x);
-                *value = resonance * resonance * (-g * loss(work.law, pole, x));
-            }),
-            Some(leakage) => {
-                let leaking = Leaking::new(work.law, leakage, pole);
-                lines.for_each(|((value, &x), &g)| *value = leaking.at(x)[1] * g);
-            }
-        }
+    let mut derivative = Array2::zeros((work.lines(), lambda.len()).f());
+    let mut plain = vec![Complex64::ZERO; work.lines()];
+    for (mut column, &pole) in derivative.columns_mut().into_iter().zip(lambda) {
+        fill(work, pole, &mut plain, column.as_slice_mut());
     }
-    d
+    derivative
 }

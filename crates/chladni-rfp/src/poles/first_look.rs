@@ -55,7 +55,8 @@ pub(crate) fn first_look(
 
 /// A short chain on one section: evidence, where most of its striking peaks are
 /// misfitted, or misfitted without shape, or where the residual is far from white. Poles
-/// of lesser peaks do not count: between a few modes in noise they would outvote them.
+/// of lesser peaks do not count: between a few modes in noise they would outvote them. What
+/// leaves next to nothing is left to the whole chain, whose poles come nearer.
 fn misfit(
     work: &Columns,
     peaks: &[Peak],
@@ -71,6 +72,9 @@ fn misfit(
         size,
         tol::POOL_ITERATIONS,
     )?;
+    if refined.projection.sse < limits::NEXT_TO_NOTHING * work.energy() {
+        return Ok(None);
+    }
     let stands_for = |pole: &Complex64, peak: &Peak| {
         (pole.re - peak.lambda.re).abs() < limits::PEAK_EXPLAINED * peak.lambda.im
     };

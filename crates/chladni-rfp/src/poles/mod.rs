@@ -22,3 +22,4 @@ pub(crate) mod significance;
 pub(crate) mod sketched;
 pub(crate) mod start;
 pub(crate) mod whiteness;
+pub(crate) mod zeros;

@@ -11,11 +11,10 @@ use crate::damping::law::{is_rational, RATIONAL};
 use crate::damping::structural::basis;
 use crate::data::columns::{line_energy, Columns};
 use crate::poles::limits;
+use crate::poles::zeros::zeros;
 use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_matmul_h, tall_qr, tall_r};
-use chladni_linalg::{
-    cholesky, eigenvalues, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError,
-};
+use chladni_linalg::{cholesky, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
 use ndarray::{s, Array1, Array2, ArrayView2, ShapeBuilder};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -350,21 +349,6 @@ impl Moments {
             }
         })
     }
-}
-
-/// Zeros of d + Σ c_q/(λ_q − x): the eigenvalues of diag(λ) + 1cᵀ/d.
-pub(crate) fn zeros(
-    lambda: &[Complex64],
-    c: &[Complex64],
-    d: Complex64,
-) -> Result<Vec<Complex64>, LinalgError> {
-    let mut companion = Array2::from_diag(&Array1::from(lambda.to_vec()));
-    for mut row in companion.rows_mut() {
-        for (value, c) in row.iter_mut().zip(c) {
-            *value += c / d;
-        }
-    }
-    Ok(eigenvalues(companion.view())?.to_vec())
 }
 
 /// Minimises vᴴMv under Σ_k σ(x_k) = `total` (the relaxation that keeps σ from

@@ -4,7 +4,7 @@ use crate::data::columns::Columns;
 use crate::poles::descent::Descent;
 use crate::poles::limits;
 use crate::poles::normal::Normal;
-use crate::poles::refine::{refine, Refined};
+use crate::poles::refine::{refine_below, Refined};
 use crate::poles::removal::Removable;
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
@@ -105,19 +105,6 @@ fn weakest_first(rises: &[f64]) -> Vec<usize> {
     order
 }
 
-/// The fit without pole q, the others roughly refined.
-fn without(work: &Columns, refined: &Refined, q: usize) -> Result<Refined, LinalgError> {
-    let mut fewer = refined.lambda.clone();
-    fewer.remove(q);
-    refine(
-        work,
-        &fewer,
-        &refined.powers,
-        tol::REFINE_ROUGH,
-        tol::ROUGH_STEP,
-    )
-}
-
 /// A weak pole that matters only because the others do not stand quite where they should,
 /// and the fit without it: once they are free to move, the sum of squares rises by less
 /// than `limit`. Those found `needed` are not judged twice.
@@ -137,11 +124,14 @@ pub(crate) fn crutch(
         if !may_go(pole) || needed.iter().any(|known| (known - pole).norm() < pole.im) {
             continue;
         }
-        let fewer = without(work, refined, q)?;
-        if fewer.projection.sse - refined.projection.sse < limit {
-            return Ok(Some((q, fewer)));
+        let mut fewer = refined.lambda.clone();
+        fewer.remove(q);
+        let roughly = (tol::REFINE_ROUGH, tol::ROUGH_STEP);
+        let most = refined.projection.sse + limit;
+        match refine_below(work, &fewer, &refined.powers, roughly, most)? {
+            Some(fewer) => return Ok(Some((q, fewer))),
+            None => needed.push(pole),
         }
-        needed.push(pole);
     }
     Ok(None)
 }

@@ -2,6 +2,7 @@
 
 use crate::data::columns::Columns;
 use crate::poles::limits;
+use chladni_linalg::blocked::tall_r;
 use chladni_linalg::{svd_thin, LinalgError};
 
 /// Number of singular values above the noise, and whether the noise floor was seen at
@@ -10,7 +11,7 @@ pub(crate) fn visible_rank(work: &Columns) -> Result<(usize, bool), LinalgError>
     // eigenvalues of the small Gram would square the condition; a thin QR first keeps the
     // SVD small
     let r = if work.lines() > work.columns() {
-        chladni_linalg::qr_r(work.b.view())?
+        tall_r(work.b.view())?
     } else {
         work.b.clone()
     };

@@ -9,14 +9,15 @@
 //! per step ≈ 8Nm(5m + 3r) flop. Not for finding poles: it needs a start within about a
 //! bandwidth.
 
-use crate::damping::structural::{basis, basis_derivative};
+use crate::damping::gram::Cauchy;
+use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::coefficients;
 use crate::poles::descent::{Descent, Point};
 use crate::poles::normal::{Normal, Plain};
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{blocked_matmul_h, projected, tall_qr};
+use chladni_linalg::blocked::{blocked_matmul_h, projected};
 use chladni_linalg::{matmul, solve_upper, LinalgError};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -40,7 +41,7 @@ impl Projection {
     /// Projects the columns of `work` on the basis of `lambda` and residual terms
     /// x^`powers`.
     pub fn new(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
-        let (q, r) = tall_qr(basis(work, lambda, powers).view())?;
+        let (q, r) = Cauchy::without_derivatives(work, lambda, powers).orthonormal()?;
         let (qb, residual) = projected(q.view(), work.b.view());
         let sse = residual.iter().map(|v| v.norm_sqr()).sum();
         Ok(Self {
@@ -269,6 +270,26 @@ fn on_orthonormal_basis(
         coefficients,
         information,
     })
+}
+
+/// The poles refined where that leaves no more than `most`; `None` where it leaves more.
+///
+/// # Errors
+/// A kernel that fails.
+pub(crate) fn refine_below(
+    work: &Columns,
+    start: &[Complex64],
+    powers: &[i32],
+    (iterations, tolerance): (usize, f64),
+    most: f64,
+) -> Result<Option<Refined>, LinalgError> {
+    let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
+    // what is needed beside the sum of squares costs as much as a step
+    if last.as_ref().is_some_and(|point| point.sse() > most) {
+        return Ok(None);
+    }
+    let refined = on_orthonormal_basis(descent, last, tolerance)?;
+    Ok((refined.projection.sse < most).then_some(refined))
 }
 
 impl Refined {
