@@ -10,13 +10,14 @@
 //! with complex values stacked as real ones. A dead or a reversed channel has no free size.
 
 use super::field::{rms, LaidField, Prediction};
+use super::swapped::Swap;
 use crate::interpolation::{Interpolation, Nodes};
 use crate::kernel_error::unsolvable;
 use crate::modal_field::ModalField;
 use crate::operator::Operator;
 use crate::plane::{Position, Rectangle};
 use crate::tolerances;
-use chladni_frf::{Dof, ModalModel, Result};
+use chladni_frf::{Dof, Finding, ModalModel, Result};
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -51,7 +52,7 @@ pub enum Place {
 }
 
 /// All causes, the likeliest first; of those that can sit at several places the likeliest
-/// place.
+/// place. Two swapped cables are named by the finding beside them.
 ///
 /// # Errors
 /// Those of the factorisations.
@@ -60,7 +61,7 @@ pub(crate) fn diagnose(
     operator: &Operator,
     field: &LaidField,
     prediction: &Prediction,
-) -> Result<Vec<Hypothesis>> {
+) -> Result<(Vec<Hypothesis>, Option<Finding>)> {
     let modal = ModalField::new(model, operator, &prediction.drive);
     let view = View::new(model, operator, field, prediction, &modal)?;
     let mut causes = vec![Hypothesis {
@@ -74,8 +75,14 @@ pub(crate) fn diagnose(
     causes.extend(view.frequencies(model, &modal)?);
     causes.extend(view.load(operator, &modal)?);
     causes.push(view.unexplained()?);
+    let weigh = |change: &Array1<Complex64>, pairs| view.fixed(change, pairs);
+    let swap = Swap::likeliest(operator, prediction, weigh)?;
+    let finding = swap.as_ref().and_then(|swap| swap.finding(&causes));
+    if finding.is_some() {
+        causes.extend(swap.as_ref().map(Swap::hypothesis));
+    }
     causes.sort_by(|a, b| b.ln_evidence.total_cmp(&a.ln_evidence));
-    Ok(causes)
+    Ok((causes, finding))
 }
 
 /// The difference between measurement and prediction, and how it is weighed.
