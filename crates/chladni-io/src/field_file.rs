@@ -7,7 +7,7 @@
 mod peak;
 mod remarks;
 
-use crate::limits::{FASTEST_M_PER_S, STILL_M_PER_S};
+use crate::limits::{FASTEST_M_PER_S, REPEATS_APART, STILL_M_PER_S};
 use chladni_frf::{Dof, Error, FieldPoint, MeasuredField, Result};
 use chladni_text::read_text;
 use num_complex::Complex64;
@@ -31,7 +31,7 @@ pub fn read_field(file: &Path) -> Result<MeasuredField> {
 /// # Errors
 /// [`chladni_frf::ErrorKind::BadData`] with line and field: no frequency, no unit, a unit
 /// that is no velocity or not of peak values, two of them, other columns, a row that is
-/// none, a speed that nothing has, no row, no response that moves.
+/// none, a speed that nothing has, repeats too far apart, no row, no response that moves.
 pub fn parse_field(text: &str) -> Result<MeasuredField> {
     let remarks = Remarks::of(text)?;
     let to_m_per_s = remarks.unit.as_ref().map_or(1.0, |unit| unit.value);
@@ -56,7 +56,9 @@ pub fn parse_field(text: &str) -> Result<MeasuredField> {
                 } else {
                     row.value
                 };
-                repeats.push(Row { value, ..row });
+                let row = Row { value, ..row };
+                check_repeat(dof, &repeats[0], &row).map_err(|error| error.at_line(number))?;
+                repeats.push(row);
             }
             None => rows.push((dof, vec![row])),
         }
@@ -196,6 +198,27 @@ impl Columns {
     }
 }
 
+/// Refuses a value too far from the first of its response to be a repeat of it.
+fn check_repeat(response: Dof, first: &Row, row: &Row) -> Result<()> {
+    let (Some(one), Some(other)) = (first.std, row.std) else {
+        return Ok(());
+    };
+    let (apart, bar) = ((row.value - first.value).norm(), one.hypot(other));
+    if bar == 0.0 || apart <= REPEATS_APART * bar {
+        return Ok(());
+    }
+    Err(
+        Error::bad_data("a response occurs twice, with values too far apart for repeats")
+            .field("response")
+            .found(format!(
+                "{response}, {:.0} standard deviations from its first value",
+                apart / bar
+            ))
+            .expected(format!("at most {REPEATS_APART} standard deviations"))
+            .help("correct the name of one of both rows, or state the deviations as they are"),
+    )
+}
+
 /// The mean of repeats and its standard deviation: that which the file states, else the
 /// scatter of the repeats over √n.
 fn mean(response: Dof, repeats: &[Row], unit: f64) -> FieldPoint {
@@ -273,6 +296,20 @@ mod tests {
         // values 1 and 3: variance 2, of the mean 1
         assert!((one.std_m_per_s.unwrap() - 1e-3).abs() < 1e-15 && one.repeats == 2);
         assert_eq!((two.std_m_per_s, two.repeats), (None, 1));
+    }
+
+    #[test]
+    fn values_too_far_apart_for_repeats_are_refused() {
+        let of = |second: &str| format!("{HEAD}response,re,im,std\n1:+Z,1,0,0.01\n{second}\n");
+        let error = refused(&of("1:+Z,1.5,0,0.01"));
+        assert_eq!(
+            (error.line, error.field.as_deref()),
+            (Some(5), Some("response"))
+        );
+        assert!(error.to_string().contains("35 standard"), "{error}");
+        for near in ["1:+Z,1.05,0,0.01", "1:-Z,-1.05,0,0.01", "1:+Z,1.5,0,0.1"] {
+            assert_eq!(parse_field(&of(near)).unwrap().points[0].repeats, 2);
+        }
     }
 
     #[test]

@@ -238,7 +238,8 @@ impl<'a> Climb<'a> {
     }
 
     /// Most ground served by the rows that join by need, with the measured rows inside by
-    /// `asked`.
+    /// `asked`. Of touched rows, whose programs are large, the first drive that serves all
+    /// of them is taken.
     pub(crate) fn serve_ground(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
         let sure = self.active.clone();
         let mut drive = start;
@@ -263,7 +264,9 @@ impl<'a> Climb<'a> {
                 .sqrt();
             let size = next.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
             drive = next;
-            if !joined && change < tolerances::SAME_DRIVE * size {
+            let serves = sure.len() > tolerances::VERY_MANY_ROWS
+                && self.problem.score(&drive).min_ratio == 1.0;
+            if !joined && (serves || change < tolerances::SAME_DRIVE * size) {
                 break;
             }
         }
@@ -298,4 +301,71 @@ impl<'a> Climb<'a> {
 /// Largest |A_i|.
 pub(crate) fn peak(drive: &Drive) -> f64 {
     drive.iter().map(amplitude).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::covariance::Covariance;
+    use crate::problem::{DriveLimits, Rows};
+    use crate::scene::Limits;
+    use ndarray::{Array2, Axis};
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A problem of two hot rows and others that are cold.
+    fn problem(mobility: Array2<Complex64>) -> Problem {
+        let count = mobility.nrows();
+        let error = Complex64::from(0.01 * 0.01);
+        let rows = Rows {
+            hot: 2,
+            positions_m: vec![[0.0; 2]; count],
+            levels: Array1::ones(count),
+            mobility,
+        };
+        let limits = Limits {
+            threshold_m_per_s: 0.9,
+            hot_m_per_s: 1.0,
+            cold_m_per_s: 0.8,
+        };
+        let drive_limits = DriveLimits {
+            each: 100.0,
+            effort: f64::INFINITY,
+        };
+        let covariance = Covariance::of_gram(Array2::from_diag_elem(5, error)).unwrap();
+        Problem::new(rows, covariance, limits, drive_limits)
+    }
+
+    /// Of many rows that are alike one binds: it is found among very many rows as among few.
+    #[test]
+    fn very_many_rows_lead_to_the_drive_of_those_that_bind() {
+        const COPIES: usize = 1000;
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let mut draw = || random.random_range(-1.0..1.0);
+        let few = Array2::from_shape_fn((6, 5), |_| Complex64::new(draw(), draw()));
+        let mut rows = vec![0, 1];
+        rows.extend((2..6).flat_map(|row| [row; COPIES]));
+        let mut many = few.select(Axis(0), &rows);
+        for (k, mut row) in many.rows_mut().into_iter().enumerate().skip(2) {
+            let binds = (k - 2) % COPIES == 73;
+            row.mapv_inplace(|value| if binds { value } else { value * 0.3 });
+        }
+        assert!(many.nrows() > tolerances::VERY_MANY_ROWS);
+        let asked = Asked {
+            kappa: 1.0,
+            factor: 1.0,
+        };
+        let solved = |mobility: Array2<Complex64>| {
+            let problem = problem(mobility);
+            let program = DriveProgram::new(&problem).unwrap();
+            let all: Vec<usize> = (0..problem.rows.mobility.nrows()).collect();
+            let phases = Array1::from_elem(2, Complex64::ONE);
+            let found = program.least_peak(&phases, &all, asked).unwrap();
+            let drive = found.expect("a drive");
+            (peak(&drive), problem.score(&drive).kappa)
+        };
+        let ((of_few, _), (of_many, kappa)) = (solved(few), solved(many));
+        assert!((of_many / of_few - 1.0).abs() < 1e-5, "{of_many} {of_few}");
+        assert!(kappa > 1.0 - 1e-4, "{kappa}");
+    }
 }

@@ -339,9 +339,9 @@ impl<'a> DriveProgram<'a> {
 
     /// Solves `program` with rows, error bar and force limits besides.
     ///
-    /// Few rows bind. Of many `active` ones those take part that were near their limits
-    /// before, then those that the solution misses, until it misses none: the solution
-    /// over all of them.
+    /// Few rows bind. Of many `active` ones, rising, those take part that were near their limits
+    /// before, then those that the solution misses, until it misses none: the solution over all
+    /// of them. Of very many only some begin, and the worst of each stretch join.
     fn solve(
         &self,
         program: ConicProgram,
@@ -349,10 +349,15 @@ impl<'a> DriveProgram<'a> {
         active: &[usize],
         sides: &Sides,
     ) -> Result<Option<ConicSolution>> {
+        let (at_once, near_limit) = match active.len() > tolerances::VERY_MANY_ROWS {
+            true => (tolerances::ROWS_AT_ONCE, tolerances::NEAR_LIMIT_OF_MANY),
+            false => (active.len().max(1), tolerances::NEAR_LIMIT),
+        };
         let mut part = self.near.take();
-        part.retain(|k| active.contains(k));
+        part.retain(|k| active.binary_search(k).is_ok());
         if active.len() <= tolerances::FEW_ROWS || part.is_empty() {
-            part = active.to_vec();
+            let step = active.len().div_ceil(at_once).max(1);
+            part = active.iter().copied().step_by(step).collect();
         }
         loop {
             let solution = self.solve_over(program.clone(), phases, &part, sides)?;
@@ -365,15 +370,27 @@ impl<'a> DriveProgram<'a> {
                 continue;
             };
             let slack = self.slack(&found.x, phases, sides);
-            let before = part.len();
-            let missed = |k: &usize| slack[*k] < -tolerances::CONIC_GAP && !part.contains(k);
-            let missed: Vec<usize> = active.iter().copied().filter(missed).collect();
-            part.extend(missed);
-            if part.len() == before {
-                let near = |k: &usize| slack[*k] < tolerances::NEAR_LIMIT;
-                *self.near.borrow_mut() = active.iter().copied().filter(near).collect();
+            let joins =
+                |k: &usize| slack[*k] < -tolerances::CONIC_GAP && part.binary_search(k).is_err();
+            let missed: Vec<usize> = active.iter().copied().filter(joins).collect();
+            if missed.is_empty() {
+                let taken = if at_once < active.len() {
+                    &part
+                } else {
+                    active
+                };
+                let near = |k: &usize| slack[*k] < near_limit;
+                *self.near.borrow_mut() = taken.iter().copied().filter(near).collect();
                 return Ok(solution);
             }
+            // the rows of one finger lie side by side and are alike
+            let worst = missed
+                .chunks(missed.len().div_ceil(at_once))
+                .filter_map(|rows| {
+                    let rows = rows.iter().copied();
+                    rows.min_by(|a, b| slack[*a].total_cmp(&slack[*b]))
+                });
+            part.extend(worst);
             part.sort_unstable();
         }
     }

@@ -345,7 +345,7 @@ impl Rendering {
 
 /// Judges a drive under the fingers that the scene expects, at places between those that
 /// it was made for.
-fn under_fingers(
+pub(crate) fn under_fingers(
     model: &ModalModel,
     scene: &Scene,
     setup: &Setup,

@@ -191,6 +191,17 @@ pub const CONIC_RIDGE: f64 = 1e-14;
 /// demonstration panel and the ground that joins them.
 pub const FEW_ROWS: usize = 150;
 
+/// Rows beyond which they join by stretches: touched ones of a whole panel. 15000 at once take
+/// some seconds a program, and some hundred of them bind.
+pub const VERY_MANY_ROWS: usize = 3000;
+
+/// Rows of these with which a program begins, and that join it at once. 100 take half as long
+/// again.
+pub const ROWS_AT_ONCE: usize = 300;
+
+/// [`NEAR_LIMIT`] of these. With 0.05 a program finds its rows anew (twice the time).
+pub const NEAR_LIMIT_OF_MANY: f64 = 0.2;
+
 /// Distance from its limit, relative, within which a row of many is in the next program from
 /// the beginning. Twice as much costs the time of twice the rows, half as much another
 /// program now and then.

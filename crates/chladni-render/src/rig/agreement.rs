@@ -40,7 +40,8 @@ pub struct PointAgreement {
     pub phase_deg: Option<f64>,
 }
 
-/// Holds the measured field against its prediction.
+/// Holds the measured field against its prediction; beside it the finding that names swapped
+/// cables.
 ///
 /// * `raw`, `field`: as it was measured, and with lone points replaced
 ///
@@ -52,7 +53,7 @@ pub(crate) fn agreement(
     [raw, field]: [&LaidField; 2],
     prediction: &Prediction,
     likeness: &Likeness,
-) -> Result<Agreement> {
+) -> Result<(Agreement, Option<Finding>)> {
     let predicted = &prediction.velocity;
     let measured = field.phased(predicted);
     let nis = (0..measured.len())
@@ -75,14 +76,16 @@ pub(crate) fn agreement(
             }
         })
         .collect();
-    Ok(Agreement {
+    let (hypotheses, finding) = diagnose(model, operator, field, prediction)?;
+    let agreement = Agreement {
         nis,
         coefficient: likeness.coefficient,
         level_db: likeness.level_db,
         phase_deg: (!field.magnitudes_only).then_some(likeness.phase_deg),
         points,
-        hypotheses: diagnose(model, operator, field, prediction)?,
-    })
+        hypotheses,
+    };
+    Ok((agreement, finding))
 }
 
 /// Form and level of a measured field against its prediction.

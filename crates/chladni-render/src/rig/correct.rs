@@ -14,9 +14,11 @@ use crate::methods::Method;
 use crate::options::RenderOptions;
 use crate::outcome::Outcome;
 use crate::problem::Drive;
+use crate::render::under_fingers;
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
+use crate::touch::corrected_finding;
 use crate::weights::Weights;
 use chladni_frf::{Dof, Error, Finding, MeasuredField, ModalModel, Result};
 use num_complex::Complex64;
@@ -111,7 +113,7 @@ pub fn calibrate(
         }
     }
     findings.extend(solution.findings);
-    let given = best_of(&corrected, solution.drive, &seen);
+    let given = best_of(&corrected, solution.drive, &seen, fields);
     let correction = corrected_by(&setup, &seen, &learned, &given);
     let structured = &learned.estimators.structured;
     if learned.chosen == Estimator::Structured {
@@ -126,9 +128,13 @@ pub fn calibrate(
     findings.extend(correction.scan_reason.as_deref().map(scan_due));
     let calibration = learned.calibration([own, model], &corrected, before, &correction);
     let outcome = Outcome::of(&corrected, &given.drive)?;
+    let touch = under_fingers(model, scene, &corrected, &given.drive);
+    let fingers = touch.as_ref().zip(corrected.touch.as_deref());
+    findings.extend(fingers.and_then(|(told, plan)| corrected_finding(told, plan)));
     let weights = Weights {
         options: options.to_json(&drift),
         correction: Some(correction),
+        touch,
         findings: findings.into(),
         ..outcome.weights(&corrected, scene, &given.drive, Method::Robust)
     };

@@ -10,13 +10,14 @@
 //! with complex values stacked as real ones. A dead or a reversed channel has no free size.
 
 use super::field::{rms, LaidField, Prediction};
+use super::swapped::Swap;
 use crate::interpolation::{Interpolation, Nodes};
 use crate::kernel_error::unsolvable;
 use crate::modal_field::ModalField;
 use crate::operator::Operator;
 use crate::plane::{Position, Rectangle};
 use crate::tolerances;
-use chladni_frf::{Dof, ModalModel, Result};
+use chladni_frf::{Dof, Finding, ModalModel, Result};
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -51,7 +52,7 @@ pub enum Place {
 }
 
 /// All causes, the likeliest first; of those that can sit at several places the likeliest
-/// place.
+/// place. Two swapped cables are named by the finding beside them.
 ///
 /// # Errors
 /// Those of the factorisations.
@@ -60,7 +61,7 @@ pub(crate) fn diagnose(
     operator: &Operator,
     field: &LaidField,
     prediction: &Prediction,
-) -> Result<Vec<Hypothesis>> {
+) -> Result<(Vec<Hypothesis>, Option<Finding>)> {
     let modal = ModalField::new(model, operator, &prediction.drive);
     let view = View::new(model, operator, field, prediction, &modal)?;
     let mut causes = vec![Hypothesis {
@@ -74,12 +75,17 @@ pub(crate) fn diagnose(
     causes.extend(view.frequencies(model, &modal)?);
     causes.extend(view.load(operator, &modal)?);
     causes.push(view.unexplained()?);
+    let swap = Swap::likeliest(&view, operator, prediction)?;
+    let finding = swap.as_ref().and_then(|swap| swap.finding(&causes));
+    if finding.is_some() {
+        causes.extend(swap.as_ref().map(Swap::hypothesis));
+    }
     causes.sort_by(|a, b| b.ln_evidence.total_cmp(&a.ln_evidence));
-    Ok(causes)
+    Ok((causes, finding))
 }
 
 /// The difference between measurement and prediction, and how it is weighed.
-struct View<'a> {
+pub(super) struct View<'a> {
     field: &'a LaidField,
     predicted: &'a Array1<Complex64>,
     /// Covariance of the difference; its diagonal alone counts for magnitudes.
@@ -88,6 +94,11 @@ struct View<'a> {
     root: Array2<Complex64>,
     /// The difference, whitened.
     difference: Array1<f64>,
+}
+
+/// Prior variance of each part of a complex size with the standard deviation `std`.
+fn variance(std: f64) -> f64 {
+    0.5 * std * std
 }
 
 /// Columns with one prior, and the factor that counts their alternatives.
@@ -177,7 +188,12 @@ impl<'a> View<'a> {
     }
 
     fn weigh(&self, cause: &Cause) -> Result<Found> {
-        let b = cause.columns.t().dot(&self.difference);
+        self.weigh_of(cause, &self.difference)
+    }
+
+    /// The same of another difference.
+    fn weigh_of(&self, cause: &Cause, difference: &Array1<f64>) -> Result<Found> {
+        let b = cause.columns.t().dot(difference);
         let mut normal = cause.columns.t().dot(&cause.columns);
         normal
             .diag_mut()
@@ -196,12 +212,39 @@ impl<'a> View<'a> {
     }
 
     /// Evidence of a change without free size.
-    fn fixed(&self, change: &Array1<Complex64>, alternatives: usize) -> Result<f64> {
+    pub(super) fn fixed(&self, change: &Array1<Complex64>, alternatives: usize) -> Result<f64> {
         let changed = self.against(&(self.predicted + change))?;
         Ok(
             0.5 * (self.difference.dot(&self.difference) - changed.dot(&changed))
                 - (alternatives as f64).ln(),
         )
+    }
+
+    /// Evidence of gains that scatter beside a change without free size, after which each
+    /// channel moves the field by its path.
+    pub(super) fn fixed_and_scattered(
+        &self,
+        change: &Array1<Complex64>,
+        paths: &[Array1<Complex64>],
+        alternatives: usize,
+    ) -> Result<f64> {
+        let changed = self.against(&(self.predicted + change))?;
+        let scattered = self.weigh_of(&self.scattered(paths)?, &changed)?;
+        Ok(self.fixed(change, alternatives)? + scattered.ln_evidence)
+    }
+
+    /// Gains of all channels, each by itself.
+    fn scattered(&self, paths: &[Array1<Complex64>]) -> Result<Cause> {
+        Ok(Cause {
+            columns: self.complex_columns(paths)?,
+            prior: variance(tolerances::CHANNEL_GAIN_ERROR),
+            alternatives: 1,
+        })
+    }
+
+    /// True where only magnitudes were measured.
+    pub(super) fn magnitudes_only(&self) -> bool {
+        self.field.magnitudes_only
     }
 
     /// Gain of all channels, of each, of one; dead and reversed ones.
@@ -213,7 +256,6 @@ impl<'a> View<'a> {
             std: Some(found.std),
             ln_evidence: found.ln_evidence,
         };
-        let variance = |std: f64| 0.5 * std * std;
         let count = operator.references.len();
         let all = self.weigh(&Cause {
             columns: self.complex_columns(std::slice::from_ref(self.predicted))?,
@@ -221,19 +263,8 @@ impl<'a> View<'a> {
             alternatives: 1,
         })?;
         let mut causes = vec![sized("gain", None, &all)];
-        let paths: Vec<Array1<Complex64>> = (0..count)
-            .map(|i| {
-                prediction
-                    .mobility
-                    .column(i)
-                    .mapv(|path| path * prediction.drive[i])
-            })
-            .collect();
-        let each = self.weigh(&Cause {
-            columns: self.complex_columns(&paths)?,
-            prior: variance(tolerances::CHANNEL_GAIN_ERROR),
-            alternatives: 1,
-        })?;
+        let paths = prediction.paths(&prediction.drive);
+        let each = self.weigh(&self.scattered(&paths)?)?;
         let spread = (each.sizes.dot(&each.sizes) / count as f64).sqrt();
         causes.push(Hypothesis {
             value: Some([spread, 0.0]),

@@ -96,13 +96,14 @@ pub fn evaluate_field(
     }
     findings.extend(lone);
     let likeness = Likeness::of(&prediction.velocity, &sound);
-    let agreement = agreement(
+    let (agreement, swapped) = agreement(
         model,
         &operator,
         [&laid_field, &sound],
         &prediction,
         &likeness,
     )?;
+    findings.extend(swapped);
     // one dead channel can leave as little of a field's form
     let is_open = matches!(
         agreement.hypotheses[0].kind.as_str(),

@@ -161,3 +161,13 @@ pub(crate) struct Prediction {
     /// ‖L·A‖: its standard deviation under the errors that drives are made to bear.
     pub(crate) deviation: f64,
 }
+
+impl Prediction {
+    /// The part of each channel in the field of a drive, at the measured rows.
+    pub(super) fn paths(&self, drive: &Drive) -> Vec<Array1<Complex64>> {
+        let columns = self.mobility.columns().into_iter().zip(drive);
+        columns
+            .map(|(column, &weight)| column.mapv(|path| path * weight))
+            .collect()
+    }
+}

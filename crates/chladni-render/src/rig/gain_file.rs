@@ -200,6 +200,8 @@ mod tests {
             ("frequency_hz,gain\n300,1\n300,1\n", None, "frequency_hz"),
             ("gain\n1\n1\n", None, "gain"),
             ("gain\n-1\n", None, "gain"),
+            ("gain\n98\n", None, "gain"),
+            ("gain_db\n40\n", None, "gain"),
         ] {
             let error = parse(text).unwrap_err();
             assert_eq!(

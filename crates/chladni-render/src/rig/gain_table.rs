@@ -127,6 +127,16 @@ impl GainTable {
                 let expected = "a number above 0; a dead channel belongs into `dead`";
                 return wrong("gain", format!("entry {}: {gain}", k + 1), expected);
             }
+            if gain > tolerances::MOST_GAIN {
+                return Err(Error::bad_data("not a usable gain table")
+                    .field("gain")
+                    .found(format!("entry {}: {gain}, {}", k + 1, self.channel()))
+                    .expected(format!(
+                        "a ratio: the motion on the rig over that in the model, at most {}",
+                        tolerances::MOST_GAIN
+                    ))
+                    .help("divide percents by 100; divide volts per volt by the nominal ones"));
+            }
         }
         if let Some(phase) = self.phase_deg.iter().find(|phase| !phase.is_finite()) {
             return wrong("phase_deg", phase.to_string(), "a number of degrees");

@@ -51,7 +51,12 @@ pub(super) struct Given {
 }
 
 /// The new drive, or the best measured one where that serves or no better is to be expected.
-pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen]) -> Given {
+///
+/// The first fields teach: a drive that serves is given again only where all that is known
+/// agrees. Later a measurement is worth more than any promise.
+///
+/// * `fields`: number of all fields, those before a calibration included
+pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usize) -> Given {
     let whole = corrected.operator.responses.len();
     let allowed = |drive: &Drive| {
         corrected.problem.drive_limits.allowed_gain(drive) >= 1.0 - tolerances::AT_LIMIT
@@ -61,8 +66,11 @@ pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen]) -> Given {
         .filter_map(|k| Some((measured_ratio(corrected, &seen[k], Count::Expected)?, k)))
         .max_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let expected = corrected.problem.expected_ratio(&new);
-    // what serves as measured, and by all that is known, is worth more than a promise
     let serves = |ratio: f64, k: usize| {
+        if fields >= tolerances::MEASURED_FIRST_FIELDS {
+            let plain = measured_ratio(corrected, &seen[k], Count::Plain);
+            return plain.is_some_and(|plain| plain >= tolerances::SERVES_AS_MEASURED);
+        }
         let told = corrected.problem.expected_ratio(&seen[k].drive);
         ratio >= tolerances::SERVES_AS_MEASURED && told >= tolerances::SERVES_AS_TOLD
     };

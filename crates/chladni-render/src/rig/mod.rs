@@ -33,6 +33,7 @@ mod poles_of_fields;
 mod prior;
 mod seen;
 mod structured;
+mod swapped;
 
 pub use agreement::{Agreement, PointAgreement};
 pub(crate) use calibrated::{at_tone, gain_of, Calibrated};

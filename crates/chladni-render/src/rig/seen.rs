@@ -117,7 +117,9 @@ pub(super) fn see(
             1 => finding,
             _ => finding.about(format_args!("field {number}")),
         };
-        findings.extend(off.into_iter().chain(likeness.finding()).map(of_field));
+        let few = few_responses(field.rows.len());
+        let told = off.into_iter().chain(likeness.finding()).chain(few);
+        findings.extend(told.map(of_field));
         assumed |= field.noise_assumed;
         all.push(Seen::of(field, whole));
     }
@@ -125,4 +127,21 @@ pub(super) fn see(
         findings.push(noise_assumed());
     }
     Ok(all)
+}
+
+/// The finding of a field with too few responses to learn from.
+fn few_responses(held: usize) -> Option<Finding> {
+    let responses = match held {
+        1 => "one response".to_owned(),
+        _ => format!("{held} responses"),
+    };
+    let words = format!(
+        "a field of {responses} cannot tell one fault from another: what is corrected by it is \
+         hardly more than a guess"
+    );
+    (held < tolerances::FEW_RESPONSES).then(|| {
+        Finding::caution("field-few-responses", words)
+            .value("responses", held as f64)
+            .help("measure eight responses or more, spread over the panel")
+    })
 }

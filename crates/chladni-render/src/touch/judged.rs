@@ -101,6 +101,36 @@ fn points(problem: &Problem, judged: Judged, plan: &TouchPlan, drive: &Drive) ->
     }
 }
 
+/// The finding on whether a corrected drive bears the fingers of its scene.
+pub(crate) fn corrected_finding(told: &TouchIndices, plan: &TouchPlan) -> Option<Finding> {
+    let firmest = &plan.touch.impedances.last()?.name;
+    let points = &told.points;
+    let shares = format!(
+        "under the fingers at the worst place {:.2} of the responses of the worse zone keep their \
+         limit",
+        points.min_ratio
+    );
+    let finding = match &told.firmest {
+        Some(name) if name == firmest => {
+            let kappa = told
+                .kappa
+                .map_or(String::new(), |kappa| format!(" with κ {kappa:.1}"));
+            let words = format!("the corrected drive bears a {name} finger{kappa}; {shares}");
+            Finding::note("touch-corrected", words)
+        }
+        borne => {
+            let softer = borne
+                .as_ref()
+                .map_or(String::new(), |name| format!("; it bears a {name} one"));
+            let words =
+                format!("the corrected drive does not bear a {firmest} finger{softer}; {shares}");
+            Finding::caution("touch-corrected", words)
+                .help("measure another field, take another frequency, or ask for softer fingers")
+        }
+    };
+    Some(finding.value("min_ratio", points.min_ratio))
+}
+
 /// Findings on what no drive bears, and what another frequency would.
 ///
 /// * `best_db`: contrast that was found under the firmest, dB; `asked_db`: what is needed

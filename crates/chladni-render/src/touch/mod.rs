@@ -9,7 +9,7 @@ mod plan;
 mod program;
 mod table;
 
-pub(crate) use judged::findings;
+pub(crate) use judged::{corrected_finding, findings};
 pub use judged::{TouchIndices, TouchPoints};
 pub(crate) use plan::TouchPlan;
 pub(crate) use program::{bear, judged, touched_kappa, Borne};

@@ -315,3 +315,50 @@ fn a_calibration_of_another_rig_or_model_is_named() {
     volts.unit = Some(chladni_frf::ReferenceUnit::Volt);
     assert!(of(&volts).unwrap_err().to_string().contains("another unit"));
 }
+
+#[test]
+fn a_correction_by_a_few_responses_carries_a_caution() {
+    let mut rig = Rig::new(300.0, 1);
+    let weights = first_drive();
+    for (rows, is_few) in [
+        (vec![20], true),
+        (vec![3, 20, 40], true),
+        ((0..8).collect(), false),
+    ] {
+        let field = rig.measured(&weights, NOISE, &rows);
+        let played = [(weights.clone(), field, None)];
+        let corrected = correct(truth(), &corner(), &played, &RenderOptions::default()).unwrap();
+        let mut findings = corrected.findings.iter();
+        let said = findings.any(|finding| finding.code == "field-few-responses");
+        assert_eq!(said, is_few, "{rows:?}");
+    }
+}
+
+#[test]
+fn a_correction_says_whether_the_fingers_of_the_scene_are_borne() {
+    // amplifiers of 2 % and 2° leave too little for fingers after one field
+    for (frequency_hz, scatter, borne) in [(330.0, 0.0, true), (330.0, 0.02, false)] {
+        let mut scene = cell_scene([2, 2], 1, "[touch]\n");
+        scene.frequency_hz = frequency_hz;
+        let weights = rendered(&scene);
+        let mut rig = Rig::new(frequency_hz, 2).scattered(scatter, 100.0 * scatter);
+        let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
+        let played = [(weights, field, None)];
+        let corrected = correct(truth(), &scene, &played, &RenderOptions::default()).unwrap();
+        let told = corrected.touch.as_ref().expect("touched indices");
+        assert_eq!(told.firmest.as_deref() == Some("mid"), borne, "{told:?}");
+        let mut findings = corrected.findings.iter();
+        let finding = findings.find(|finding| finding.code == "touch-corrected");
+        let words = &finding.expect("a finding").text;
+        assert_eq!(
+            words.contains("does not bear a mid finger"),
+            !borne,
+            "{words}"
+        );
+    }
+    let weights = first_drive();
+    let field = Rig::new(300.0, 1).measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
+    let played = [(weights, field, None)];
+    let plain = correct(truth(), &corner(), &played, &RenderOptions::default()).unwrap();
+    assert!(plain.touch.is_none());
+}

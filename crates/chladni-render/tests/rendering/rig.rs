@@ -237,3 +237,40 @@ fn a_field_in_the_wrong_unit_is_said_first_and_teaches_nothing() {
         .iter()
         .all(|one| one.code != "field-level-off"));
 }
+
+#[test]
+fn two_swapped_cables_are_named_and_no_other_fault_is_called_so() {
+    let weights = drive();
+    let swapped = |seed: u64| {
+        let pair = [channel(seed), channel(seed + 3)];
+        let mut rig = Rig::new(300.0, seed).scattered(0.02, 2.0);
+        let plain = rig.mobility.clone();
+        for (to, from) in [(pair[0], pair[1]), (pair[1], pair[0])] {
+            rig.mobility.column_mut(to).assign(&plain.column(from));
+        }
+        let told = judged(&weights, rig, 0.01);
+        let finding = told.findings.iter().find(|f| f.code == "channels-swapped");
+        let first = &told.agreement.hypotheses[0];
+        let named = finding.is_some_and(|finding| {
+            pair.iter()
+                .all(|&k| finding.dofs.contains(&truth().references[k]))
+        });
+        if !named {
+            eprintln!("{seed}: {pair:?} {:?} {first:?}", finding.map(|f| &f.text));
+        }
+        named && first.kind == "channel" && pair.iter().any(|&k| is_channel(first, k))
+    };
+    let right = (0..TRIALS).filter(|&seed| swapped(seed)).count() as u64;
+    assert!(right >= TRIALS - 1, "{right} of {TRIALS}");
+    for rig in [
+        Rig::new(300.0, 1),
+        Rig::new(300.0, 2).scattered(0.02, 2.0),
+        Rig::new(300.0, 3).channel(channel(1), 0.0),
+        Rig::new(300.0, 4).channel(channel(2), -1.0),
+        Rig::new(300.0, 5).loaded(&Finger::MID, [0.061, 0.052]),
+    ] {
+        let told = judged(&weights, rig, 0.01);
+        let none = told.findings.iter().all(|f| f.code != "channels-swapped");
+        assert!(none, "{:?}", told.findings);
+    }
+}
