@@ -169,7 +169,7 @@ pub(super) const SHARED_PART: f64 = 0.3;
 /// alone leak (a Hann window leaks 0.58 of the slope per cycle, 0.06 of an FRF so near a mode), and
 /// the fit does not take along errors that neighbouring lines share.
 pub(super) const BESIDE_CYCLES: f64 = 10.0;
-/// Rounds of weighing lines by what they are known to scatter: the third changes a level by less
+/// Rounds of weighing lines by what they are known to scatter: the fourth changes a level by less
 /// than a hundredth.
 pub(super) const LEVEL_ROUNDS: usize = 6;
 /// Part of an error that must stay in the residual of a line that tells noise of the force.
