@@ -11,7 +11,7 @@ use crate::shapes::limits;
 use chladni_frf::shared_power;
 use num_complex::Complex64;
 
-/// What FRFs of one force share on a line, over their power.
+/// The errors that FRFs of one force share on a line, over their power.
 struct Told {
     /// Of the residual.
     shared: f64,
@@ -85,7 +85,7 @@ impl Influence<'_> {
         })
     }
 
-    /// What FRFs of each force share on the line k.
+    /// The errors that FRFs of each force share on the line k.
     fn shared_on(&self, k: usize, kept: f64) -> Vec<Told> {
         let work = self.found.work;
         let fitted = |k: usize| -> Vec<Complex64> {

@@ -143,7 +143,7 @@ impl BlockErrors {
         (-most..=most).map(move |d| (d * self.hop as isize, weight(d)))
     }
 
-    /// What two blocks, `shift` parts of a record apart, share of the noise of the responses on
+    /// The noise of the responses that two blocks, `shift` parts of a record apart, share on
     /// lines `cycles` apart.
     fn shared(&self, shift: isize, cycles: f64) -> Complex64 {
         let at = |factors: &[f64]| -> Complex64 {
