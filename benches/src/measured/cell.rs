@@ -269,6 +269,8 @@ pub const MEASURED_CELLS: &[MeasuredCell] = &[
     at(2.0, HAMMER),
     at(1.0, EXPONENTIAL),
     at(4.0, EXPONENTIAL),
+    noisy(34.0, at(1.0, EXPONENTIAL)),
+    noisy(34.0, at(4.0, EXPONENTIAL)),
     at(1.0, SINES),
     at(2.0, SINES),
     at(4.0, SINES),

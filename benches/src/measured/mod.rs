@@ -178,13 +178,18 @@ mod tests {
     #[test]
     fn bars_hold_what_nobody_told_and_what_responses_share() {
         // windows between near modes, no sure mode, lines split by a window, records that cut
-        // responses off, two forces at once, one denominator of few and of many responses, a
-        // force that drops
+        // responses off, noise of a hammer, two forces at once, one denominator of few and of many
+        // responses, a force that drops
         for (name, way, seeds) in [
             ("random flattop 31 x 0.50 b=8", MeasuredWay::Blind, 6),
             ("random kaiser:8.6 31 x 0.50 b=1", MeasuredWay::Blind, 6),
             ("random hann 190 x 0.67 b=2", MeasuredWay::Blind, 3),
             ("hammer rectangular 5 b=1", MeasuredWay::Blind, 6),
+            (
+                "hammer exponential 5 b=1 force 34 dB",
+                MeasuredWay::Told,
+                12,
+            ),
             (
                 "random hann 46 of 2 forces x 0.67 b=4",
                 MeasuredWay::Told,

@@ -82,6 +82,18 @@ pub(super) fn hypotheses(leaks: bool) -> Vec<Hypothesis> {
             add(Correlation::Tapered, Some(window), Box::new(at));
         }
     }
+    for part in limits::PARTS {
+        let of_burst = burst(part);
+        let at = move |lag: i32| {
+            let value = of_burst[lag.unsigned_abs() as usize];
+            if lag < 0 {
+                value.conj()
+            } else {
+                value
+            }
+        };
+        add(Correlation::Tapered, None, Box::new(at));
+    }
     for decay in limits::DECAYS {
         let at = move |lag: i32| decay / Complex64::new(decay, PI * f64::from(lag));
         add(Correlation::Exponential, None, Box::new(at));
@@ -123,6 +135,23 @@ fn leakage(window: &[f64]) -> Vec<Vec<f64>> {
     [&slope as &dyn Fn(f64) -> f64, &curvature]
         .map(|of| lags.clone().map(|lag| at_lag(of, lag)).collect())
         .into()
+}
+
+/// Correlation over lags of the errors that noise of the responses leaves under Hann's window w,
+/// where the force is noise in the first `part` of each record: the transform of w² times the
+/// conjugate one of its part in the burst.
+fn burst(part: f64) -> Vec<Complex64> {
+    let place = |k: usize| (k as f64 + 0.5) / limits::RECORD_PLACES as f64;
+    let places: Vec<f64> = (0..limits::RECORD_PLACES).map(place).collect();
+    let power = |u: f64| (PI * u).sin().powi(4);
+    let transform = |end: f64, lag: usize| -> Complex64 {
+        let inside = || places.iter().filter(|u| **u < end);
+        let turned = inside().map(|&u| Complex64::from_polar(power(u), -2.0 * PI * lag as f64 * u));
+        turned.sum::<Complex64>() / inside().map(|&u| power(u)).sum::<f64>()
+    };
+    (0..limits::STRETCH + limits::SIXTH.len())
+        .map(|lag| transform(1.0, lag) * transform(part, lag).conj())
+        .collect()
 }
 
 /// r_w of Σ_n c_n e^{2πjnu}: Σ_n c_n c_{q−n} over its value at q = 0.

@@ -193,6 +193,10 @@ pub(super) const FRFS_ASKED: (usize, usize) = (16, 4);
 /// α·T of exponential windows.
 pub(super) const DECAYS: [f64; 9] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0];
 
+/// Parts of a record that bursts under a Hann window last. Errors of bursts between two of them
+/// lie between theirs; those of 0.9 and more are those of a continuous force.
+pub(super) const PARTS: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
+
 /// Weights of a sixth difference: ten lines beside a mode it leaves less than a tenth of what a
 /// fourth one leaves of misfit, over noise.
 pub(super) const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];

@@ -278,9 +278,10 @@ pub(crate) fn of_shapes(case: &Case, found: &Evidence) -> Option<Window> {
 }
 
 /// True for errors of windowed records of continuous excitation; bursts leave no leakage,
-/// and lines of their own.
+/// lines of their own, and errors that may exclude a continuous force.
 fn of_continuous(errors: &Witness) -> bool {
-    errors.leakage && errors.likeliest == Correlation::Tapered
+    let open = errors.open.contains(&true);
+    errors.leakage && open && errors.likeliest == Correlation::Tapered
 }
 
 /// The window that line shapes and the errors of neighbouring lines both speak of, each by

@@ -87,7 +87,7 @@ pub(crate) fn witness(case: &Case) -> Option<Witness> {
     let of_length = |length: usize| -> Vec<Stretch> {
         let columns = residual.columns().into_iter().enumerate();
         columns
-            .flat_map(|(frf, errors)| stretches(frf, errors, &away, length))
+            .flat_map(|(n, errors)| stretches((n, data.pairs[frfs[n]].1), errors, &away, length))
             .collect()
     };
     // where modes leave no long ones between them, short ones say less but something
@@ -102,6 +102,8 @@ pub(crate) fn witness(case: &Case) -> Option<Witness> {
 /// Neighbouring lines of one FRF that hold noise alone.
 struct Stretch {
     frf: usize,
+    /// Reference of the FRF.
+    reference: usize,
     /// The first line.
     first: usize,
     /// Sixth differences.
@@ -125,20 +127,31 @@ impl Stretch {
 }
 
 /// True where FRFs share their errors; `None` of one FRF.
+///
+/// FRFs of one force do: those of others have another force in their products.
 fn shared(stretches: &[Stretch]) -> Option<bool> {
-    let pairs = stretches.iter().enumerate().flat_map(|(n, stretch)| {
-        let others = stretches[..n].iter();
-        others.filter_map(move |other| stretch.coherence(other))
-    });
-    let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), c| (sum + c, count + 1.0));
+    let between = |of_one_force: bool| {
+        let pairs = stretches.iter().enumerate().flat_map(|(n, stretch)| {
+            let same = |other: &&Stretch| !of_one_force || other.reference == stretch.reference;
+            let others = stretches[..n].iter().filter(move |other| same(other));
+            others.filter_map(move |other| stretch.coherence(other))
+        });
+        pairs.fold((0.0, 0.0), |(sum, count), c| (sum + c, count + 1.0))
+    };
+    let (sum, count) = match between(true) {
+        (_, 0.0) => between(false),
+        pairs => pairs,
+    };
     // by chance it goes as one over the lines
     let length = stretches.first()?.errors.len() as f64;
     (count > 0.0).then_some(sum > limits::SHARED * count * limits::STRETCH as f64 / length)
 }
 
 /// The stretches of one FRF, of `length` lines.
+///
+/// * `frf`: its place and its reference
 fn stretches(
-    frf: usize,
+    (frf, reference): (usize, usize),
     errors: ArrayView1<Complex64>,
     away: &[bool],
     length: usize,
@@ -173,6 +186,7 @@ fn stretches(
         if run.len() == length {
             found.push(Stretch {
                 frf,
+                reference,
                 first: run.start,
                 errors: differences[run.clone()].to_vec(),
             });
@@ -235,10 +249,19 @@ mod tests {
     /// Errors of H1 over 200 lines: products of the transforms of windowed noise of force
     /// and response, averaged; of one blow the response's alone.
     fn errors(window: &dyn Fn(f64) -> f64, averages: Option<usize>, seed: u64) -> Vec<Complex64> {
+        errors_of([window, window], averages, seed)
+    }
+
+    /// The same under one window for the force and one for the response.
+    fn errors_of(
+        [of_force, of_response]: [&dyn Fn(f64) -> f64; 2],
+        averages: Option<usize>,
+        seed: u64,
+    ) -> Vec<Complex64> {
         const SAMPLES: usize = 1024;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let fft = fft::forward(SAMPLES);
-        let mut spectrum = || {
+        let mut spectrum = |window: &dyn Fn(f64) -> f64| {
             let mut samples: Vec<Complex64> = (0..SAMPLES)
                 .map(|k| {
                     let normal: f64 = (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
@@ -249,11 +272,11 @@ mod tests {
             samples[50..250].to_vec()
         };
         let Some(averages) = averages else {
-            return spectrum();
+            return spectrum(of_response);
         };
         let mut sum = vec![Complex64::default(); 200];
         for _ in 0..averages {
-            let (force, response) = (spectrum(), spectrum());
+            let (force, response) = (spectrum(of_force), spectrum(of_response));
             for ((sum, x), y) in sum.iter_mut().zip(&force).zip(&response) {
                 *sum += y * x.conj();
             }
@@ -267,7 +290,7 @@ mod tests {
             .flat_map(|frf| {
                 let errors = errors(window, averages, 3 * seed + frf);
                 stretches(
-                    frf as usize,
+                    (frf as usize, 0),
                     ndarray::aview1(&errors),
                     &away,
                     limits::STRETCH,
@@ -325,6 +348,54 @@ mod tests {
         assert!(undecided < 12, "{undecided} of 240");
     }
 
+    #[test]
+    fn bursts_under_a_hann_window_are_not_taken_for_padded_records() {
+        let hann = |u: f64| (PI * u).sin().powi(2);
+        let mut told = 0;
+        for (n, part) in [0.3, 0.35, 0.6].into_iter().enumerate() {
+            let burst = |u: f64| if u < part { hann(u) } else { 0.0 };
+            for seed in 0..20 {
+                let all: Vec<Stretch> = (0..3)
+                    .flat_map(|frf| {
+                        let seed = 5000 + 300 * n as u64 + 3 * seed + frf;
+                        let errors = errors_of([&burst, &hann], Some(20), seed);
+                        let frf = (frf as usize, 0);
+                        let errors = ndarray::aview1(&errors);
+                        stretches(frf, errors, &[true; 200], limits::STRETCH)
+                    })
+                    .collect();
+                let found = judged(&all, 1.0).unwrap();
+                told += usize::from(found.decides());
+                assert!(
+                    found.likeliest == Correlation::Tapered || !found.decides(),
+                    "{part}, seed {seed}: {found:?}"
+                );
+            }
+        }
+        assert!(told > 40, "{told} of 60");
+    }
+
+    #[test]
+    fn frfs_of_one_force_tell_whether_errors_are_shared() {
+        // two responses to four forces; half of the errors is their own
+        let noise = |seed: u64| -> Vec<Complex64> { errors(&|_| 1.0, Some(20), seed) };
+        let all = |first: u64| -> Vec<Stretch> {
+            (0..8)
+                .flat_map(|frf: usize| {
+                    let of_force = noise(first + (frf / 2) as u64);
+                    let own = noise(first + 100 + frf as u64);
+                    let sum: Vec<Complex64> =
+                        of_force.iter().zip(&own).map(|(a, b)| a + b).collect();
+                    let sum = ndarray::aview1(&sum);
+                    stretches((frf, frf / 2), sum, &[true; 200], limits::STRETCH)
+                })
+                .collect()
+        };
+        for seed in 0..10 {
+            assert_eq!(shared(&all(9000 + 200 * seed)), Some(true), "{seed}");
+        }
+    }
+
     /// Sums over blocks of X*·(what a slope of an FRF leaks), the same in three FRFs.
     fn leaked_slopes(seed: u64) -> Vec<Stretch> {
         const SAMPLES: usize = 1024;
@@ -347,7 +418,7 @@ mod tests {
         }
         let away = vec![true; 200];
         (0..3)
-            .flat_map(|frf| stretches(frf, ndarray::aview1(&sum), &away, limits::STRETCH))
+            .flat_map(|frf| stretches((frf, 0), ndarray::aview1(&sum), &away, limits::STRETCH))
             .collect()
     }
 

@@ -123,6 +123,27 @@ impl Influence<'_> {
         })
     }
 
+    /// Variance of what noise of the force adds to each line near the mode n, which has the
+    /// variance `level` beside modes: the mean over the forces that may be (theory.md, eq. F4j).
+    pub fn noise_near(&self, n: usize, level: f64, drop: &ForceDrop) -> Option<Vec<f64>> {
+        let leakage = self.continuous()?;
+        let s = leaking_pole(self.found.work.law, self.lambda[n]).s;
+        let averaged = self.errors.averaged();
+        let louder = |(force, part): &(Force, f64), x: f64| -> f64 {
+            // more than the noise of this force makes beside modes is none of its noise
+            let most = averaged.map_or(f64::INFINITY, |averaged| averaged * force.noise);
+            let power = leakage.power_of_force(s, x.sqrt(), force);
+            let read = (power + force.noise) / (1.0 + force.noise);
+            let over_beside = power / read.powi(2).max(f64::MIN_POSITIVE);
+            part * level.min(most) * (over_beside - 1.0)
+        };
+        let at = |&x: &f64| {
+            let sum: f64 = drop.forces.iter().map(|force| louder(force, x)).sum();
+            (level + sum).max(0.0)
+        };
+        Some(self.found.work.x.iter().map(at).collect())
+    }
+
     /// The line shape of a continuous force under a known window.
     fn continuous(&self) -> Option<&Leakage> {
         let leakage = self.found.data.leakage.as_deref()?;

@@ -85,6 +85,7 @@ impl Found<'_> {
             variances: Vec::new(),
             alone: 1.0,
             by_force: false,
+            over_lines: false,
         };
         let shares: Option<Vec<f64>> = work.x.iter().map(|x| data.share_at(*x)).collect();
         let Some(shares) = shares else {
@@ -115,6 +116,7 @@ impl Found<'_> {
             variances: shares.iter().map(|share| part(*share) * share).collect(),
             alone: alone.max(0.0),
             by_force,
+            over_lines: false,
         }
     }
 
@@ -132,8 +134,10 @@ pub(super) struct Shared {
     pub variances: Vec<f64>,
     /// Part of the noise that they do not share.
     pub alone: f64,
-    /// True where it is noise of the force.
+    /// True where it is noise of the force, as the variance of lines tells it.
     pub by_force: bool,
+    /// True where neighbouring lines share it, too, as windows make them.
+    pub over_lines: bool,
 }
 
 /// Poles and residues as sums over errors of lines.
@@ -195,8 +199,9 @@ impl<'a> Influence<'a> {
             of_response[i].push(l);
         }
         let energy = projection.residual.rows().into_iter();
+        let kept = kept_share(&projection.q, &outside);
         let left = energy
-            .zip(kept_share(&projection.q, &outside))
+            .zip(&kept)
             .map(|(row, kept)| square(row.iter()) / kept);
         let shared = found.shared(&projection.residual);
         let mut influence = Self {
@@ -228,6 +233,9 @@ impl<'a> Influence<'a> {
         let outside = influence.rows.slice(s![.., n..]);
         let across = matmul_h(outside, outside).mapv(|v: Complex64| v.conj());
         influence.inverse = covariance((across * influence.of_all()).view());
+        if let Some(shared) = influence.noise_of_force(&kept) {
+            influence.shared = shared;
+        }
         Ok(influence)
     }
 
@@ -259,14 +267,23 @@ impl<'a> Influence<'a> {
         correlation: impl Fn(f64) -> Complex64,
         variances: &[f64],
     ) -> Array2<Complex64> {
-        let work = self.found.work;
-        let y: Vec<f64> = work.x.iter().map(|x| x.sqrt()).collect();
         let mut weighted = self.rows.clone();
         for (k, mut row) in weighted.rows_mut().into_iter().enumerate() {
             let weight = self.found.weight(k) * variances[k].sqrt();
             row.mapv_inplace(|v| v * weight);
         }
-        let mut mixed = Array2::zeros(weighted.raw_dim());
+        self.products_over_lines(&weighted, correlation)
+    }
+
+    /// Σ_kq row_a(k)·row_b(q)*·r(k, q) over lines, of all columns of `rows`.
+    pub fn products_over_lines(
+        &self,
+        rows: &Array2<Complex64>,
+        correlation: impl Fn(f64) -> Complex64,
+    ) -> Array2<Complex64> {
+        let work = self.found.work;
+        let y: Vec<f64> = work.x.iter().map(|x| x.sqrt()).collect();
+        let mut mixed = Array2::zeros(rows.raw_dim());
         let mut known: Vec<(f64, Complex64)> = Vec::new();
         for k in 0..y.len() {
             for q in k..y.len() {
@@ -285,13 +302,13 @@ impl<'a> Influence<'a> {
                 if value.norm_sqr() == 0.0 {
                     continue;
                 }
-                mixed.row_mut(k).scaled_add(value, &weighted.row(q));
+                mixed.row_mut(k).scaled_add(value, &rows.row(q));
                 if q != k {
-                    mixed.row_mut(q).scaled_add(value.conj(), &weighted.row(k));
+                    mixed.row_mut(q).scaled_add(value.conj(), &rows.row(k));
                 }
             }
         }
-        matmul(mixed.t(), weighted.mapv(|v| v.conj()).view())
+        matmul(mixed.t(), rows.mapv(|v| v.conj()).view())
     }
 
     /// Mean variance of noise of the columns, before the weights of lines.

@@ -4,7 +4,7 @@
 //! Leakage is a sum over poles of what each leaks, times its residue, the same in all FRFs of
 //! one force: a few forms of the force, of which every shape takes its part.
 
-use crate::damping::columns::{leaking_pole, resonance};
+use crate::damping::columns::{leaking_pole, resonance, Leaking as Leaks};
 use crate::data::window::block_errors::{Band, Form, Leak};
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::Influence;
@@ -68,8 +68,10 @@ impl Influence<'_> {
         Some(Leaking { band, leaks, units })
     }
 
-    /// 1/M as the residual beside modes tells it.
-    pub fn share_of_leakage(&self) -> f64 {
+    /// 1/M as the residual beside modes tells it, less what noise of the force makes there.
+    ///
+    /// * `drop`: forces that may be, where the noise is read over a force that drops
+    pub fn share_of_leakage(&self, drop: Option<&ForceDrop>) -> f64 {
         let work = self.found.work;
         let products = self.of_all();
         let (mut seen, mut foretold) = (0.0, 0.0);
@@ -79,13 +81,20 @@ impl Influence<'_> {
             let Some(leaking) = self.leaking(n, &[n], &lines) else {
                 continue;
             };
+            let shared = match self.shared.over_lines {
+                true => self.shared_near(n, drop),
+                false => Vec::new(),
+            };
             for (place, &k) in lines.iter().enumerate() {
                 foretold += self.leaked_on(&leaking, place) * products[[n, n]].re;
                 seen += self.left[k];
+                if let Some(shared) = shared.get(k) {
+                    seen -= shared * self.power(k);
+                }
             }
         }
         if foretold > 0.0 {
-            seen / foretold
+            seen.max(0.0) / foretold
         } else {
             0.0
         }
@@ -171,11 +180,19 @@ impl Influence<'_> {
         products: &Array2<Complex64>,
     ) -> Array2<Complex64> {
         let (work, count) = (self.found.work, self.lambda.len());
-        let column =
-            |a: usize, k: usize| work.g[k] * resonance(work.law, self.lambda[a], work.x[k]);
+        let leaking: Vec<Option<Leaks>> = near.iter().map(|&a| self.leaks_of(a)).collect();
+        let column = |(&a, leaking): (&usize, &Option<Leaks>), k: usize| {
+            let x = work.x[k];
+            let plain = || resonance(work.law, self.lambda[a], x);
+            work.g[k] * leaking.as_ref().map_or_else(plain, |own| own.at(x)[0])
+        };
         let mut sums = Array2::zeros((2 * near.len(), work.lines()));
         for (k, shared) in shared.iter().enumerate() {
-            let columns: Vec<Complex64> = near.iter().map(|&a| column(a, k)).collect();
+            let columns: Vec<Complex64> = near
+                .iter()
+                .zip(&leaking)
+                .map(|own| column(own, k))
+                .collect();
             for (a, &value) in columns.iter().enumerate() {
                 sums[[a, k]] = self.rows[[k, n]] * value * shared.sqrt();
             }
@@ -195,7 +212,18 @@ impl Influence<'_> {
                 sums[[near.len() + row, k]] = sum * shared.sqrt();
             }
         }
+        if self.shared.over_lines {
+            let rows = sums.t().to_owned();
+            return self.products_over_lines(&rows, |cycles| self.errors.of_noise(cycles));
+        }
         matmul(sums.view(), sums.t().mapv(|v| v.conj()).view())
+    }
+
+    /// The column of a pole where FRFs leak.
+    fn leaks_of(&self, a: usize) -> Option<Leaks<'_>> {
+        let work = self.found.work;
+        let leakage = work.leakage.as_deref()?;
+        Some(Leaks::new(work.law, leakage, self.lambda[a]))
     }
 
     /// Errors of the residue of n by what each pole leaks, and of the poles; `products`: of

@@ -144,7 +144,7 @@ pub(super) const CLUSTER_HALF_WIDTHS: f64 = 8.0;
 /// DOFs of the eliminated side per block: several for each thread where there are few.
 pub(super) const TARGET_BLOCK: usize = 8;
 
-// line_bars.rs
+// line_bars.rs, force_noise.rs
 
 /// Factor by which bars from the residual of blows stand above those from noise of the responses
 /// where they contradict them. Force noise of 0.1 % of a blow's peak makes 3 to 5; where there is
@@ -165,6 +165,15 @@ pub(super) const SHARED_LINES: usize = 50;
 /// Part of the variance that FRFs must share on the median line: at most 0.17 in 400 tests
 /// without noise of the force, at least 0.42 in 200 with it.
 pub(super) const SHARED_PART: f64 = 0.3;
+/// Cycles per record from a mode to the lines that tell noise of the force: from there on slopes
+/// alone leak (a Hann window leaks 0.58 of the slope per cycle, 0.06 of an FRF so near a mode), and
+/// the fit does not take along errors that neighbouring lines share.
+pub(super) const BESIDE_CYCLES: f64 = 10.0;
+/// Rounds of weighing lines by what they are known to scatter: the fourth changes a level by less
+/// than a hundredth.
+pub(super) const LEVEL_ROUNDS: usize = 6;
+/// Part of an error that must stay in the residual of a line that tells noise of the force.
+pub(super) const KEPT_MOSTLY: f64 = 0.5;
 /// References whose forces are told apart; more are taken for one, whose errors are larger.
 pub(super) const FORCES_MOST: usize = 4;
 /// Variance beside modes over the one foretold, beyond which the residual is believed and not

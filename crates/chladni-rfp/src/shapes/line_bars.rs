@@ -85,17 +85,19 @@ pub(crate) fn line_bars(
     let white = influence.noise_products(independent, &vec![mean; variances.len()]);
     // a force that drops at resonances leaks more than one of even spectrum, and one of
     // several that act at once into the FRFs of the others, too
-    let seen = influence.share_of_leakage();
     let told = errors.blocks().map(|blocks| 1.0 / blocks);
-    let all = told
-        .filter(|told| seen < limits::LEAKS_AS_TOLD * told)
-        .unwrap_or(seen);
+    let believed = |seen: f64| {
+        told.filter(|told| seen < limits::LEAKS_AS_TOLD * told)
+            .unwrap_or(seen)
+    };
+    let drop = influence.force_drop(believed(influence.share_of_leakage(None)));
+    // noise of a force that drops is loudest where leakage is
+    let all = believed(influence.share_of_leakage(drop.as_ref()));
     let own = match found.data.references.len() {
         1 => all,
         _ => told.map_or(all, |told| all.min(told)),
     };
     let share = LeakageShare { all, own };
-    let drop = influence.force_drop(all);
     let shares = influence.shared.by_force;
     let of_term = |term: usize| {
         let owner = found.shapes.owner[term];
@@ -103,7 +105,7 @@ pub(crate) fn line_bars(
             owner,
             &correlated,
             share,
-            &influence.shared.variances,
+            &influence.shared_near(owner, drop.as_ref()),
             drop.as_ref(),
         );
         let other = found.poles[owner].given.as_ref();

@@ -8,6 +8,7 @@ mod attempt;
 pub(crate) mod error_bars;
 pub(crate) mod factor;
 pub(crate) mod force_drop;
+mod force_noise;
 pub(crate) mod growth;
 pub(crate) mod influence;
 mod inverse_root;

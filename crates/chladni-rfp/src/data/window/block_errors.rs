@@ -143,31 +143,39 @@ impl BlockErrors {
         (-most..=most).map(move |d| (d * self.hop as isize, weight(d)))
     }
 
+    /// The noise of the responses that two blocks, `shift` parts of a record apart, share on
+    /// lines `cycles` apart.
+    fn shared(&self, shift: isize, cycles: f64) -> Complex64 {
+        let at = |factors: &[f64]| -> Complex64 {
+            let points = factors.len() as isize;
+            let term = |t: isize| {
+                let both = factors[t as usize] * factors[(t - shift) as usize];
+                let turn = -TAU * cycles * (t as f64 + 0.5) / points as f64;
+                Complex64::from_polar(both, turn)
+            };
+            (shift.max(0)..points.min(points + shift)).map(term).sum()
+        };
+        let of_force = self.force.as_deref().map(|force| at(force).conj());
+        of_force.unwrap_or(Complex64::ONE) * at(&self.response)
+    }
+
+    /// The same over all blocks, for one.
+    fn over_blocks(&self, cycles: f64) -> Complex64 {
+        let of_shift = |(shift, weight)| weight * self.shared(shift, cycles);
+        self.shifts().map(of_shift).sum()
+    }
+
     /// Correlation of the errors that noise of the responses leaves on two lines, `cycles`
     /// apart; that of overlapping blocks included.
     pub fn of_noise(&self, cycles: f64) -> Complex64 {
-        let at = |factors: &[f64], shift: isize, cycles: f64| -> Complex64 {
-            let points = factors.len() as isize;
-            (shift.max(0)..points.min(points + shift))
-                .map(|t| {
-                    let both = factors[t as usize] * factors[(t - shift) as usize];
-                    let turn = -TAU * cycles * (t as f64 + 0.5) / points as f64;
-                    Complex64::from_polar(both, turn)
-                })
-                .sum()
-        };
-        let sum = |cycles: f64| -> Complex64 {
-            self.shifts()
-                .map(|(shift, weight)| {
-                    let of_force = match &self.force {
-                        Some(force) => at(force, shift, cycles).conj(),
-                        None => Complex64::ONE,
-                    };
-                    weight * of_force * at(&self.response, shift, cycles)
-                })
-                .sum()
-        };
-        sum(cycles) / sum(0.0).re
+        self.over_blocks(cycles) / self.over_blocks(0.0).re
+    }
+
+    /// Variance of noise of one block left by the mean over all that overlap; `None` where nobody
+    /// knows how many there are.
+    pub fn averaged(&self) -> Option<f64> {
+        let blocks = self.blocks?;
+        Some(self.over_blocks(0.0).re / (self.shared(0, 0.0).re * blocks))
     }
 
     /// The lines at `cycles` from the middle of a band, and poles whose slowest has `decay`.
@@ -377,6 +385,12 @@ mod tests {
             let found = errors.of_noise(lag);
             assert!((found - expected).norm() < 2e-3, "{lag}: {found}");
         }
+        // 1000 blocks of which neighbours share 1/6
+        let averaged = errors.averaged().unwrap();
+        assert!(
+            (averaged * 1000.0 - 1.0 - 2.0 * 0.999 / 36.0).abs() < 1e-6,
+            "{averaged}"
+        );
         let alone =
             BlockErrors::new(Some(Window::Hann), Some(&made(10, 1.0)), 0.0, RECORD).unwrap();
         assert!((alone.of_noise(1.0) - 4.0 / 9.0).norm() < 1e-3);

@@ -75,6 +75,13 @@ pub(crate) struct Force {
     pub noise: f64,
 }
 
+impl Force {
+    /// Its power over that beside resonances, g at the place of p.
+    fn power(&self, decay: f64, g: Complex64) -> f64 {
+        1.0 - (self.drop - 1.0 / self.drop) * decay * g.re
+    }
+}
+
 impl WindowKernel {
     /// Continuous noise under Σ_n c_n e^{2πjnu} on force and response; a_q = c_q² over
     /// Σ c_n², twice for q > 0, and b_q = −(2/π)·c_q·Σ_{m≠−q} c_m/(q + m) over the same.
@@ -161,8 +168,14 @@ impl WindowKernel {
     pub(crate) fn under_force(&self, z: Complex64, decay: f64, force: &Force) -> Complex64 {
         let Force { drop, noise } = *force;
         let [g, _] = self.value_and_slope(z + (drop - 1.0) * decay);
-        let power = 1.0 - (drop - 1.0 / drop) * decay * g.re;
+        let power = force.power(decay, g);
         (1.0 + noise) * (g - (1.0 - 1.0 / drop) * g.re) / (power + noise)
+    }
+
+    /// Power of the `force` on a line over that beside resonances.
+    pub(crate) fn power_of_force(&self, z: Complex64, decay: f64, force: &Force) -> f64 {
+        let [g, _] = self.value_and_slope(z + (force.drop - 1.0) * decay);
+        force.power(decay, g)
     }
 
     /// g(z) and its derivative.

@@ -60,6 +60,13 @@ impl Leakage {
         self.record * (self.kernel.under_force(z, -s.re * self.record, force) - even)
     }
 
+    /// Power of a force near the resonance of s, over that beside resonances, as windowed records
+    /// show it on the line y.
+    pub fn power_of_force(&self, s: Complex64, y: f64, force: &Force) -> f64 {
+        let z = (Complex64::new(0.0, y) - s) * self.record;
+        self.kernel.power_of_force(z, -s.re * self.record, force)
+    }
+
     /// F(z) − 1 and its derivative by s on the line y = ω/ω_max.
     fn excess(&self, s: Complex64, y: f64) -> [Complex64; 2] {
         let z = (Complex64::new(0.0, y) - s) * self.record;
