@@ -20,9 +20,10 @@ pub fn sentence(judged: &FieldEvaluation) -> String {
         true => "misses",
         false => "keeps",
     };
-    let level_is_off = judged.findings.iter().any(|f| f.code == "field-level-off");
+    let said = |code: &str| judged.findings.iter().any(|f| f.code == code);
     let cause = match judged.agreement.hypotheses.first() {
-        _ if level_is_off => " Its level is far off: look at its unit.".into(),
+        _ if said("field-level-off") => " Its level is far off: look at its unit.".into(),
+        _ if said("channels-swapped") => " Likeliest cause: two cables are swapped.".into(),
         Some(likeliest) if !is_explained(judged) => {
             format!(" Likeliest cause: {}.", cause(likeliest))
         }

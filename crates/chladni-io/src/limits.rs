@@ -105,6 +105,9 @@ pub(crate) const FASTEST_M_PER_S: f64 = 3e8;
 /// Most standard deviations between a value of a field and a repeat of it: noise of any usual form
 /// leaves fewer, and another point of a panel mostly a hundred.
 pub(crate) const REPEATS_APART: f64 = 20.0;
+/// Part of a velocity by which it may differ from a repeat whatever its deviation: levels drift
+/// between passes.
+pub(crate) const DRIFT_OF_LEVEL: f64 = 0.2;
 /// Velocity up to which nothing moves, m/s: an atom's width takes the age of the universe at
 /// 200 times as much, and powers of it are still above zero.
 pub(crate) const STILL_M_PER_S: f64 = 1e-30;

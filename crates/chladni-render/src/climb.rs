@@ -238,7 +238,7 @@ impl<'a> Climb<'a> {
     }
 
     /// Most ground served by the rows that join by need, with the measured rows inside by
-    /// `asked`. Of touched rows, whose programs are large, the first drive that serves all
+    /// `asked`. Of very many rows, whose programs take seconds, the first drive that serves all
     /// of them is taken.
     pub(crate) fn serve_ground(&mut self, start: Drive, asked: Asked) -> Result<Drive> {
         let sure = self.active.clone();

@@ -11,14 +11,14 @@
 
 use super::field::{rms, LaidField, Prediction};
 use super::swapped::Swap;
+use super::weighed::{variance, Cause, Found, View};
 use crate::interpolation::{Interpolation, Nodes};
-use crate::kernel_error::unsolvable;
 use crate::modal_field::ModalField;
 use crate::operator::Operator;
 use crate::plane::{Position, Rectangle};
 use crate::tolerances;
 use chladni_frf::{Dof, Finding, ModalModel, Result};
-use ndarray::{Array1, Array2, ArrayView1, Axis};
+use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -76,177 +76,15 @@ pub(crate) fn diagnose(
     causes.extend(view.load(operator, &modal)?);
     causes.push(view.unexplained()?);
     let swap = Swap::likeliest(&view, operator, prediction)?;
-    let finding = swap.as_ref().and_then(|swap| swap.finding(&causes));
-    if finding.is_some() {
-        causes.extend(swap.as_ref().map(Swap::hypothesis));
-    }
+    let finding = match swap {
+        Some(swap) => swap.finding(&view, prediction, operator, &causes)?,
+        None => None,
+    };
     causes.sort_by(|a, b| b.ln_evidence.total_cmp(&a.ln_evidence));
     Ok((causes, finding))
 }
 
-/// The difference between measurement and prediction, and how it is weighed.
-pub(super) struct View<'a> {
-    field: &'a LaidField,
-    predicted: &'a Array1<Complex64>,
-    /// Covariance of the difference; its diagonal alone counts for magnitudes.
-    covariance: Array2<Complex64>,
-    /// Cholesky factor of it.
-    root: Array2<Complex64>,
-    /// The difference, whitened.
-    difference: Array1<f64>,
-}
-
-/// Prior variance of each part of a complex size with the standard deviation `std`.
-fn variance(std: f64) -> f64 {
-    0.5 * std * std
-}
-
-/// Columns with one prior, and the factor that counts their alternatives.
-struct Cause {
-    /// Whitened columns.
-    columns: Array2<f64>,
-    /// Prior variance of each size.
-    prior: f64,
-    alternatives: usize,
-}
-
-/// Sizes of a cause and the evidence for it.
-struct Found {
-    sizes: Array1<f64>,
-    std: f64,
-    ln_evidence: f64,
-}
-
-impl<'a> View<'a> {
-    fn new(
-        model: &ModalModel,
-        operator: &Operator,
-        field: &'a LaidField,
-        prediction: &'a Prediction,
-        modal: &ModalField,
-    ) -> Result<Self> {
-        let predicted = &prediction.velocity;
-        let covariance = covariance(model, operator, field, predicted, modal);
-        let root = chladni_linalg::cholesky(covariance.view()).map_err(unsolvable)?;
-        let mut view = Self {
-            field,
-            predicted,
-            covariance,
-            root,
-            difference: Array1::zeros(0),
-        };
-        view.difference = view.against(predicted)?;
-        Ok(view)
-    }
-
-    /// The measured field less `foretold`, whitened.
-    fn against(&self, foretold: &Array1<Complex64>) -> Result<Array1<f64>> {
-        if !self.field.magnitudes_only {
-            return self.whitened((&self.field.velocity - foretold).view());
-        }
-        let pairs = self.field.velocity.iter().zip(foretold).enumerate();
-        Ok(pairs
-            .map(|(k, (measured, foretold))| (measured.norm() - foretold.norm()) / self.bar(k))
-            .collect())
-    }
-
-    /// Standard deviation of a magnitude.
-    fn bar(&self, k: usize) -> f64 {
-        self.covariance[[k, k]].re.sqrt()
-    }
-
-    /// A change of the field as real numbers of unit variance; of magnitudes, its part along
-    /// the predicted phase.
-    fn whitened(&self, change: ArrayView1<Complex64>) -> Result<Array1<f64>> {
-        if self.field.magnitudes_only {
-            let along = |(k, change): (usize, &Complex64)| {
-                let predicted = self.predicted[k];
-                let size = predicted.norm().max(f64::MIN_POSITIVE);
-                (predicted.conj() * change).re / size / self.bar(k)
-            };
-            return Ok(change.iter().enumerate().map(along).collect());
-        }
-        let column = change.insert_axis(Axis(1));
-        let white = chladni_linalg::solve_lower(self.root.view(), column).map_err(unsolvable)?;
-        let parts = white.iter().map(|v| v.re).chain(white.iter().map(|v| v.im));
-        Ok(parts.map(|part| part * std::f64::consts::SQRT_2).collect())
-    }
-
-    /// Columns of complex sizes: each change, and the same turned by a quarter.
-    fn complex_columns(&self, changes: &[Array1<Complex64>]) -> Result<Array2<f64>> {
-        let mut columns = Array2::zeros((self.difference.len(), 2 * changes.len()));
-        for (number, change) in changes.iter().enumerate() {
-            columns
-                .column_mut(2 * number)
-                .assign(&self.whitened(change.view())?);
-            let turned = change.mapv(|value| value * Complex64::I);
-            columns
-                .column_mut(2 * number + 1)
-                .assign(&self.whitened(turned.view())?);
-        }
-        Ok(columns)
-    }
-
-    fn weigh(&self, cause: &Cause) -> Result<Found> {
-        self.weigh_of(cause, &self.difference)
-    }
-
-    /// The same of another difference.
-    fn weigh_of(&self, cause: &Cause, difference: &Array1<f64>) -> Result<Found> {
-        let b = cause.columns.t().dot(difference);
-        let mut normal = cause.columns.t().dot(&cause.columns);
-        normal
-            .diag_mut()
-            .mapv_inplace(|value| value + 1.0 / cause.prior);
-        let inverse = chladni_linalg::inverse_hermitian(normal.view()).map_err(unsolvable)?;
-        let root = chladni_linalg::cholesky(normal.view()).map_err(unsolvable)?;
-        let ln_det = 2.0 * root.diag().iter().map(|value| value.ln()).sum::<f64>();
-        let sizes = inverse.dot(&b);
-        let ln_prior = cause.prior.ln() * b.len() as f64;
-        Ok(Found {
-            ln_evidence: 0.5 * (b.dot(&sizes) - ln_det - ln_prior)
-                - (cause.alternatives as f64).ln(),
-            std: inverse.diag().sum().sqrt(),
-            sizes,
-        })
-    }
-
-    /// Evidence of a change without free size.
-    pub(super) fn fixed(&self, change: &Array1<Complex64>, alternatives: usize) -> Result<f64> {
-        let changed = self.against(&(self.predicted + change))?;
-        Ok(
-            0.5 * (self.difference.dot(&self.difference) - changed.dot(&changed))
-                - (alternatives as f64).ln(),
-        )
-    }
-
-    /// Evidence of gains that scatter beside a change without free size, after which each
-    /// channel moves the field by its path.
-    pub(super) fn fixed_and_scattered(
-        &self,
-        change: &Array1<Complex64>,
-        paths: &[Array1<Complex64>],
-        alternatives: usize,
-    ) -> Result<f64> {
-        let changed = self.against(&(self.predicted + change))?;
-        let scattered = self.weigh_of(&self.scattered(paths)?, &changed)?;
-        Ok(self.fixed(change, alternatives)? + scattered.ln_evidence)
-    }
-
-    /// Gains of all channels, each by itself.
-    fn scattered(&self, paths: &[Array1<Complex64>]) -> Result<Cause> {
-        Ok(Cause {
-            columns: self.complex_columns(paths)?,
-            prior: variance(tolerances::CHANNEL_GAIN_ERROR),
-            alternatives: 1,
-        })
-    }
-
-    /// True where only magnitudes were measured.
-    pub(super) fn magnitudes_only(&self) -> bool {
-        self.field.magnitudes_only
-    }
-
+impl View<'_> {
     /// Gain of all channels, of each, of one; dead and reversed ones.
     fn channels(&self, operator: &Operator, prediction: &Prediction) -> Result<Vec<Hypothesis>> {
         let sized = |kind: &str, place, found: &Found| Hypothesis {
@@ -418,70 +256,6 @@ impl<'a> View<'a> {
         }
         Ok(best)
     }
-
-    /// ln of the likelihood with `variance` added at each response, to a constant.
-    fn ln_likelihood(&self, variance: f64) -> Result<f64> {
-        if self.field.magnitudes_only {
-            let of = |k: usize| {
-                let before = self.covariance[[k, k]].re;
-                let after = before + 0.5 * variance;
-                -0.5 * (self.difference[k].powi(2) * before / after + after.ln())
-            };
-            return Ok((0..self.difference.len()).map(of).sum());
-        }
-        let mut covariance = self.covariance.clone();
-        covariance.diag_mut().mapv_inplace(|value| value + variance);
-        let root = chladni_linalg::cholesky(covariance.view()).map_err(unsolvable)?;
-        let difference = (&self.field.velocity - self.predicted).insert_axis(Axis(1));
-        let white = chladni_linalg::solve_lower(root.view(), difference.view());
-        let white = white.map_err(unsolvable)?;
-        let ln_det = 2.0 * root.diag().iter().map(|value| value.re.ln()).sum::<f64>();
-        Ok(-white.iter().map(Complex64::norm_sqr).sum::<f64>() - ln_det)
-    }
-
-    /// The measured rows of a field at all responses.
-    fn rows(&self, field: &Array1<Complex64>) -> Array1<Complex64> {
-        field.select(Axis(0), &self.field.rows)
-    }
-}
-
-/// S₀; for magnitudes the variances along the phase.
-fn covariance(
-    model: &ModalModel,
-    operator: &Operator,
-    field: &LaidField,
-    predicted: &Array1<Complex64>,
-    modal: &ModalField,
-) -> Array2<Complex64> {
-    let mut of_model = Array2::<Complex64>::zeros((predicted.len(), predicted.len()));
-    for (number, frequency_hz) in modal.in_band(model) {
-        let mode = modal.mode(number);
-        // ∂v/∂η is j/2 of ∂v/∂ln ω: one column carries both deviations
-        let std = (mode.frequency_std_hz / frequency_hz).hypot(0.5 * mode.loss_factor_std);
-        if std > 0.0 {
-            let slope = modal.slope(number).select(Axis(0), &field.rows);
-            let column = slope.insert_axis(Axis(1)).mapv(|value| value * std);
-            of_model += &column.dot(&column.t().mapv(|value| value.conj()));
-        }
-        let part = modal.part_of(number);
-        for (k, &row) in field.rows.iter().enumerate() {
-            let response = operator.response_rows[row];
-            let shape = mode.shape.0[response].norm();
-            if shape > 0.0 {
-                let error = part[row].norm() * mode.shape_std_at_known_scale(response) / shape;
-                of_model[[k, k]] += error * error;
-            }
-        }
-    }
-    let isotropic = (tolerances::ISOTROPIC_FIELD_ERROR * rms(predicted)).powi(2);
-    of_model.diag_mut().mapv_inplace(|value| value + isotropic);
-    if field.magnitudes_only {
-        of_model.mapv_inplace(|value| value * 0.5);
-    }
-    for (value, std) in of_model.diag_mut().iter_mut().zip(&field.std) {
-        *value += std * std;
-    }
-    of_model
 }
 
 /// Places of at most `step_m` over a rectangle.

@@ -186,6 +186,7 @@ mod tests {
         let all = parse("gain,std\n0.5,0.01\n").unwrap();
         assert_eq!((all.len(), all[0].reference), (1, None));
         assert_eq!(all[0].at(77.0).unwrap().std_relative, Some(0.02));
+        assert!(parse("gain_db\n30\n").is_ok());
     }
 
     #[test]

@@ -103,14 +103,16 @@ impl GainTable {
     ///
     /// # Errors
     /// [`chladni_frf::ErrorKind::BadData`]: lists of other lengths, frequencies that do not
-    /// rise, no gain above 0, a phase that turns too far from one entry to the next.
+    /// rise, a gain not above 0 or above [`tolerances::MOST_GAIN`], a phase that turns too far from one entry to the next.
     pub(crate) fn check(&self) -> Result<()> {
-        let wrong = |field: &str, found: String, expected: &str| {
-            Err(Error::bad_data("not a usable gain table")
+        let refused = |field: &str, found: String, expected: &str| {
+            Error::bad_data("not a usable gain table")
                 .field(field)
                 .found(format!("{found}, {}", self.channel()))
-                .expected(expected))
+                .expected(expected)
         };
+        let wrong =
+            |field: &str, found: String, expected: &str| Err(refused(field, found, expected));
         let count = self.frequency_hz.len().max(1);
         for (name, length, may_miss) in [
             ("gain", self.gain.len(), false),
@@ -128,13 +130,10 @@ impl GainTable {
                 return wrong("gain", format!("entry {}: {gain}", k + 1), expected);
             }
             if gain > tolerances::MOST_GAIN {
-                return Err(Error::bad_data("not a usable gain table")
-                    .field("gain")
-                    .found(format!("entry {}: {gain}, {}", k + 1, self.channel()))
-                    .expected(format!(
-                        "a ratio: the motion on the rig over that in the model, at most {}",
-                        tolerances::MOST_GAIN
-                    ))
+                let expected =
+                    "a ratio, the motion on the rig over that in the model: at most 30 dB";
+                let found = format!("entry {}: {gain}", k + 1);
+                return Err(refused("gain", found, expected)
                     .help("divide percents by 100; divide volts per volt by the nominal ones"));
             }
         }

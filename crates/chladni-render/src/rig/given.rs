@@ -52,8 +52,8 @@ pub(super) struct Given {
 
 /// The new drive, or the best measured one where that serves or no better is to be expected.
 ///
-/// The first fields teach: a drive that serves is given again only where all that is known
-/// agrees. Later a measurement is worth more than any promise.
+/// Before the third field a drive that serves is given again only where all that is known agrees:
+/// given again, it teaches nothing. Later a measurement is worth more than any promise.
 ///
 /// * `fields`: number of all fields, those before a calibration included
 pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usize) -> Given {
@@ -61,21 +61,29 @@ pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usiz
     let allowed = |drive: &Drive| {
         corrected.problem.drive_limits.allowed_gain(drive) >= 1.0 - tolerances::AT_LIMIT
     };
+    let as_measured = |k: usize| {
+        let plain = measured_ratio(corrected, &seen[k], Count::Plain);
+        let counts = fields >= tolerances::MEASURED_FIRST_FIELDS;
+        counts && plain.is_some_and(|plain| plain >= tolerances::SERVES_AS_MEASURED)
+    };
     let best = (0..seen.len())
         .filter(|&k| seen[k].rows.len() == whole && allowed(&seen[k].drive))
-        .filter_map(|k| Some((measured_ratio(corrected, &seen[k], Count::Expected)?, k)))
-        .max_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        .filter_map(|k| {
+            let ratio = measured_ratio(corrected, &seen[k], Count::Expected)?;
+            Some((as_measured(k), ratio, k))
+        })
+        .max_by(|a, b| {
+            (a.0.cmp(&b.0))
+                .then(a.1.total_cmp(&b.1))
+                .then(a.2.cmp(&b.2))
+        });
     let expected = corrected.problem.expected_ratio(&new);
     let serves = |ratio: f64, k: usize| {
-        if fields >= tolerances::MEASURED_FIRST_FIELDS {
-            let plain = measured_ratio(corrected, &seen[k], Count::Plain);
-            return plain.is_some_and(|plain| plain >= tolerances::SERVES_AS_MEASURED);
-        }
         let told = corrected.problem.expected_ratio(&seen[k].drive);
         ratio >= tolerances::SERVES_AS_MEASURED && told >= tolerances::SERVES_AS_TOLD
     };
     match best {
-        Some((ratio, k)) if ratio >= expected || serves(ratio, k) => Given {
+        Some((measured, ratio, k)) if measured || ratio >= expected || serves(ratio, k) => Given {
             drive: seen[k].drive.clone(),
             predicted: ratio,
             best_measured: Some(k),
@@ -84,7 +92,7 @@ pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usiz
         _ => Given {
             drive: new,
             predicted: expected,
-            best_measured: best.map(|(_, k)| k),
+            best_measured: best.map(|(_, _, k)| k),
             kept: false,
         },
     }

@@ -34,6 +34,7 @@ mod prior;
 mod seen;
 mod structured;
 mod swapped;
+mod weighed;
 
 pub use agreement::{Agreement, PointAgreement};
 pub(crate) use calibrated::{at_tone, gain_of, Calibrated};

@@ -1,30 +1,30 @@
 //! Two swapped cables: each of two channels plays what is meant for the other.
 //!
-//! Beside every other cause the field is then v̂ + (h_i − h_j)(A_j − A_i), without a free size.
-//! All pairs of channels are weighed; the neighbours of a pair explain a part of it and would be
-//! called odd otherwise, and all channels together nearly all of it.
+//! The field is then v̂ + (h_i − h_j)(A_j − A_i), without a free size (theory.md, eq. 57a). All pairs
+//! of channels are weighed: the neighbours of a pair explain a part of it and would be called odd
+//! otherwise, and all channels together nearly all of it.
 
-use super::diagnosis::{Hypothesis, Place, View};
+use super::diagnosis::{Hypothesis, Place};
 use super::field::Prediction;
+use super::weighed::View;
 use crate::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{Dof, Finding, Result};
+use ndarray::Array1;
 use num_complex::Complex64;
 
 /// The likeliest pair of channels that are swapped.
 pub(super) struct Swap {
-    /// The channels.
-    pub(super) channels: [Dof; 2],
-    /// Weight of the second over that of the first.
-    pub(super) factor: Complex64,
-    /// ln of the evidence over that of no fault, pairs counted.
-    pub(super) ln_evidence: f64,
+    channels: [Dof; 2],
+    /// ln of the evidence over that of no fault, pairs counted, and the same with gains that
+    /// scatter besides.
+    ln_evidence: [f64; 2],
 }
 
 impl Swap {
-    /// The likeliest pair; `None` where none plays another weight than before. Gains that
-    /// scatter explain a field that is swapped, too: of the likeliest pairs those of the
-    /// swapped channels have a say.
+    /// The likeliest pair; `None` where no two channels differ in weight. Gains that scatter
+    /// explain a field that is swapped, too: of the likeliest pairs those of the swapped
+    /// channels have a say.
     pub(super) fn likeliest(
         view: &View,
         operator: &Operator,
@@ -32,64 +32,101 @@ impl Swap {
     ) -> Result<Option<Self>> {
         let (mobility, drive) = (&prediction.mobility, &prediction.drive);
         let count = drive.len();
-        let pairs = count * count.saturating_sub(1) / 2;
+        let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j]));
+        let pairs: Vec<[usize; 2]> = pairs.filter(|&[i, j]| drive[i] != drive[j]).collect();
         let change = |[i, j]: [usize; 2]| {
             let moved = drive[j] - drive[i];
             (&mobility.column(i) - &mobility.column(j)).mapv(|path| path * moved)
         };
-        let mut swaps = Vec::with_capacity(pairs);
-        for (i, j) in (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j))) {
-            let factor = drive[j] / drive[i];
-            if factor.is_finite() {
-                swaps.push(([i, j], factor, view.fixed(&change([i, j]), pairs)?));
+        let alone = match view.field.magnitudes_only {
+            true => (pairs.iter())
+                .map(|&pair| view.fixed(&change(pair), pairs.len()))
+                .collect::<Result<_>>()?,
+            false => with_phases(view, prediction, &pairs)?,
+        };
+        let mut swaps: Vec<([usize; 2], f64)> = pairs.iter().copied().zip(alone).collect();
+        swaps.sort_by(|a, b| b.1.total_cmp(&a.1));
+        swaps.truncate(tolerances::SWAPS_WEIGHED);
+        let mut best: Option<Self> = None;
+        for ([i, j], alone) in swaps {
+            let mut swapped = drive.clone();
+            swapped.swap(i, j);
+            let paths = prediction.paths(&swapped);
+            let beside = view.fixed_and_scattered(&change([i, j]), &paths, pairs.len())?;
+            let swap = Self {
+                channels: [i, j].map(|channel| operator.references[channel]),
+                ln_evidence: [alone, beside],
+            };
+            if best.as_ref().is_none_or(|best| swap.most() > best.most()) {
+                best = Some(swap);
             }
         }
-        swaps.sort_by(|a, b| b.2.total_cmp(&a.2));
-        if !view.magnitudes_only() {
-            swaps.truncate(tolerances::SWAPS_WEIGHED);
-            for (pair, _, ln_evidence) in &mut swaps {
-                let mut swapped = drive.clone();
-                swapped.swap(pair[0], pair[1]);
-                let paths = prediction.paths(&swapped);
-                let scattered = view.fixed_and_scattered(&change(*pair), &paths, pairs)?;
-                *ln_evidence = ln_evidence.max(scattered);
-            }
-        }
-        let best = swaps.into_iter().max_by(|a, b| a.2.total_cmp(&b.2));
-        Ok(best.map(|(pair, factor, ln_evidence)| Self {
-            channels: pair.map(|channel| operator.references[channel]),
-            factor,
-            ln_evidence,
-        }))
+        Ok(best)
     }
 
-    /// The swap as a hypothesis: the first channel has the weight of the second.
-    pub(super) fn hypothesis(&self) -> Hypothesis {
-        let error = self.factor - 1.0;
-        Hypothesis {
-            kind: "channel".into(),
-            place: Some(Place::Channel(self.channels[0])),
-            value: Some([error.re, error.im]),
-            std: None,
-            ln_evidence: self.ln_evidence,
-        }
+    fn most(&self) -> f64 {
+        self.ln_evidence[0].max(self.ln_evidence[1])
     }
 
-    /// The finding, where no other of `causes` comes near.
-    pub(super) fn finding(&self, causes: &[Hypothesis]) -> Option<Finding> {
-        let best = causes.iter().map(|cause| cause.ln_evidence);
-        let best = best.fold(f64::NEG_INFINITY, f64::max);
+    /// The finding, where no other of `causes` comes near; faults of one channel are weighed as
+    /// the swap is, alone and with gains that scatter besides.
+    pub(super) fn finding(
+        &self,
+        view: &View,
+        prediction: &Prediction,
+        operator: &Operator,
+        causes: &[Hypothesis],
+    ) -> Result<Option<Finding>> {
+        let mut next = f64::NEG_INFINITY;
+        for cause in causes {
+            next = next.max(cause.ln_evidence);
+            let (Some(Place::Channel(dof)), Some([re, im])) = (cause.place, cause.value) else {
+                continue;
+            };
+            let Some(i) = operator.references.iter().position(|own| *own == dof) else {
+                continue;
+            };
+            let error = Complex64::new(re, im);
+            let mut paths = prediction.paths(&prediction.drive);
+            let change = paths[i].mapv(|path| path * error);
+            paths[i] += &change;
+            let count = prediction.drive.len();
+            next = next.max(view.fixed_and_scattered(&change, &paths, count)?);
+        }
+        if self.most() <= next + tolerances::SWAP_EVIDENCE {
+            return Ok(None);
+        }
         let [one, other] = self.channels;
         let words = format!(
             "the cables of {one} and {other} are swapped: each channel plays the weight of the other \
-             (ln of the evidence {:.1}, {best:.1} of the next cause)",
-            self.ln_evidence
+             (ln of the evidence {:.1}, {next:.1} of the next cause)",
+            self.most()
         );
-        (self.ln_evidence > best + tolerances::SWAP_EVIDENCE).then(|| {
+        Ok(Some(
             Finding::caution("channels-swapped", words)
                 .dofs(self.channels)
-                .value("ln_evidence", self.ln_evidence)
-                .help("exchange both cables, and measure the field again")
-        })
+                .value("ln_evidence", self.most())
+                .help("exchange both cables, and measure the field again"),
+        ))
     }
+}
+
+/// Evidence of each of `pairs`, of a field with phases: whitening is linear, so one solution per
+/// channel serves all.
+fn with_phases(view: &View, prediction: &Prediction, pairs: &[[usize; 2]]) -> Result<Vec<f64>> {
+    let columns = prediction.mobility.columns().into_iter();
+    let white = columns
+        .map(|column| view.white(column))
+        .collect::<Result<Vec<Array1<Complex64>>>>()?;
+    let rows = view.difference.len() / 2;
+    let of_pair = |&[i, j]: &[usize; 2]| {
+        let moved = prediction.drive[j] - prediction.drive[i];
+        let changed = (0..rows).map(|k| {
+            let change = (white[i][k] - white[j][k]) * moved;
+            let left = Complex64::new(view.difference[k], view.difference[rows + k]);
+            (left.conj() * change).re - 0.5 * change.norm_sqr()
+        });
+        changed.sum::<f64>() - (pairs.len() as f64).ln()
+    };
+    Ok(pairs.iter().map(of_pair).collect())
 }

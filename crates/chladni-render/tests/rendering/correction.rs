@@ -178,6 +178,36 @@ fn a_correction_tells_gains_and_keeps_what_was_best() {
 }
 
 /// The scene with a calibration.
+/// From the third field on a measurement is worth more than any promise.
+#[test]
+fn a_drive_that_served_as_measured_is_given_again_after_three_fields() {
+    let mut given_again = 0;
+    for seed in 0..RIGS {
+        let mut rig = Rig::new(300.0, seed)
+            .scattered(0.05, 5.0)
+            .loaded(&Finger::MID, [0.061, 0.052]);
+        let mut weights = first_drive();
+        let mut played = Vec::new();
+        for fields in 1..=3 {
+            let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
+            played.push((weights, field, None));
+            weights = correct(truth(), &corner(), &played, &RenderOptions::default()).unwrap();
+            let told = weights.correction.as_ref().unwrap();
+            let ratios = told.fields.iter().map(|field| field.min_ratio.unwrap());
+            let served = ratios.fold(0.0, f64::max) >= REACHED;
+            if fields < 3 || !served {
+                continue;
+            }
+            let best = told.best_measured.unwrap() - 1;
+            assert!(told.kept, "{seed}: {told:?}");
+            assert_eq!(played[best].0.weights, weights.weights);
+            assert!(told.fields[best].min_ratio.unwrap() >= REACHED);
+            given_again += 1;
+        }
+    }
+    assert!(given_again >= 3, "{given_again}");
+}
+
 fn with(calibration: &Calibration, scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.actuators.calibration = Some(Arc::new(calibration.clone()));

@@ -193,7 +193,7 @@ pub(super) const FRFS_ASKED: (usize, usize) = (16, 4);
 /// α·T of exponential windows.
 pub(super) const DECAYS: [f64; 9] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0];
 
-/// Parts of a record that bursts under a Hann window last. Errors of bursts between two of them
+/// Lengths of bursts under a Hann window, in parts of a record. Errors of bursts between two of them
 /// lie between theirs; those of 0.9 and more are those of a continuous force.
 pub(super) const PARTS: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
 

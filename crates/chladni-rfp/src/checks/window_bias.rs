@@ -277,8 +277,8 @@ pub(crate) fn of_shapes(case: &Case, found: &Evidence) -> Option<Window> {
     (decisive && !found.errors.as_ref().is_some_and(against)).then_some(window)
 }
 
-/// True for errors of windowed records of continuous excitation; bursts leave no leakage,
-/// lines of their own, and errors that may exclude a continuous force.
+/// True for errors of windowed records under a continuous force: FRFs share them, they taper, and
+/// one window at least is open whose force is continuous.
 fn of_continuous(errors: &Witness) -> bool {
     let open = errors.open.contains(&true);
     errors.leakage && open && errors.likeliest == Correlation::Tapered

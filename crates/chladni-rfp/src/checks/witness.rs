@@ -128,7 +128,8 @@ impl Stretch {
 
 /// True where FRFs share their errors; `None` of one FRF.
 ///
-/// FRFs of one force do: those of others have another force in their products.
+/// FRFs of one force do: those of others have another force in their products, and are asked only
+/// where no force has two.
 fn shared(stretches: &[Stretch]) -> Option<bool> {
     let between = |of_one_force: bool| {
         let pairs = stretches.iter().enumerate().flat_map(|(n, stretch)| {

@@ -90,15 +90,17 @@ fn in_lanes<const BOTH: bool>(
             derivatives[k] = slope;
         }
     }
-    // what is beyond the last line weighs nothing
     let rest = last_x.len();
-    let (mut x, mut g) = ([0.0; LANES], [0.0; LANES]);
-    x[..rest].copy_from_slice(last_x);
-    g[..rest].copy_from_slice(last_g);
-    let (value, slope) = of_lanes(&x, &g);
-    last_column.copy_from_slice(&value[..rest]);
-    if BOTH {
-        last_derivative.copy_from_slice(&slope[..rest]);
+    if rest > 0 {
+        // what is beyond the last line weighs nothing
+        let (mut x, mut g) = ([last_x[0]; LANES], [0.0; LANES]);
+        x[..rest].copy_from_slice(last_x);
+        g[..rest].copy_from_slice(last_g);
+        let (value, slope) = of_lanes(&x, &g);
+        last_column.copy_from_slice(&value[..rest]);
+        if BOTH {
+            last_derivative.copy_from_slice(&slope[..rest]);
+        }
     }
     let [re, im, slope_re, slope_im] = sums.map(|lanes| lanes.iter().sum());
     [Complex64::new(re, im), Complex64::new(slope_re, slope_im)]

@@ -197,6 +197,7 @@ impl Point {
         // the data have nothing inside the background
         let against = blocked_matmul_h(columns.view(), common.data.view());
         let inside = blocked_matmul_h(common.background.view(), columns.view());
+        // what is left of a column is known to the rounding of the whole of it
         let gram = whole - blocked_matmul_h(inside.view(), inside.view());
         let phase: Vec<Complex64> = turn
             .iter()

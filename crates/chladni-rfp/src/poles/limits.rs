@@ -125,7 +125,7 @@ pub(super) const NARROWEST: f64 = 0.01;
 
 // scan.rs
 
-/// Places per block of products.
+/// Places per block of products: more share a window that is wider than each needs.
 pub(super) const BLOCK: usize = 32;
 /// Half-bandwidths on both sides of a place beyond which its resonance is not looked at: a
 /// hundredth of its energy lies there. With ten times as many, a look takes twice as long and

@@ -272,7 +272,7 @@ fn on_orthonormal_basis(
     })
 }
 
-/// The poles refined where that leaves no more than `most`; `None` where it leaves more.
+/// The poles refined where that leaves less than `most`; `None` where it leaves more.
 ///
 /// # Errors
 /// A kernel that fails.
@@ -285,7 +285,7 @@ pub(crate) fn refine_below(
 ) -> Result<Option<Refined>, LinalgError> {
     let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
     // what is needed beside the sum of squares costs as much as a step
-    if last.as_ref().is_some_and(|point| point.sse() > most) {
+    if last.as_ref().is_some_and(|point| point.sse() >= most) {
         return Ok(None);
     }
     let refined = on_orthonormal_basis(descent, last, tolerance)?;

@@ -21,8 +21,8 @@ struct Told {
     alone: f64,
 }
 
-/// E|ν|² where each line has E|ν|² and a part that goes with its slope, if slopes leak; `None`
-/// where there is none.
+/// E|ν|² from lines that hold it and, where slopes leak, a part that goes with the power of the
+/// slope; `None` where there is none.
 ///
 /// What a line tells scatters by its own mean and by noise of its FRFs, so lines count over the
 /// square of both.
@@ -76,7 +76,12 @@ impl Influence<'_> {
         }
         let of_line = |&k: &usize| self.shared_on(k, kept[k]);
         let told: Vec<Told> = lines.iter().flat_map(of_line).collect();
-        let variance = level_of(&told, self.errors.leaks())?;
+        // mixtures of the FRFs of several forces of like power share the mean of their noise
+        let mixed = match self.found.scales_of_frfs {
+            Some(_) => 1.0,
+            None => self.forces as f64,
+        };
+        let variance = mixed * level_of(&told, self.errors.leaks())?;
         Some(Shared {
             variances: vec![variance; work.lines()],
             alone: 1.0,

@@ -68,13 +68,15 @@ impl Influence<'_> {
         Some(Leaking { band, leaks, units })
     }
 
-    /// 1/M as the residual beside modes tells it, less what noise of the force makes there.
+    /// 1/M as the residual about modes tells it: less what noise of the force makes there, and
+    /// with it. The fit takes a part of that noise along, which part is not known: the first is
+    /// too small by it.
     ///
     /// * `drop`: forces that may be, where the noise is read over a force that drops
-    pub fn share_of_leakage(&self, drop: Option<&ForceDrop>) -> f64 {
+    pub fn share_of_leakage(&self, drop: Option<&ForceDrop>) -> [f64; 2] {
         let work = self.found.work;
         let products = self.of_all();
-        let (mut seen, mut foretold) = (0.0, 0.0);
+        let (mut seen, mut noise, mut foretold) = (0.0, 0.0, 0.0);
         for n in (0..self.lambda.len()).filter(|&n| work.in_band(self.lambda[n])) {
             let width = self.errors.cycles(self.lambda[n].im / self.middle(n));
             let lines = self.lines_about(n, width.max(limits::LEAK_SEEN));
@@ -89,15 +91,14 @@ impl Influence<'_> {
                 foretold += self.leaked_on(&leaking, place) * products[[n, n]].re;
                 seen += self.left[k];
                 if let Some(shared) = shared.get(k) {
-                    seen -= shared * self.power(k);
+                    noise += shared * self.power(k);
                 }
             }
         }
-        if foretold > 0.0 {
-            seen.max(0.0) / foretold
-        } else {
-            0.0
-        }
+        [seen - noise, seen].map(|seen: f64| match foretold > 0.0 {
+            true => seen.max(0.0) / foretold,
+            false => 0.0,
+        })
     }
 
     /// Variance of what the first pole leaks into a line, for one block.

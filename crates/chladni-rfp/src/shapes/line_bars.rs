@@ -86,9 +86,10 @@ pub(crate) fn line_bars(
     // a force that drops at resonances leaks more than one of even spectrum, and one of
     // several that act at once into the FRFs of the others, too
     let told = errors.blocks().map(|blocks| 1.0 / blocks);
-    let believed = |seen: f64| {
-        told.filter(|told| seen < limits::LEAKS_AS_TOLD * told)
-            .unwrap_or(seen)
+    let believed = |[less, whole]: [f64; 2]| match told {
+        Some(told) if less < limits::LEAKS_AS_TOLD * told => told,
+        Some(_) => less,
+        None => whole,
     };
     let drop = influence.force_drop(believed(influence.share_of_leakage(None)));
     // noise of a force that drops is loudest where leakage is
