@@ -33,5 +33,6 @@ mod shell;
 mod spoiled;
 mod structure;
 mod studio;
+mod swapped_cables;
 mod troubleshooting;
 mod workbench;
