@@ -24,8 +24,7 @@ struct Told {
 /// E|ν|² from lines that hold it and, where slopes leak, a part that goes with the power of the
 /// slope; `None` where there is none.
 ///
-/// What a line tells scatters by its own mean and by noise of its FRFs, so lines count over the
-/// square of both.
+/// Lines scatter by their own mean and by noise of their FRFs, and count over the square of both.
 fn level_of(told: &[Told], leaks: bool) -> Option<f64> {
     let seen = told.iter().map(|own| own.shared.abs()).sum::<f64>();
     let [mut level, mut leaked] = [seen / told.len().max(1) as f64, 0.0];
