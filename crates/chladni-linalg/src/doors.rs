@@ -38,6 +38,7 @@ doors! {
     fn qr_thin(a: ArrayView2<Self>) -> (Array2<Self>, Array2<Self>);
     fn qr_r(a: ArrayView2<Self>) -> Array2<Self>;
     fn svd_thin(a: ArrayView2<Self>) -> Result<(Array2<Self>, Array1<f64>, Array2<Self>)>;
+    fn singular_values(a: ArrayView2<Self>) -> Result<Array1<f64>>;
     fn eigh(a: ArrayView2<Self>) -> Result<(Array1<f64>, Array2<Self>)>;
     fn cholesky(a: ArrayView2<Self>) -> Result<Array2<Self>>;
     fn solve_triangular(t: ArrayView2<Self>, b: ArrayView2<Self>, which: Triangle) -> Array2<Self>;

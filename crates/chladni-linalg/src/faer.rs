@@ -141,6 +141,13 @@ pub fn svd_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>, 
     Ok((array(svd.U()), s, array(vh.as_ref())))
 }
 
+pub fn singular_values<T: Scalar>(a: ArrayView2<T>) -> Result<Array1<f64>> {
+    let operation = "singular values";
+    let values = viewed(&a).as_ref().singular_values();
+    let values = values.map_err(|_| LinalgError::NoConvergence { operation })?;
+    Ok(values.iter().map(|v| v.modulus()).collect())
+}
+
 pub fn eigh<T: Scalar>(a: ArrayView2<T>) -> Result<(Array1<f64>, Array2<T>)> {
     let operation = "Hermitian eigenvalues";
     let eigen = viewed(&a)

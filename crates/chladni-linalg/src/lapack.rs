@@ -118,6 +118,14 @@ pub fn svd_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array1<f64>, 
     Ok((u.expect("asked for"), s, vh.expect("asked for")))
 }
 
+pub fn singular_values<T: Scalar>(a: ArrayView2<T>) -> Result<Array1<f64>> {
+    let _entered = lapack();
+    let operation = "singular values";
+    let factors = column_major(a).svddc(JobSvd::None);
+    let (_, values, _) = factors.map_err(|_| LinalgError::NoConvergence { operation })?;
+    Ok(values)
+}
+
 pub fn eigh<T: Scalar>(a: ArrayView2<T>) -> Result<(Array1<f64>, Array2<T>)> {
     let _entered = lapack();
     let operation = "Hermitian eigenvalues";

@@ -11,7 +11,9 @@ use crate::operator::Operator;
 use crate::time::causal::CausalModel;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Result};
-use chladni_linalg::{cholesky, matmul, matmul_h, solve_lower, solve_lower_adjoint, svd_thin};
+use chladni_linalg::{
+    cholesky, matmul, matmul_h, singular_values, solve_lower, solve_lower_adjoint,
+};
 use ndarray::{concatenate, Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -64,7 +66,7 @@ fn is_near(model: &CausalModel, pole: usize) -> bool {
 /// (LᴴL + ε²)⁻¹·LᴴR with ε = `tolerances::MODAL_RAMP_RIDGE`·σ_max(L).
 fn regularised(left: &Array2<Complex64>, right: &Array2<Complex64>) -> Result<Array2<Complex64>> {
     let mut gram = matmul_h(left.view(), left.view());
-    let (_, singular, _) = svd_thin(gram.view()).map_err(unsolvable)?;
+    let singular = singular_values(gram.view()).map_err(unsolvable)?;
     let largest = singular.first().copied().unwrap_or(0.0);
     let ridge = (tolerances::MODAL_RAMP_RIDGE.powi(2) * largest).max(f64::MIN_POSITIVE);
     gram.diag_mut().mapv_inplace(|value| value + ridge);

@@ -67,7 +67,7 @@ fn of_synthesis(model: &ModalModel, frequency_hz: &Array1<f64>) -> Result<Array2
         if matrix.iter().any(|value| !value.is_finite()) {
             return Ok(Array1::from_elem(count, f64::NAN));
         }
-        Ok(chladni_linalg::svd_thin(matrix.view()).map_err(failed)?.1)
+        chladni_linalg::singular_values(matrix.view()).map_err(failed)
     });
     let rows: Vec<Array1<f64>> = rows.collect::<Result<_>>()?;
     Ok(Array2::from_shape_fn((rows.len(), count), |(line, k)| {

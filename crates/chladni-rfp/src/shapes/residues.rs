@@ -10,7 +10,7 @@
 use crate::data::columns::Columns;
 use crate::data::information::covariance;
 use crate::shapes::limits;
-use chladni_linalg::{matmul, matmul_h, svd_thin, LinalgError};
+use chladni_linalg::{matmul, matmul_h, singular_values, svd_thin, LinalgError};
 use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 
@@ -101,11 +101,11 @@ pub(crate) fn significant_rank(
     variance: f64,
 ) -> Result<usize, LinalgError> {
     let (responses, references) = residues.present.dim();
-    let (_, sv, _) = svd_thin(residues.of_pole(pole).view())?;
+    let values = singular_values(residues.of_pole(pole).view())?;
     let inverse = covariance(ridge(residues.weight).view());
     let noise = (variance * inverse[[pole, pole]].re).sqrt()
         * ((responses as f64).sqrt() + (references as f64).sqrt());
-    Ok(sv
+    Ok(values
         .iter()
         .filter(|s| **s > limits::RANK_OVER_NOISE * noise)
         .count()

@@ -2,7 +2,7 @@
 //! Signal Process. 2 (1988) 367.
 
 use chladni_frf::FrfSet;
-use chladni_linalg::{svd_thin, LinalgError};
+use chladni_linalg::{singular_values, LinalgError};
 use ndarray::{Array2, ArrayView1};
 use rayon::prelude::*;
 
@@ -22,7 +22,7 @@ pub fn cmif(frf: &FrfSet) -> Result<Array2<f64>, LinalgError> {
             if matrix.iter().any(|v| !v.is_finite()) {
                 return Ok(vec![f64::NAN; count]);
             }
-            Ok(svd_thin(matrix.view())?.1.to_vec())
+            Ok(singular_values(matrix.view())?.to_vec())
         })
         .collect();
     let mut out = Array2::zeros((lines, count));

@@ -41,7 +41,7 @@ fn is_angular(name: &str) -> bool {
 }
 
 /// Factor to Hz of a label in any case; a small m in capitals is neither milli nor mega.
-fn factor_of(label: &str) -> Option<f64> {
+pub(super) fn factor_of(label: &str) -> Option<f64> {
     frequency_unit(label).or_else(|| frequency_unit(&label.to_lowercase()))
 }
 

@@ -4,6 +4,7 @@
 use super::super::tree::{Attribute, Element, Entry, Values};
 use super::super::values::reals;
 use super::choose::Source;
+use super::frequency::factor_of;
 use super::{is_characters, length, Reader};
 use crate::unit_label::{parse, Unit};
 use chladni_frf::{Error, FrfKind, ReferenceUnit, Result, TimeSign};
@@ -11,6 +12,8 @@ use std::str::FromStr;
 
 const UNIT: [&str; 2] = ["unit", "frf_unit"];
 const FREQUENCY_UNIT: [&str; 2] = ["frequency_unit", "freq_unit"];
+/// Names that may also say the unit of a place or a force.
+const MAYBE_FREQUENCY_UNIT: [&str; 2] = ["x_unit", "f_unit"];
 const PHASE_UNIT: [&str; 2] = ["phase_unit", "angle_unit"];
 
 /// A fact in words, and the field that states it.
@@ -117,10 +120,15 @@ impl<'a> Reader<'a> {
         let sign = self.near(frf, &["time_sign"])?;
         let reference = self.near(frf, &["reference_unit"])?;
         let unit = self.near(frf, &[&[own_unit.as_str()], &UNIT[..]].concat())?;
-        let frequency_unit = match self.near(freq, &frequency_names)? {
-            None => self.near(frf, &frequency_names)?,
-            found => found,
-        };
+        let mut frequency_unit = self.near(freq, &frequency_names)?;
+        if frequency_unit.is_none() {
+            frequency_unit = self.near(frf, &frequency_names)?;
+        }
+        if frequency_unit.is_none() {
+            let is_frequency = |fact: &Fact<'_>| factor_of(&fact.text).is_some();
+            let maybe = self.near(freq, &MAYBE_FREQUENCY_UNIT)?;
+            frequency_unit = maybe.filter(is_frequency);
+        }
         let phase_unit = match &phase {
             None => None,
             Some((phase, name)) => match attribute(phase, &["unit"]) {

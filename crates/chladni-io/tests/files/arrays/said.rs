@@ -42,6 +42,8 @@ fn frequencies_have_the_unit_that_is_said() {
         ("freq", "Freq_Units", "RAD/S", TAU),
         ("x", "x_unit", "rpm", 60.0),
         ("f", "f_unit", "kHz", 1e-3),
+        ("freq", "x_unit", "kHz", 1e-3),
+        ("freq", "f_unit", "rad/s", TAU),
         ("omega", "omega_unit", "rad/s", TAU),
         ("omega", "frequency_unit", "Hz", 1.0),
         ("f_Hz", "unit", "m/s/N", 1.0),
