@@ -369,6 +369,8 @@ pub const BORNE_DRIVE_ERRORS: [f64; 2] = [0.02, 0.01];
 /// Rigs that are simulated for one drive: the share that survives is then sure to 1.5 %
 /// where it is 0.95.
 pub const ENDURANCE_RIGS: usize = 200;
+/// Rigs that are simulated at a time: their matrices stay in the cache.
+pub const RIGS_AT_ONCE: usize = 40;
 /// Seed of these rigs: the same for every drive.
 pub const ENDURANCE_SEED: u64 = 0;
 /// Rms error of each natural frequency there, relative: a few
