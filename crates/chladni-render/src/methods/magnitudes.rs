@@ -4,8 +4,7 @@
 //! magnitude), A becomes the least-squares fit to p; p overshoots by the factor
 //! `tolerances::MLS_RELAXATION`. Rows that keep their limits have p_k = h_k·A, so that
 //! a step is the fit to the own field of A and the pull of the others alone. After some
-//! steps only those drives go on that serve most. Steps are taken in single precision, drives
-//! judged in double.
+//! steps only those drives go on that serve most.
 
 use crate::least_squares::LeastSquares;
 use crate::methods::split::Split;
@@ -14,7 +13,7 @@ use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::wide;
 use ndarray::{concatenate, Array2, ArrayView1, Axis};
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex64;
 use std::cmp::Ordering;
 
 /// So many steps, and so many drives that go on after them.
@@ -47,28 +46,23 @@ impl<'a> Steps<'a> {
     /// The drive after so many steps with all rows a `margin` inside their limits, a
     /// factor.
     fn after(&self, steps: usize, drive: ArrayView1<Complex64>, margin: f64) -> Drive {
-        let single = |value: &Complex64| Complex32::new(value.re as f32, value.im as f32);
-        let mut weights: Vec<Complex32> = drive.iter().map(single).collect();
+        let mut weights = drive.to_vec();
         wide(
             #[inline(always)]
             || self.take(steps, &mut weights, margin),
         );
-        let double = |value: &Complex32| Complex64::new(value.re.into(), value.im.into());
-        weights.iter().map(double).collect()
+        weights.into()
     }
 
     #[inline(always)]
-    fn take(&self, steps: usize, drive: &mut [Complex32], margin: f64) {
+    fn take(&self, steps: usize, drive: &mut [Complex64], margin: f64) {
         let Problem { limits, rows, .. } = self.problem;
-        let (felt, quiet) = (
-            (limits.hot_m_per_s * margin) as f32,
-            (limits.cold_m_per_s / margin) as f32,
-        );
+        let (felt, quiet) = (limits.hot_m_per_s * margin, limits.cold_m_per_s / margin);
         let count = rows.mobility.nrows();
-        let mut field_and_fit = vec![Complex32::ZERO; count + drive.len()];
+        let mut field_and_fit = vec![Complex64::ZERO; count + drive.len()];
         let mut pulls = Vec::with_capacity(count);
         for _ in 0..steps {
-            field_and_fit.fill(Complex32::ZERO);
+            field_and_fit.fill(Complex64::ZERO);
             let terms = drive.iter().copied().enumerate();
             self.field_and_fit.add_terms(terms, &mut field_and_fit);
             let (field, fit) = field_and_fit.split_at(count);
@@ -156,9 +150,9 @@ impl<'a> Race<'a> {
 /// What moves `value` along its own phase to the magnitude `limit`, and beyond by the
 /// relaxation.
 #[inline(always)]
-fn pull(value: Complex32, limit: f32) -> Complex32 {
+fn pull(value: Complex64, limit: f64) -> Complex64 {
     let before = value.norm_sqr().sqrt();
-    let change = tolerances::MLS_RELAXATION as f32 * (limit - before);
+    let change = tolerances::MLS_RELAXATION * (limit - before);
     if before > 0.0 {
         value * (change / before)
     } else {
@@ -181,9 +175,9 @@ mod tests {
 
     #[test]
     fn a_still_row_gets_some_phase_and_a_loud_one_is_reduced() {
-        let relaxation = tolerances::MLS_RELAXATION as f32;
-        assert_eq!(pull(Complex32::ZERO, 1.0), Complex32::from(relaxation));
-        let expected = Complex32::new(0.0, -relaxation);
-        assert!((pull(Complex32::new(0.0, 2.0), 1.0) - expected).norm() < 1e-6);
+        let relaxation = tolerances::MLS_RELAXATION;
+        assert_eq!(pull(Complex64::ZERO, 1.0), Complex64::from(relaxation));
+        let expected = Complex64::new(0.0, -relaxation);
+        assert!((pull(Complex64::new(0.0, 2.0), 1.0) - expected).norm() < 1e-15);
     }
 }

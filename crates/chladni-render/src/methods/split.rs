@@ -1,22 +1,17 @@
-//! Complex matrices in single precision, taken apart into real parts, for products with
-//! single columns.
+//! Complex matrices taken apart into real parts, for products with single columns.
 //!
 //! A product of matrices first packs both: with a single drive, and with few of the
-//! columns, that takes longer than the sums. A search on such products ends seven digits
-//! from that in double precision; what it finds is judged in double precision.
+//! columns, that takes longer than the sums.
 
+use crate::tolerances::LANES;
 use ndarray::ArrayView2;
-use num_complex::{Complex32, Complex64};
-
-/// Rows that are summed at once: eight sums are on their way, so that none waits for the
-/// one before it.
-const LANES: usize = 16;
+use num_complex::Complex64;
 
 /// Rows of a column, their real parts apart from their imaginary ones.
 #[derive(Clone, Copy)]
 struct Lanes {
-    re: [f32; LANES],
-    im: [f32; LANES],
+    re: [f64; LANES],
+    im: [f64; LANES],
 }
 
 impl Lanes {
@@ -27,7 +22,7 @@ impl Lanes {
 
     /// Adds value·factor to each sum.
     #[inline(always)]
-    fn add(&mut self, values: &Self, factor: f32) {
+    fn add(&mut self, values: &Self, factor: f64) {
         for k in 0..LANES {
             self.re[k] = values.re[k].mul_add(factor, self.re[k]);
             self.im[k] = values.im[k].mul_add(factor, self.im[k]);
@@ -49,7 +44,7 @@ impl Split {
         for (k, row) in matrix.rows().into_iter().enumerate() {
             let block = &mut lanes[k / LANES * columns..][..columns];
             for (lanes, value) in block.iter_mut().zip(row) {
-                (lanes.re[k % LANES], lanes.im[k % LANES]) = (value.re as f32, value.im as f32);
+                (lanes.re[k % LANES], lanes.im[k % LANES]) = (value.re, value.im);
             }
         }
         Self { columns, lanes }
@@ -59,8 +54,8 @@ impl Split {
     #[inline(always)]
     pub(crate) fn add_terms(
         &self,
-        terms: impl Iterator<Item = (usize, Complex32)> + Clone,
-        sums: &mut [Complex32],
+        terms: impl Iterator<Item = (usize, Complex64)> + Clone,
+        sums: &mut [Complex64],
     ) {
         let blocks = self.lanes.chunks_exact(self.columns);
         for (block, sums) in blocks.zip(sums.chunks_mut(LANES)) {
@@ -87,21 +82,18 @@ mod tests {
     /// Sizes that fill their last rows and such that do not; all columns, and one.
     #[test]
     fn products_are_those_of_the_matrix() {
-        for (rows, columns) in [(32, 3), (21, 5), (3, 1)] {
+        for (rows, columns) in [(16, 3), (21, 5), (3, 1)] {
             let matrix = Array2::from_shape_fn((rows, columns), |(k, j)| {
                 Complex64::new((k + 2 * j) as f64, (3 * k) as f64 - j as f64)
             });
             let split = Split::new(matrix.view());
             for first in [0, columns - 1] {
-                let terms = (first..columns).map(|j| (j, Complex32::new(j as f32, 1.0)));
-                let mut sums = vec![Complex32::I; rows];
+                let terms = (first..columns).map(|j| (j, Complex64::new(j as f64, 1.0)));
+                let mut sums = vec![Complex64::I; rows];
                 split.add_terms(terms.clone(), &mut sums);
                 for (sum, row) in sums.iter().zip(matrix.rows()) {
-                    let values = terms.clone().map(|(j, factor)| {
-                        let value = row[j];
-                        Complex32::new(value.re as f32, value.im as f32) * factor
-                    });
-                    assert_eq!(*sum, Complex32::I + values.sum::<Complex32>());
+                    let values = terms.clone().map(|(j, factor)| row[j] * factor);
+                    assert_eq!(*sum, Complex64::I + values.sum::<Complex64>());
                 }
             }
         }
