@@ -69,15 +69,7 @@ impl Endurance {
         let mut first = 0;
         while first < tolerances::ENDURANCE_RIGS {
             let rigs = tolerances::RIGS_AT_ONCE.min(tolerances::ENDURANCE_RIGS - first);
-            let mut driven = Array2::zeros((rigs, drive.len()));
-            let mut factors = Array2::zeros((rigs, modes));
-            for (mut driven, mut factors) in driven.rows_mut().into_iter().zip(factors.rows_mut()) {
-                driven.zip_mut_with(drive, |driven, weight| {
-                    *driven = weight * draw.gain(&amplifiers);
-                });
-                let drawn = draw.factors(modes, tolerances::ENDURANCE_FREQUENCY_ERROR);
-                factors.assign(&Array1::from(drawn));
-            }
+            let (driven, factors) = drawn(&mut draw, &amplifiers, rigs, drive, modes);
             let (driven, moved) = (driven.t(), panel.answers(&factors.reversed_axes()));
             let of_amplifiers = matmul(panel.mobility.view(), driven);
             let change = &moved - &still;
@@ -146,6 +138,27 @@ impl Endurance {
                 .help(help),
         )
     }
+}
+
+/// What actuators do for `drive`, axes (rig, actuator), and factors on the frequencies of
+/// the modes, axes (rig, mode), of the next rigs.
+fn drawn(
+    draw: &mut Draw,
+    amplifiers: &StressOptions,
+    rigs: usize,
+    drive: &Drive,
+    modes: usize,
+) -> (Array2<Complex64>, Array2<f64>) {
+    let mut driven = Array2::zeros((rigs, drive.len()));
+    let mut factors = Array2::zeros((rigs, modes));
+    for (mut driven, mut factors) in driven.rows_mut().into_iter().zip(factors.rows_mut()) {
+        driven.zip_mut_with(drive, |driven, weight| {
+            *driven = weight * draw.gain(amplifiers);
+        });
+        let drawn = draw.factors(modes, tolerances::ENDURANCE_FREQUENCY_ERROR);
+        factors.assign(&Array1::from(drawn));
+    }
+    (driven, factors)
 }
 
 /// The judged responses of a model, for many rigs at a time. A mode is one half where its
@@ -309,8 +322,13 @@ mod tests {
                 let alone = modal.with_frequencies(|n| factors[[n, rig]]);
                 near(moved.column(rig), judged(alone));
             }
-            let alone = modal.touched(&Finger::MID, setup.judged[0]).unwrap();
-            near(touched.column(0), judged(alone));
+            let alone = |row: usize| modal.touched(&Finger::MID, setup.judged[row]).unwrap();
+            near(touched.column(0), judged(alone(0)));
+            // what the halves do on top, and a finger on the second response
+            let resting = &panel.mobility.dot(&column) * 0.0;
+            let halves = &still * &panel.forces(column);
+            let touched = panel.touched(&Finger::MID, 1, &still, &resting, halves);
+            near(touched.column(0), judged(alone(1)));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The magnitude iteration of [`super::mls`], many drives at a time.
+//! The magnitude iteration of [`super::mls`].
 //!
 //! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited
 //! magnitude), A becomes the least-squares fit to p; p overshoots by the factor

@@ -20,7 +20,8 @@ impl Lanes {
         im: [0.0; LANES],
     };
 
-    /// Adds value·factor to each sum.
+    /// Adds value·factor to each sum, in one rounding: one instruction of every processor
+    /// since 2013.
     #[inline(always)]
     fn add(&mut self, values: &Self, factor: f64) {
         for k in 0..LANES {
