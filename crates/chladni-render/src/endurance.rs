@@ -3,11 +3,12 @@
 //! κ speaks of the errors that were assumed. A rig as one finds it has amplifiers of 2 %
 //! and 2°, natural frequencies 0.1 % off, and a light finger on its hot zone, all at once.
 //! Such rigs are drawn from a seed and simulated in the model with the drive as it is: some
-//! hundred fields, all by a few products of matrices, no more programs.
+//! hundred fields, all by a few products of matrices, some rigs at a time so that these stay
+//! in the cache; no more programs.
 
 use crate::finger::Finger;
 use crate::modal_field::{answer, guessed_scale, halves};
-use crate::problem::{amplitude, Drive};
+use crate::problem::{Drive, Problem};
 use crate::rig_draw::{Draw, StressOptions};
 use crate::setup::Setup;
 use crate::tolerances;
@@ -57,44 +58,47 @@ impl Endurance {
         amplifiers.phase_deg *= gain_error / usual;
         let panel = Panel::new(setup, model);
         let modes = panel.modes.len();
-        let mut draw = Draw::new(tolerances::ENDURANCE_SEED);
-        let mut driven = Array2::zeros((drive.len(), tolerances::ENDURANCE_RIGS));
-        let mut factors = Array2::ones((modes, tolerances::ENDURANCE_RIGS));
-        let rigs = driven.columns_mut().into_iter();
-        for (mut driven, mut factors) in rigs.zip(factors.columns_mut()) {
-            driven.zip_mut_with(drive, |driven, weight| {
-                *driven = weight * draw.gain(&amplifiers);
-            });
-            let drawn = draw.factors(modes, tolerances::ENDURANCE_FREQUENCY_ERROR);
-            factors.assign(&Array1::from(drawn));
-        }
-        let undisturbed = drive.view().insert_axis(Axis(1));
-        let (moved, still) = (
-            panel.answers(&factors),
+        let alone = drive.view().insert_axis(Axis(1));
+        let (still, forces) = (
             panel.answers(&Array2::ones((modes, 1))),
+            panel.forces(alone),
         );
-        let change = |drives| panel.of_modes(&(&(&moved - &still) * &panel.forces(drives)));
-        let of_amplifiers = matmul(panel.mobility.view(), driven.view());
-        let of_both = &of_amplifiers + &change(driven.view());
-        let free = matmul(panel.mobility.view(), undisturbed);
-        let of_frequencies = &free + &change(undisturbed);
-        let served = [
-            &panel.touched(&finger, &moved, &of_both),
-            &of_amplifiers,
-            &of_frequencies,
-        ];
+        let free = matmul(panel.mobility.view(), alone);
+        let mut draw = Draw::new(tolerances::ENDURANCE_SEED);
+        let mut served = [0; 3];
+        let mut first = 0;
+        while first < tolerances::ENDURANCE_RIGS {
+            let rigs = tolerances::RIGS_AT_ONCE.min(tolerances::ENDURANCE_RIGS - first);
+            let (driven, factors) = drawn(&mut draw, &amplifiers, rigs, drive, modes);
+            let (driven, moved) = (driven.t(), panel.answers(&factors.reversed_axes()));
+            let of_amplifiers = matmul(panel.mobility.view(), driven);
+            let change = &moved - &still;
+            let of_frequencies = &change * &forces;
+            let of_both = change * panel.forces(driven);
+            let of_all = panel.touched(&finger, first, &moved, &of_amplifiers, of_both);
+            let fields = [
+                &of_all,
+                &of_amplifiers,
+                &(panel.of_modes(&of_frequencies) + &free),
+            ];
+            for (served, fields) in served.iter_mut().zip(fields) {
+                *served += panel.served(fields);
+            }
+            first += rigs;
+        }
+        let hot = setup.problem.rows.hot;
+        let everywhere = Array2::zeros((free.nrows(), hot)) + free;
+        let none = Array2::zeros((panel.shapes.ncols(), hot));
+        let touched = panel.served(&panel.touched(&finger, 0, &still, &everywhere, none));
         let [survival_ratio, amplifiers_alone, frequencies_alone] =
-            served.map(|fields| panel.served_ratio(fields));
-        let everywhere = Array2::zeros((free.nrows(), setup.problem.rows.hot));
-        let finger_alone =
-            panel.served_ratio(&panel.touched(&finger, &still, &(everywhere + free)));
+            served.map(|count| count as f64 / tolerances::ENDURANCE_RIGS as f64);
         Self {
             survival_ratio,
             rigs: tolerances::ENDURANCE_RIGS,
             gain_error,
             amplifiers_alone,
             frequencies_alone,
-            finger_alone,
+            finger_alone: touched as f64 / hot as f64,
             touch_is_known: model.scaling == Scaling::UnitModalMass,
         }
     }
@@ -136,6 +140,27 @@ impl Endurance {
     }
 }
 
+/// What actuators do for `drive`, axes (rig, actuator), and factors on the frequencies of
+/// the modes, axes (rig, mode), of the next rigs.
+fn drawn(
+    draw: &mut Draw,
+    amplifiers: &StressOptions,
+    rigs: usize,
+    drive: &Drive,
+    modes: usize,
+) -> (Array2<Complex64>, Array2<f64>) {
+    let mut driven = Array2::zeros((rigs, drive.len()));
+    let mut factors = Array2::zeros((rigs, modes));
+    for (mut driven, mut factors) in driven.rows_mut().into_iter().zip(factors.rows_mut()) {
+        driven.zip_mut_with(drive, |driven, weight| {
+            *driven = weight * draw.gain(amplifiers);
+        });
+        let drawn = draw.factors(modes, tolerances::ENDURANCE_FREQUENCY_ERROR);
+        factors.assign(&Array1::from(drawn));
+    }
+    (driven, factors)
+}
+
 /// The judged responses of a model, for many rigs at a time. A mode is one half where its
 /// damping is structural, two of conjugates where it is viscous.
 struct Panel<'a> {
@@ -148,6 +173,10 @@ struct Panel<'a> {
     shapes: Array2<Complex64>,
     /// Axes (half, actuator).
     participations: Array2<Complex64>,
+    /// Of each half; see [`guessed_scale`].
+    scales: Array1<Complex64>,
+    /// Squares of the velocities between which responses keep their limits and miss them.
+    bounds: Vec<f64>,
 }
 
 impl<'a> Panel<'a> {
@@ -156,9 +185,18 @@ impl<'a> Panel<'a> {
         let counts = |mode: &&Mode| mode.trust != Trust::Rejected;
         let modes: Vec<&Mode> = model.modes.iter().filter(counts).collect();
         let [shapes, participations] = halves(model.damping, &modes, operator, judged);
+        let scale = |n: usize| guessed_scale(model, operator, modes[n % modes.len()]).into();
+        let scales = (0..shapes.ncols()).map(scale).collect();
+        let Problem { rows, limits, .. } = &setup.problem;
+        let bound = |(k, level): (usize, &f64)| match k < rows.hot {
+            true => (limits.felt_from_m_per_s() * level).powi(2),
+            false => (limits.quiet_to_m_per_s() * level).powi(2),
+        };
         Self {
+            bounds: rows.levels.iter().enumerate().map(bound).collect(),
             setup,
             model,
+            scales,
             modes,
             mobility: operator.mobility.select(Axis(0), judged),
             shapes,
@@ -191,39 +229,49 @@ impl<'a> Panel<'a> {
         matmul(self.shapes.view(), halves.view())
     }
 
-    /// The fields `free`, axes (response, rig), with a finger on a hot response each, the
-    /// first on the first (theory.md, eq. 52); `answers`: of each rig, or of all.
+    /// The fields `free`, axes (response, rig), where the halves do what `halves` says on
+    /// top, axes (half, rig), with a finger on a hot response each (theory.md, eq. 52).
+    ///
+    /// * `first`: number of the first rig; the finger of rig 0 is on the first response
+    /// * `answers`: of each rig, or of all
     fn touched(
         &self,
         finger: &Finger,
+        first: usize,
         answers: &Array2<Complex64>,
         free: &Array2<Complex64>,
+        mut halves: Array2<Complex64>,
     ) -> Array2<Complex64> {
         let operator = &self.setup.operator;
-        let scale = |mode: &&Mode| guessed_scale(self.model, operator, mode);
-        let scales: Vec<f64> = self.modes.iter().map(scale).collect();
-        let row = |rig: usize| rig % self.setup.problem.rows.hot;
-        let pressed = Array2::from_shape_fn((self.shapes.ncols(), free.ncols()), |(half, rig)| {
-            self.shapes[[row(rig), half]] * scales[half % self.modes.len()]
-        });
-        let from_finger = self.of_modes(&(pressed * answers));
         let compliance = finger.impedance(operator.frequency_hz).inv();
-        let force = Array1::from_shape_fn(free.ncols(), |rig| {
-            let place = [row(rig), rig];
-            free[place] / (compliance + from_finger[place])
-        });
-        free - &(from_finger * force)
+        let all_answers = answers.broadcast(halves.dim()).expect("of each, or of all");
+        let rigs = halves.columns_mut().into_iter().zip(all_answers.columns());
+        for (rig, (mut halves, answers)) in rigs.enumerate() {
+            let row = (first + rig) % self.setup.problem.rows.hot;
+            let shape = self.shapes.row(row);
+            let pressed = &shape * &self.scales * answers;
+            let velocity = free[[row, rig]] + shape.dot(&halves);
+            let force = velocity / (compliance + shape.dot(&pressed));
+            halves.scaled_add(-force, &pressed);
+        }
+        self.of_modes(&halves) + free
     }
 
-    /// The share of fields, axes (response, rig), that serve the responses of both kinds.
-    fn served_ratio(&self, fields: &Array2<Complex64>) -> f64 {
+    /// The number of fields, axes (response, rig), that serve the responses of both kinds.
+    fn served(&self, fields: &Array2<Complex64>) -> usize {
         let problem = &self.setup.problem;
         let serves = |field: &ArrayView1<Complex64>| {
-            let amplitudes = field.map(amplitude) / &problem.rows.levels;
-            let (hot, cold) = problem.counts(&amplitudes, 1.0);
-            problem.min_ratio(hot, cold) >= tolerances::SERVES
+            let squares = field.iter().map(Complex64::norm_sqr).zip(&self.bounds);
+            let mut kept = [0; 2];
+            for (k, (square, &bound)) in squares.enumerate() {
+                match k < problem.rows.hot {
+                    true => kept[0] += usize::from(square >= bound),
+                    false => kept[1] += usize::from(square <= bound),
+                }
+            }
+            problem.min_ratio(kept[0], kept[1]) >= tolerances::SERVES
         };
-        fields.columns().into_iter().filter(serves).count() as f64 / fields.ncols() as f64
+        fields.columns().into_iter().filter(serves).count()
     }
 }
 
@@ -268,13 +316,19 @@ mod tests {
             let free = matmul(panel.mobility.view(), column);
             let change = &(&panel.answers(&factors) - &still) * &panel.forces(column);
             let moved = &free + &panel.of_modes(&change);
-            let touched = panel.touched(&Finger::MID, &still, &free);
+            let none = Array2::zeros((panel.shapes.ncols(), 1));
+            let touched = panel.touched(&Finger::MID, 0, &still, &free, none);
             for rig in 0..2 {
                 let alone = modal.with_frequencies(|n| factors[[n, rig]]);
                 near(moved.column(rig), judged(alone));
             }
-            let alone = modal.touched(&Finger::MID, setup.judged[0]).unwrap();
-            near(touched.column(0), judged(alone));
+            let alone = |row: usize| modal.touched(&Finger::MID, setup.judged[row]).unwrap();
+            near(touched.column(0), judged(alone(0)));
+            // what the halves do on top, and a finger on the second response
+            let resting = &panel.mobility.dot(&column) * 0.0;
+            let halves = &still * &panel.forces(column);
+            let touched = panel.touched(&Finger::MID, 1, &still, &resting, halves);
+            near(touched.column(0), judged(alone(1)));
         }
     }
 }

@@ -61,7 +61,7 @@ impl Problem {
             .map(|k| (limit(k) / amplitudes[k], k < self.rows.hot))
             .collect();
         meets.retain(|meet| meet.0.is_finite());
-        meets.sort_by(|a, b| a.0.total_cmp(&b.0));
+        meets.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let (mut felt, mut quiet) = (0, self.rows.cold());
         let mut steps = Vec::from_iter(meets.first().map(|first| (0.5 * first.0, (felt, quiet))));
         for (k, &(gain, hot)) in meets.iter().enumerate() {

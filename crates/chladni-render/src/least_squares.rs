@@ -8,7 +8,7 @@ use crate::kernel_error::unsolvable;
 use crate::problem::Problem;
 use crate::tolerances;
 use chladni_frf::Result;
-use chladni_linalg::{cholesky, matmul_h, solve_lower, solve_lower_adjoint};
+use chladni_linalg::{cholesky, matmul, matmul_h, solve_lower, solve_lower_adjoint};
 use ndarray::{s, Array2, ArrayView2};
 use num_complex::Complex64;
 use std::ops::Range;
@@ -55,15 +55,27 @@ impl<'a> LeastSquares<'a> {
         self.solve(matmul_h(self.problem.rows.hot_rows(), weighted.view()).view())
     }
 
-    /// N⁻¹, and I − N⁻¹·R: the least-squares fit to the field h_k·A of a drive A itself
-    /// is the drive (I − N⁻¹·R)·A.
+    /// N⁻¹.
     ///
     /// # Errors
     /// None: sizes fit.
-    pub(crate) fn inverse_and_own_fit(&self) -> Result<[Array2<Complex64>; 2]> {
-        let unit = Array2::from_diag_elem(self.lower.nrows(), Complex64::ONE);
-        let own_fit = &unit - &self.solve(self.regulariser.view())?;
-        Ok([self.solve(unit.view())?, own_fit])
+    pub(crate) fn inverse(&self) -> Result<Array2<Complex64>> {
+        self.solve(Array2::from_diag_elem(self.lower.nrows(), Complex64::ONE).view())
+    }
+
+    /// N⁻¹·Hᴴ·diag(w), from a change of the targets of all rows to that of the drive, and
+    /// I − N⁻¹·R: the least-squares fit to the field h_k·A of a drive A itself is the
+    /// drive (I − N⁻¹·R)·A.
+    ///
+    /// # Errors
+    /// None: sizes fit.
+    pub(crate) fn pull_and_own_fit(&self) -> Result<[Array2<Complex64>; 2]> {
+        let inverse = self.inverse()?;
+        let mut weighted = self.problem.rows.mobility.t().mapv(|value| value.conj());
+        weighted *= &self.problem.row_weights.mapv(Complex64::from);
+        let pull = matmul(inverse.view(), weighted.view());
+        let unit = Array2::from_diag_elem(inverse.nrows(), Complex64::ONE);
+        Ok([pull, unit - matmul(inverse.view(), self.regulariser.view())])
     }
 
     fn solve(&self, right: ArrayView2<Complex64>) -> Result<Array2<Complex64>> {

@@ -226,6 +226,25 @@ impl Problem {
         }
     }
 
+    /// Amplitudes on the rows and standard deviation of each of the drives, m/s; axes
+    /// (actuator, drive).
+    pub(crate) fn fields(&self, drives: ArrayView2<Complex64>) -> Vec<(Array1<f64>, f64)> {
+        let fields = chladni_linalg::matmul(self.rows.mobility.view(), drives);
+        let amplitudes = fields
+            .columns()
+            .into_iter()
+            .map(|field| field.map(amplitude));
+        amplitudes.zip(self.covariance.deviations(drives)).collect()
+    }
+
+    /// Scores each of the drives; axes (actuator, drive).
+    pub(crate) fn scores(&self, drives: ArrayView2<Complex64>) -> Vec<Score> {
+        let fields = self.fields(drives).into_iter();
+        fields
+            .map(|(amplitudes, deviation)| self.score_of(&amplitudes, deviation))
+            .collect()
+    }
+
     /// Scores `drive`.
     pub(crate) fn score(&self, drive: &Drive) -> Score {
         self.score_of(

@@ -131,6 +131,10 @@ pub const MLS_ROUNDS: [[(usize, usize); 2]; 3] =
 /// Flat between 1.5 (κ 2.4) and 1.9 (2.6).
 pub const MLS_RELAXATION: f64 = 1.8;
 
+/// Rows of a matrix that are summed at once in its steps: eight sums of four lanes are on
+/// their way, so that none waits for the one before it.
+pub const LANES: usize = 8;
+
 /// Margins by which the iteration wants its rows inside their limits, dB: all starts with
 /// the first, the best start with the others. On the corner scene alone: 0.5 dB κ 1.0, 1
 /// dB 2.1, 2 dB 3.3, 3 dB 3.0, 4 dB 2.6, 6 dB 1.8.
@@ -369,6 +373,8 @@ pub const BORNE_DRIVE_ERRORS: [f64; 2] = [0.02, 0.01];
 /// Rigs that are simulated for one drive: the share that survives is then sure to 1.5 %
 /// where it is 0.95.
 pub const ENDURANCE_RIGS: usize = 200;
+/// Rigs that are simulated at a time: their matrices stay in the cache.
+pub const RIGS_AT_ONCE: usize = 40;
 /// Seed of these rigs: the same for every drive.
 pub const ENDURANCE_SEED: u64 = 0;
 /// Rms error of each natural frequency there, relative: a few

@@ -1,17 +1,18 @@
-//! The magnitude iteration of [`super::mls`], many drives at a time.
+//! The magnitude iteration of [`super::mls`].
 //!
 //! Majorisation: with p_k the nearest value of S_k to h_k·A (same phase, limited
 //! magnitude), A becomes the least-squares fit to p; p overshoots by the factor
 //! `tolerances::MLS_RELAXATION`. Rows that keep their limits have p_k = h_k·A, so that
-//! a step is the fit to the own field of A and the pull of the others alone. All drives
-//! take a step together; after some steps only those go on that serve most.
+//! a step is the fit to the own field of A and the pull of the others alone. After some
+//! steps only those drives go on that serve most.
 
 use crate::least_squares::LeastSquares;
-use crate::problem::{amplitude, Drive, Problem};
+use crate::methods::split::Split;
+use crate::problem::{Drive, Problem};
 use crate::tolerances;
 use chladni_frf::Result;
-use chladni_linalg::{matmul, matmul_h};
-use ndarray::{Array2, Axis};
+use chladni_linalg::wide;
+use ndarray::{concatenate, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 use std::cmp::Ordering;
 
@@ -21,10 +22,10 @@ pub(crate) type Round = (usize, usize);
 /// The quantities that every step over the rows of a problem takes, found once.
 pub(crate) struct Steps<'a> {
     problem: &'a Problem,
-    /// From pulls of rows to a change of the drive; see
-    /// [`LeastSquares::inverse_and_own_fit`].
-    inverse: Array2<Complex64>,
-    own_fit: Array2<Complex64>,
+    /// From a drive to the velocities of all rows, then to its fit to these.
+    field_and_fit: Split,
+    /// From pulls of rows to a change of the drive.
+    pull: Split,
 }
 
 impl<'a> Steps<'a> {
@@ -33,12 +34,50 @@ impl<'a> Steps<'a> {
     /// # Errors
     /// None: sizes fit.
     pub(crate) fn new(least_squares: &LeastSquares<'a>) -> Result<Self> {
-        let [inverse, own_fit] = least_squares.inverse_and_own_fit()?;
+        let problem = least_squares.problem;
+        let [pull, own_fit] = least_squares.pull_and_own_fit()?;
         Ok(Self {
-            problem: least_squares.problem,
-            inverse,
-            own_fit,
+            problem,
+            field_and_fit: Split::new(concatenate![Axis(0), problem.rows.mobility, own_fit].view()),
+            pull: Split::new(pull.view()),
         })
+    }
+
+    /// The drive after so many steps with all rows a `margin` inside their limits, a
+    /// factor.
+    fn after(&self, steps: usize, drive: ArrayView1<Complex64>, margin: f64) -> Drive {
+        let mut weights = drive.to_vec();
+        wide(
+            #[inline(always)]
+            || self.take(steps, &mut weights, margin),
+        );
+        weights.into()
+    }
+
+    #[inline(always)]
+    fn take(&self, steps: usize, drive: &mut [Complex64], margin: f64) {
+        let Problem { limits, rows, .. } = self.problem;
+        let (felt, quiet) = (limits.hot_m_per_s * margin, limits.cold_m_per_s / margin);
+        let count = rows.mobility.nrows();
+        let mut field_and_fit = vec![Complex64::ZERO; count + drive.len()];
+        let mut pulls = Vec::with_capacity(count);
+        for _ in 0..steps {
+            field_and_fit.fill(Complex64::ZERO);
+            let terms = drive.iter().copied().enumerate();
+            self.field_and_fit.add_terms(terms, &mut field_and_fit);
+            let (field, fit) = field_and_fit.split_at(count);
+            pulls.clear();
+            for (k, value) in field.iter().enumerate() {
+                let square = value.norm_sqr();
+                if k < rows.hot && square < felt * felt {
+                    pulls.push((k, pull(*value, felt)));
+                } else if k >= rows.hot && square > quiet * quiet {
+                    pulls.push((k, pull(*value, quiet)));
+                }
+            }
+            drive.copy_from_slice(fit);
+            self.pull.add_terms(pulls.iter().copied(), drive);
+        }
     }
 }
 
@@ -72,8 +111,10 @@ impl<'a> Race<'a> {
 
     /// A round; those that serve most go on, with their best gain, the best first.
     pub(crate) fn run(&mut self, (steps, kept): Round) {
-        for _ in 0..steps {
-            self.step();
+        let columns = self.drives.columns_mut().into_iter();
+        for (mut column, &margin) in columns.zip(&self.margins) {
+            let ended = self.steps.after(steps, column.view(), margin);
+            column.assign(&ended);
         }
         let keys = self.take_best_gains();
         let mut order: Vec<usize> = (0..keys.len()).collect();
@@ -83,75 +124,39 @@ impl<'a> Race<'a> {
         self.margins = order.iter().map(|&k| self.margins[k]).collect();
     }
 
-    /// Those that are left.
-    pub(crate) fn into_drives(self) -> Vec<Drive> {
+    /// Those that are left; axes (actuator, drive).
+    pub(crate) fn into_drives(self) -> Array2<Complex64> {
         self.drives
-            .columns()
-            .into_iter()
-            .map(|column| column.to_owned())
-            .collect()
-    }
-
-    fn step(&mut self) {
-        let Steps {
-            problem:
-                Problem {
-                    limits,
-                    rows,
-                    row_weights,
-                    ..
-                },
-            inverse,
-            own_fit,
-        } = self.steps;
-        let mut pulls = matmul(rows.mobility.view(), self.drives.view());
-        for (mut column, margin) in pulls.columns_mut().into_iter().zip(&self.margins) {
-            let (felt, quiet) = (limits.hot_m_per_s * margin, limits.cold_m_per_s / margin);
-            for (k, value) in column.iter_mut().enumerate() {
-                let (keeps, limit) = match k < rows.hot {
-                    true => (value.norm_sqr() >= felt * felt, felt),
-                    false => (value.norm_sqr() <= quiet * quiet, quiet),
-                };
-                *value = if keeps {
-                    Complex64::ZERO
-                } else {
-                    (relaxed(*value, limit) - *value) * row_weights[k]
-                };
-            }
-        }
-        let pulled = matmul_h(rows.mobility.view(), pulls.view());
-        self.drives =
-            matmul(own_fit.view(), self.drives.view()) + matmul(inverse.view(), pulled.view());
     }
 
     /// Scales every drive by the gain that serves most rows; what each is judged by then:
     /// least zone, total, κ.
     fn take_best_gains(&mut self) -> Vec<[f64; 3]> {
         let problem = self.steps.problem;
-        let amplitudes = matmul(problem.rows.mobility.view(), self.drives.view()).map(amplitude);
-        let deviations = problem.covariance.deviations(self.drives.view());
+        let fields = problem.fields(self.drives.view());
         let columns = self.drives.columns_mut().into_iter();
-        let columns = columns.zip(amplitudes.columns()).zip(deviations);
+        let columns = columns.zip(fields);
         columns
-            .map(|((mut column, amplitudes), deviation)| {
-                let gain = problem.best_gain(&amplitudes.to_owned(), &column.to_owned());
+            .map(|(mut column, (amplitudes, deviation))| {
+                let gain = problem.best_gain(&amplitudes, &column.to_owned());
                 column.mapv_inplace(|weight| weight * gain);
-                let score = problem.score_of(&(&amplitudes * gain), deviation * gain);
+                let score = problem.score_of(&(amplitudes * gain), deviation * gain);
                 [score.min_ratio, score.success_ratio, score.kappa]
             })
             .collect()
     }
 }
 
-/// `value` moved along its own phase to the magnitude `limit`, and beyond by the
+/// What moves `value` along its own phase to the magnitude `limit`, and beyond by the
 /// relaxation.
-fn relaxed(value: Complex64, limit: f64) -> Complex64 {
-    let before = amplitude(&value);
-    let moved = before + tolerances::MLS_RELAXATION * (limit - before);
+#[inline(always)]
+fn pull(value: Complex64, limit: f64) -> Complex64 {
+    let before = value.norm_sqr().sqrt();
+    let change = tolerances::MLS_RELAXATION * (limit - before);
     if before > 0.0 {
-        value * (moved / before)
+        value * (change / before)
     } else {
-        moved.into()
+        change.into()
     }
 }
 
@@ -170,12 +175,9 @@ mod tests {
 
     #[test]
     fn a_still_row_gets_some_phase_and_a_loud_one_is_reduced() {
-        assert_eq!(
-            relaxed(Complex64::ZERO, 1.0),
-            Complex64::from(tolerances::MLS_RELAXATION)
-        );
-        let value = Complex64::new(0.0, 2.0);
-        let expected = 2.0 - tolerances::MLS_RELAXATION;
-        assert!((relaxed(value, 1.0) - Complex64::new(0.0, expected)).norm() < 1e-15);
+        let relaxation = tolerances::MLS_RELAXATION;
+        assert_eq!(pull(Complex64::ZERO, 1.0), Complex64::from(relaxation));
+        let expected = Complex64::new(0.0, -relaxation);
+        assert!((pull(Complex64::new(0.0, 2.0), 1.0) - expected).norm() < 1e-15);
     }
 }

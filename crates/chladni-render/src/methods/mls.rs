@@ -23,7 +23,7 @@ use crate::least_squares::LeastSquares;
 use crate::methods::magnitudes::{better_first, Race, Round, Steps};
 use crate::methods::{contrast, Solution};
 use crate::plane::Rectangle;
-use crate::problem::{Drive, Problem, Rows};
+use crate::problem::{Drive, Problem, Rows, Score};
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::Array2;
@@ -86,33 +86,20 @@ fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Driv
     let starts = starts(&on_points)?;
     let steps = Steps::new(&on_points)?;
     let [first_margin, ..] = tolerances::MLS_MARGINS_DB;
-    let first = contest.enter(
-        &steps,
-        &starts
-            .iter()
-            .map(|start| (start, first_margin))
-            .collect::<Vec<_>>(),
-        from_starts,
-    );
-    let mut ended = contest.enter(&steps, &with_margins(&first), with_each_margin);
+    let first = contest.enter(&steps, &starts, &[first_margin], from_starts);
+    let margins = &tolerances::MLS_MARGINS_DB;
+    let mut ended = contest.enter(&steps, &first, margins, with_each_margin);
     if let Some(ground) = &with_ground {
         let last = contest.enter(
             &Steps::new(&LeastSquares::new(ground, ridge)?)?,
-            &with_margins(&ended),
+            &ended,
+            margins,
             on_ground,
         );
         ended.splice(..0, last);
     }
     ended.extend(first);
     Ok((contest.into_best(), ended))
-}
-
-/// Each of the drives with each margin, dB.
-fn with_margins(drives: &[Drive]) -> Vec<(&Drive, f64)> {
-    drives
-        .iter()
-        .flat_map(|drive| tolerances::MLS_MARGINS_DB.map(|margin_db| (drive, margin_db)))
-        .collect()
 }
 
 /// Criteria of a drive, the more important first: responses served (least zone, total), κ
@@ -160,17 +147,32 @@ impl<'a> Contest<'a> {
         self.best().unwrap_or_else(|| Drive::zeros(actuators))
     }
 
-    /// Iterates from all starts, each with its margin in dB, the best going on from round
-    /// to round; returns the leading drives.
-    fn enter(&mut self, steps: &Steps, starts: &[(&Drive, f64)], rounds: [Round; 2]) -> Vec<Drive> {
-        let mut race = Race::new(steps, starts);
+    /// Iterates from all starts, each with each of the margins in dB, the best going on
+    /// from round to round; returns the leading drives.
+    fn enter(
+        &mut self,
+        steps: &Steps,
+        starts: &[Drive],
+        margins_db: &[f64],
+        rounds: [Round; 2],
+    ) -> Vec<Drive> {
+        let with_margins = starts
+            .iter()
+            .flat_map(|start| margins_db.iter().map(move |&margin_db| (start, margin_db)));
+        let mut race = Race::new(steps, &with_margins.collect::<Vec<_>>());
         for round in rounds {
             race.run(round);
         }
-        let mut drives: Vec<(Key, Drive)> = race
-            .into_drives()
+        let ended = race.into_drives();
+        let scores = [self.points, self.ground].map(|problem| problem.scores(ended.view()));
+        let mut drives: Vec<(Key, Drive)> = ended
+            .columns()
             .into_iter()
-            .map(|drive| (self.judge(drive.clone()), drive))
+            .zip(scores[0].iter().zip(&scores[1]))
+            .map(|(drive, (&points, &ground))| {
+                let drive = drive.to_owned();
+                (self.compare(&drive, [points, ground]), drive)
+            })
             .collect();
         drives.sort_by(|(a, _), (b, _)| better_first(a, b));
         drives.into_iter().map(|(_, drive)| drive).collect()
@@ -188,7 +190,12 @@ impl<'a> Contest<'a> {
     }
 
     fn judge(&mut self, drive: Drive) -> Key {
-        let (points, ground) = (self.points.score(&drive), self.ground.score(&drive));
+        let scores = [self.points, self.ground].map(|problem| problem.score(&drive));
+        self.compare(&drive, scores)
+    }
+
+    /// The key of a drive with these scores, which is kept where it is the best.
+    fn compare(&mut self, drive: &Drive, [points, ground]: [Score; 2]) -> Key {
         // conic programs that were asked for so much end a rounding above or below it
         let up_to = |kappa: f64, enough: f64| kappa.min(enough * (1.0 - tolerances::SAME_KAPPA));
         let robust = [
@@ -202,10 +209,10 @@ impl<'a> Contest<'a> {
             ground.min_ratio,
             ground.success_ratio,
             robust[1],
-            -peak(&drive),
+            -peak(drive),
         ];
         if self.best.as_ref().is_none_or(|(best, _)| key > *best) {
-            self.best = Some((key, drive));
+            self.best = Some((key, drive.clone()));
         }
         key
     }

@@ -9,6 +9,7 @@ pub(crate) mod mls;
 pub(crate) mod modal;
 pub(crate) mod pressure_matching;
 pub(crate) mod robust;
+mod split;
 pub(crate) mod tikhonov;
 pub(crate) mod time_reversal;
 pub(crate) mod tsvd;

@@ -22,7 +22,7 @@ use num_complex::Complex64;
 /// # Errors
 /// Those of the factorisation: a broken promise.
 pub(super) fn most_expected(problem: &Problem, starts: &[Drive]) -> Result<Option<Drive>> {
-    let [metric, _] = LeastSquares::new(problem, 0.0)?.inverse_and_own_fit()?;
+    let metric = LeastSquares::new(problem, 0.0)?.inverse()?;
     let ends = starts.iter().filter_map(|start| {
         let start = within_limits(problem, start.clone());
         let end = climb(problem, &metric, &start);

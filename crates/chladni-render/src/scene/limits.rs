@@ -18,11 +18,19 @@ pub struct Limits {
 impl Limits {
     /// True where ground that moves at `velocity_m_per_s` is felt.
     pub fn is_felt(&self, velocity_m_per_s: f64) -> bool {
-        velocity_m_per_s >= self.hot_m_per_s * (1.0 - tolerances::LIMIT)
+        velocity_m_per_s >= self.felt_from_m_per_s()
     }
     /// True where ground that moves at `velocity_m_per_s` is quiet.
     pub fn is_quiet(&self, velocity_m_per_s: f64) -> bool {
-        velocity_m_per_s <= self.cold_m_per_s * (1.0 + tolerances::LIMIT)
+        velocity_m_per_s <= self.quiet_to_m_per_s()
+    }
+    /// The least velocity that counts as felt.
+    pub(crate) fn felt_from_m_per_s(&self) -> f64 {
+        self.hot_m_per_s * (1.0 - tolerances::LIMIT)
+    }
+    /// The largest velocity that counts as quiet.
+    pub(crate) fn quiet_to_m_per_s(&self) -> f64 {
+        self.cold_m_per_s * (1.0 + tolerances::LIMIT)
     }
     /// Hot limit over cold limit, dB.
     pub fn apart_db(&self) -> f64 {
