@@ -16,6 +16,7 @@ use chladni_frf::{Finding, ModalModel, Mode, Scaling, Trust};
 use chladni_linalg::matmul;
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
 use num_complex::Complex64;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// The endurance of a drive, simulated in its model. It serves a rig where it serves 95 % of
@@ -65,27 +66,24 @@ impl Endurance {
         );
         let free = matmul(panel.mobility.view(), alone);
         let mut draw = Draw::new(tolerances::ENDURANCE_SEED);
-        let mut served = [0; 3];
-        let mut first = 0;
-        while first < tolerances::ENDURANCE_RIGS {
+        let firsts = (0..tolerances::ENDURANCE_RIGS).step_by(tolerances::RIGS_AT_ONCE);
+        let some = firsts.map(|first| {
             let rigs = tolerances::RIGS_AT_ONCE.min(tolerances::ENDURANCE_RIGS - first);
-            let (driven, factors) = drawn(&mut draw, &amplifiers, rigs, drive, modes);
+            (first, drawn(&mut draw, &amplifiers, rigs, drive, modes))
+        });
+        let served = |(first, (driven, factors)): (usize, (Array2<Complex64>, Array2<f64>))| {
             let (driven, moved) = (driven.t(), panel.answers(&factors.reversed_axes()));
             let of_amplifiers = matmul(panel.mobility.view(), driven);
             let change = &moved - &still;
             let of_frequencies = &change * &forces;
             let of_both = change * panel.forces(driven);
             let of_all = panel.touched(&finger, first, &moved, &of_amplifiers, of_both);
-            let fields = [
-                &of_all,
-                &of_amplifiers,
-                &(panel.of_modes(&of_frequencies) + &free),
-            ];
-            for (served, fields) in served.iter_mut().zip(fields) {
-                *served += panel.served(fields);
-            }
-            first += rigs;
-        }
+            let of_frequencies = panel.of_modes(&of_frequencies) + &free;
+            [&of_all, &of_amplifiers, &of_frequencies].map(|fields| panel.served(fields))
+        };
+        let served = some.collect::<Vec<_>>().into_par_iter().map(served);
+        let add = |a: [usize; 3], b: [usize; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        let served = served.reduce(|| [0; 3], add);
         let hot = setup.problem.rows.hot;
         let everywhere = Array2::zeros((free.nrows(), hot)) + free;
         let none = Array2::zeros((panel.shapes.ncols(), hot));

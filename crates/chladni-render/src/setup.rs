@@ -16,8 +16,8 @@ use crate::zones::{Ground, ZoneMap};
 use chladni_frf::{Error, Finding, ModalModel, ReferenceUnit, Result, Trust};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
-use std::cell::OnceCell;
 use std::sync::Arc;
+use std::sync::OnceLock;
 
 /// A scene over a model.
 #[derive(Clone)]
@@ -34,9 +34,9 @@ pub(crate) struct Setup {
     pub(crate) problem: Problem,
     /// The responses as nodes of interpolation, where they carry an area; found when a
     /// method asks for them.
-    nodes: OnceCell<Option<Nodes>>,
+    nodes: OnceLock<Option<Nodes>>,
     /// Rows between them, coarse and fine; the same.
-    between: [OnceCell<Option<Rows>>; 2],
+    between: [OnceLock<Option<Rows>>; 2],
     /// Modes of the model that are summed explicitly, rising.
     pub(crate) modes: Vec<usize>,
     /// Fingers that the scene expects.

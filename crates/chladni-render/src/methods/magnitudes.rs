@@ -14,6 +14,7 @@ use chladni_frf::Result;
 use chladni_linalg::wide;
 use ndarray::{concatenate, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
+use rayon::prelude::*;
 use std::cmp::Ordering;
 
 /// So many steps, and so many drives that go on after them.
@@ -112,10 +113,11 @@ impl<'a> Race<'a> {
     /// A round; those that serve most go on, with their best gain, the best first.
     pub(crate) fn run(&mut self, (steps, kept): Round) {
         let columns = self.drives.columns_mut().into_iter();
-        for (mut column, &margin) in columns.zip(&self.margins) {
+        let ways: Vec<_> = columns.zip(&self.margins).collect();
+        ways.into_par_iter().for_each(|(mut column, &margin)| {
             let ended = self.steps.after(steps, column.view(), margin);
             column.assign(&ended);
-        }
+        });
         let keys = self.take_best_gains();
         let mut order: Vec<usize> = (0..keys.len()).collect();
         order.sort_by(|&a, &b| better_first(&keys[a], &keys[b]).then(a.cmp(&b)));
