@@ -14,6 +14,7 @@ use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::coefficients;
 use crate::poles::descent::{Descent, Point};
+use crate::poles::limits;
 use crate::poles::normal::{Normal, Plain};
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
@@ -272,7 +273,8 @@ fn on_orthonormal_basis(
     })
 }
 
-/// The poles refined where that leaves less than `most`; `None` where it leaves more.
+/// The poles refined where that leaves less than `most`; `None` where it leaves more, or where
+/// no step in sight leads there.
 ///
 /// # Errors
 /// A kernel that fails.
@@ -283,7 +285,15 @@ pub(crate) fn refine_below(
     (iterations, tolerance): (usize, f64),
     most: f64,
 ) -> Result<Option<Refined>, LinalgError> {
-    let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
+    let mut descent = Descent::new(work, start, powers, iterations);
+    let mut point = descent.here::<Normal>();
+    if let Some(point) = &point {
+        let in_sight = limits::GAIN_OVER_PROMISE * descent.promised(point);
+        if point.sse() - in_sight > most {
+            return Ok(None);
+        }
+    }
+    let last = point.take_if(|point| descent.go(point, tolerance));
     // what is needed beside the sum of squares costs as much as a step
     if last.as_ref().is_some_and(|point| point.sse() >= most) {
         return Ok(None);
