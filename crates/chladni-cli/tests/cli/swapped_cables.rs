@@ -1,4 +1,4 @@
-//! `evaluate --field` where two cables are swapped.
+//! `evaluate --field` and `correct` where two cables are swapped.
 
 use crate::common::Folder;
 use serde_json::Value;
@@ -32,5 +32,9 @@ fn two_swapped_cables_are_the_likeliest_cause() {
     let channels = [3, 20].map(|k| weights["weights"][k]["reference"].as_str().unwrap());
     let [one, other] = channels;
     let words = format!("the cables of {one} and {other} are swapped");
+    assert!(run.said().contains(&words), "{}", run.stderr);
+    let run = folder
+        .run("correct model.json scene.toml --weights w.json --field field.csv -o next.json")
+        .exits(0);
     assert!(run.said().contains(&words), "{}", run.stderr);
 }

@@ -1,8 +1,10 @@
 //! Measured fields as updates of the operator take them.
 
 use super::agreement::Likeness;
-use super::field::{noise_assumed, LaidField};
+use super::diagnosis::diagnose;
+use super::field::{noise_assumed, LaidField, Prediction};
 use super::lone_points::without_lone_points;
+use super::prior::design;
 use crate::evaluate::{laid, Laid, On};
 use crate::problem::Drive;
 use crate::scene::Scene;
@@ -56,7 +58,7 @@ impl Seen {
     }
 }
 
-/// The fields laid over the operator, each with its drive.
+/// The fields laid over the operator, each with its drive. The newest tells two swapped cables.
 pub(super) fn see(
     setup: &Setup,
     scene: &Scene,
@@ -117,9 +119,21 @@ pub(super) fn see(
             1 => finding,
             _ => finding.about(format_args!("field {number}")),
         };
-        let few = few_responses(field.rows.len());
-        let told = off.into_iter().chain(likeness.finding()).chain(few);
-        findings.extend(told.map(of_field));
+        let mut told: Vec<Finding> = off.into_iter().chain(likeness.finding()).collect();
+        told.extend(few_responses(field.rows.len()));
+        if number == played.len() {
+            // cables may have been exchanged since the fields before
+            let drift = scene.drift.unwrap_or_default();
+            let prediction = Prediction {
+                deviation: design(model, &setup.operator, scene, &drift)?.deviation(&whole),
+                velocity: predicted,
+                mobility,
+                drive: whole.clone(),
+            };
+            let (_, swapped) = diagnose(model, &setup.operator, &field, &prediction)?;
+            told.extend(swapped);
+        }
+        findings.extend(told.into_iter().map(of_field));
         assumed |= field.noise_assumed;
         all.push(Seen::of(field, whole));
     }

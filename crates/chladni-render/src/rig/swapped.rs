@@ -19,6 +19,8 @@ pub(super) struct Swap {
     /// ln of the evidence over that of no fault, pairs counted, and the same with gains that
     /// scatter besides.
     ln_evidence: [f64; 2],
+    /// Mean square of the whitened difference that the swap and such gains leave.
+    left: f64,
 }
 
 impl Swap {
@@ -55,7 +57,8 @@ impl Swap {
             let beside = view.fixed_and_scattered(&change([i, j]), &paths, pairs.len())?;
             let swap = Self {
                 channels: [i, j].map(|channel| operator.references[channel]),
-                ln_evidence: [alone, beside],
+                ln_evidence: [alone, beside.ln_evidence],
+                left: beside.left,
             };
             if best.as_ref().is_none_or(|best| swap.most() > best.most()) {
                 best = Some(swap);
@@ -68,8 +71,8 @@ impl Swap {
         self.ln_evidence[0].max(self.ln_evidence[1])
     }
 
-    /// The finding, where no other of `causes` comes near; faults of one channel are weighed as
-    /// the swap is, alone and with gains that scatter besides.
+    /// The finding, where no other of `causes` comes near and the swap explains the field; faults
+    /// of one channel are weighed as the swap is, alone and with gains that scatter besides.
     pub(super) fn finding(
         &self,
         view: &View,
@@ -91,9 +94,10 @@ impl Swap {
             let change = paths[i].mapv(|path| path * error);
             paths[i] += &change;
             let count = prediction.drive.len();
-            next = next.max(view.fixed_and_scattered(&change, &paths, count)?);
+            let beside = view.fixed_and_scattered(&change, &paths, count)?;
+            next = next.max(beside.ln_evidence);
         }
-        if self.most() <= next + tolerances::SWAP_EVIDENCE {
+        if self.most() <= next + tolerances::SWAP_EVIDENCE || self.left > tolerances::SWAP_LEAVES {
             return Ok(None);
         }
         let [one, other] = self.channels;

@@ -43,6 +43,13 @@ pub(super) struct Found {
     pub(super) ln_evidence: f64,
 }
 
+/// Evidence of a change, and the mean square of the whitened difference that it leaves: 1 or
+/// less where that is noise.
+pub(super) struct Explained {
+    pub(super) ln_evidence: f64,
+    pub(super) left: f64,
+}
+
 impl<'a> View<'a> {
     pub(super) fn new(
         model: &ModalModel,
@@ -158,17 +165,22 @@ impl<'a> View<'a> {
             - (alternatives as f64).ln()
     }
 
-    /// Evidence of gains that scatter beside a change without free size, after which each
-    /// channel moves the field by its path.
+    /// Gains that scatter beside a change without free size, after which each channel moves the
+    /// field by its path.
     pub(super) fn fixed_and_scattered(
         &self,
         change: &Array1<Complex64>,
         paths: &[Array1<Complex64>],
         alternatives: usize,
-    ) -> Result<f64> {
+    ) -> Result<Explained> {
         let changed = self.against(&(self.predicted + change))?;
-        let scattered = self.weigh_of(&self.scattered(paths)?, &changed)?;
-        Ok(self.fixed_of(&changed, alternatives) + scattered.ln_evidence)
+        let gains = self.scattered(paths)?;
+        let found = self.weigh_of(&gains, &changed)?;
+        let left = &changed - &gains.columns.dot(&found.sizes);
+        Ok(Explained {
+            ln_evidence: self.fixed_of(&changed, alternatives) + found.ln_evidence,
+            left: left.dot(&left) / left.len() as f64,
+        })
     }
 
     /// Gains of all channels, each by itself.

@@ -278,6 +278,21 @@ fn two_swapped_cables_are_named_and_no_other_fault_is_called_so() {
     }
 }
 
+/// Exchanged cables explain a part of nearly any field with several faults.
+#[test]
+fn several_faults_at_once_are_not_called_a_swap() {
+    for seed in 0..2 * TRIALS {
+        let rig = Rig::new(300.0, seed)
+            .scattered(0.03, 3.0)
+            .channel(channel(seed), -1.0)
+            .channel(channel(seed + 5), 0.0)
+            .loaded(&Finger::MID, [0.061, 0.052]);
+        let told = judged(&drive(), rig, 0.01);
+        let none = told.findings.iter().all(|f| f.code != "channels-swapped");
+        assert!(none, "{seed}: {:?}", told.findings);
+    }
+}
+
 /// A channel that is still plays the weight of the other, whichever of both comes first.
 #[test]
 fn a_swap_with_a_silent_channel_is_named() {
