@@ -126,7 +126,7 @@ impl Stretch {
     }
 }
 
-/// True where FRFs share their errors; `None` of one FRF.
+/// True where FRFs share their errors; `None` of one FRF, or where few pairs do not tell.
 ///
 /// FRFs of one force do: those of others have another force in their products, and are asked only
 /// where no force has two.
@@ -145,7 +145,14 @@ fn shared(stretches: &[Stretch]) -> Option<bool> {
     };
     // by chance it goes as one over the lines
     let length = stretches.first()?.errors.len() as f64;
-    (count > 0.0).then_some(sum > limits::SHARED * count * limits::STRETCH as f64 / length)
+    let coherence = sum * length / (count * limits::STRETCH as f64);
+    if coherence > limits::SHARED {
+        return Some(true);
+    }
+    // coherences scatter as much as their mean: few pairs do not tell that errors are apart
+    let (of_chance, of_leakage) = limits::COHERENCE;
+    let nats = (of_leakage / of_chance).ln() - coherence * (1.0 / of_chance - 1.0 / of_leakage);
+    (count * nats > limits::APART).then_some(false)
 }
 
 /// The stretches of one FRF, of `length` lines.
@@ -395,6 +402,30 @@ mod tests {
         for seed in 0..10 {
             assert_eq!(shared(&all(9000 + 200 * seed)), Some(true), "{seed}");
         }
+    }
+
+    #[test]
+    fn few_frfs_do_not_tell_that_errors_are_independent() {
+        let of = |frfs: u64, seed: u64| -> Vec<Stretch> {
+            (0..frfs)
+                .flat_map(|frf| {
+                    let own = errors(&|_| 1.0, Some(20), 20_000 + 10 * seed + frf);
+                    let own = ndarray::aview1(&own);
+                    stretches((frf as usize, 0), own, &[true; 200], limits::STRETCH)
+                })
+                .collect()
+        };
+        // one pair each, then the fifteen pairs of six FRFs on each of four stretches
+        let mut apart = [0; 2];
+        for seed in 0..20 {
+            let one_pair = of(2, seed).into_iter().filter(|own| own.first == 0);
+            let one_pair: Vec<Stretch> = one_pair.collect();
+            let told = [shared(&one_pair), shared(&of(6, seed))];
+            for (count, told) in apart.iter_mut().zip(told) {
+                *count += usize::from(told == Some(false));
+            }
+        }
+        assert_eq!(apart, [0, 20]);
     }
 
     /// Sums over blocks of X*·(what a slope of an FRF leaks), the same in three FRFs.

@@ -32,6 +32,14 @@ pub(crate) struct Record<'a> {
     pub hz: f64,
 }
 
+impl Record<'_> {
+    /// True where poles are those of all weighted lines: what a mode's own lines tell by
+    /// themselves is less sharp there, and has other errors than bars say.
+    pub fn needs_all_lines(&self) -> bool {
+        self.leaks || self.loud_at_peaks || self.correlated_noise.is_some()
+    }
+}
+
 /// Half window, in lines, of the noise under the peaks of `lines` lines.
 pub(crate) fn noise_window(lines: usize) -> usize {
     let (one_in, least, most) = NOISE_WINDOW;

@@ -324,7 +324,7 @@ impl<'a> Search<'a> {
             tol::FINE_STEP,
         )?;
         let mut local = vec![None; self.candidates.refined.lambda.len()];
-        if !(self.record.leaks || self.record.loud_at_peaks) {
+        if !self.record.needs_all_lines() {
             (self.candidates.refined, local) = refine_resolved(
                 &self.plain,
                 &self.weighted,
