@@ -75,6 +75,17 @@ mod tests {
             Complex64::new(((3 * i + 5 * j) % 7) as f64, ((i * j) % 5) as f64 - 2.0)
         });
         let reference = crate::svd_thin(a.view()).unwrap().1;
+        for matrix in [a.clone(), a.t().to_owned(), &a * 0.0] {
+            let alone = crate::singular_values(matrix.view()).unwrap();
+            let (_, with_vectors, _) = crate::svd_thin(matrix.view()).unwrap();
+            let pairs = alone.iter().zip(&with_vectors);
+            assert!(
+                alone.len() == 4
+                    && pairs
+                        .clone()
+                        .all(|(a, b)| (a - b).abs() < 1e-12 * reference[0])
+            );
+        }
         let product = crate::matmul_h(a.view(), a.view());
         for back_end in back_ends() {
             let (_, values, _) = (back_end.svd_thin)(a.view()).unwrap();

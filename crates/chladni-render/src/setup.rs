@@ -33,7 +33,8 @@ pub(crate) struct Setup {
     /// Judged rows, limits and error bar.
     pub(crate) problem: Problem,
     /// The responses as nodes of interpolation, where they carry an area; found when a
-    /// method asks for them.
+    /// method asks for them, never from several threads at once: products inside may wait
+    /// for each other.
     nodes: OnceLock<Option<Nodes>>,
     /// Rows between them, coarse and fine; the same.
     between: [OnceLock<Option<Rows>>; 2],

@@ -20,13 +20,12 @@ impl Lanes {
         im: [0.0; LANES],
     };
 
-    /// Adds value·factor to each sum, in one rounding: one instruction of every processor
-    /// since 2013.
+    /// Adds value·factor to each sum.
     #[inline(always)]
     fn add(&mut self, values: &Self, factor: f64) {
         for k in 0..LANES {
-            self.re[k] = values.re[k].mul_add(factor, self.re[k]);
-            self.im[k] = values.im[k].mul_add(factor, self.im[k]);
+            self.re[k] += values.re[k] * factor;
+            self.im[k] += values.im[k] * factor;
         }
     }
 }
@@ -58,7 +57,7 @@ impl Split {
         terms: impl Iterator<Item = (usize, Complex64)> + Clone,
         sums: &mut [Complex64],
     ) {
-        let blocks = self.lanes.chunks_exact(self.columns);
+        let blocks = self.lanes.chunks_exact(self.columns.max(1));
         for (block, sums) in blocks.zip(sums.chunks_mut(LANES)) {
             // Σ a·Re b and Σ a·Im b
             let (mut of_re, mut of_im) = (Lanes::ZERO, Lanes::ZERO);

@@ -44,6 +44,7 @@ pub struct PointAgreement {
 /// cables.
 ///
 /// * `raw`, `field`: as it was measured, and with lone points replaced
+/// * `deviation`: ‖L·A‖, of the prediction under the errors that drives are made to bear, m/s
 ///
 /// # Errors
 /// Those of the factorisations.
@@ -51,14 +52,14 @@ pub(crate) fn agreement(
     model: &ModalModel,
     operator: &Operator,
     [raw, field]: [&LaidField; 2],
-    prediction: &Prediction,
+    (prediction, deviation): (&Prediction, f64),
     likeness: &Likeness,
 ) -> Result<(Agreement, Option<Finding>)> {
     let predicted = &prediction.velocity;
     let measured = field.phased(predicted);
     let nis = (0..measured.len())
         .map(|k| {
-            let bar = prediction.deviation.powi(2) + field.std[k].powi(2);
+            let bar = deviation.powi(2) + field.std[k].powi(2);
             (measured[k] - predicted[k]).norm_sqr() / bar
         })
         .sum::<f64>()

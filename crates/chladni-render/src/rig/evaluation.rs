@@ -74,7 +74,6 @@ pub fn evaluate_field(
     let mobility = operator.mobility.select(Axis(0), &laid_field.rows);
     let prediction = Prediction {
         velocity: mobility.dot(&drive),
-        deviation: covariance.deviation(&drive),
         mobility,
         drive: drive.clone(),
     };
@@ -100,7 +99,7 @@ pub fn evaluate_field(
         model,
         &operator,
         [&laid_field, &sound],
-        &prediction,
+        (&prediction, covariance.deviation(&drive)),
         &likeness,
     )?;
     findings.extend(swapped);

@@ -158,8 +158,6 @@ pub(crate) struct Prediction {
     pub(crate) drive: Drive,
     /// Predicted velocities at the measured rows.
     pub(crate) velocity: Array1<Complex64>,
-    /// ‖L·A‖: its standard deviation under the errors that drives are made to bear.
-    pub(crate) deviation: f64,
 }
 
 impl Prediction {

@@ -4,7 +4,6 @@ use super::agreement::Likeness;
 use super::diagnosis::diagnose;
 use super::field::{noise_assumed, LaidField, Prediction};
 use super::lone_points::without_lone_points;
-use super::prior::design;
 use crate::evaluate::{laid, Laid, On};
 use crate::problem::Drive;
 use crate::scene::Scene;
@@ -123,9 +122,7 @@ pub(super) fn see(
         told.extend(few_responses(field.rows.len()));
         if number == played.len() {
             // cables may have been exchanged since the fields before
-            let drift = scene.drift.unwrap_or_default();
             let prediction = Prediction {
-                deviation: design(model, &setup.operator, scene, &drift)?.deviation(&whole),
                 velocity: predicted,
                 mobility,
                 drive: whole.clone(),

@@ -97,7 +97,10 @@ impl Swap {
             let beside = view.fixed_and_scattered(&change, &paths, count)?;
             next = next.max(beside.ln_evidence);
         }
-        if self.most() <= next + tolerances::SWAP_EVIDENCE || self.left > tolerances::SWAP_LEAVES {
+        let told = self.most() > next + tolerances::SWAP_EVIDENCE
+            && self.left <= tolerances::SWAP_LEAVES
+            && view.field.rows.len() >= tolerances::SWAP_RESPONSES;
+        if !told {
             return Ok(None);
         }
         let [one, other] = self.channels;

@@ -218,9 +218,14 @@ pub const SWAPS_WEIGHED: usize = 20;
 pub const SWAP_EVIDENCE: f64 = 5.0;
 
 /// Mean square of the whitened difference that two swapped cables and gains that scatter may
-/// leave. Rigs with swapped cables leave 1.1 at most. 30 of 600 fields of rigs with several other
-/// faults (`bench rig`), for which a swap would be the likeliest single cause, leave 5.8 and more.
-pub const SWAP_LEAVES: f64 = 3.0;
+/// leave. With no other fault and noise that is stated rightly they leave 1.1 at most, with three
+/// times the stated noise about 5. 30 of 600 fields of rigs with several other faults
+/// (`bench rig`), for which a swap would be the likeliest single cause, leave 5.8 and more.
+pub const SWAP_LEAVES: f64 = 5.0;
+
+/// Responses from which on two swapped cables are told: with fewer, gains that scatter explain
+/// whatever a wrong pair leaves.
+pub const SWAP_RESPONSES: usize = 8;
 
 /// Most degrees that the phase of a gain table may turn from one entry to the next: with
 /// more, the other way round is nearly as near.

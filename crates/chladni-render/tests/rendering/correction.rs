@@ -359,6 +359,10 @@ fn a_correction_by_a_few_responses_carries_a_caution() {
         let played = [(weights.clone(), field, None)];
         let corrected = correct(truth(), &corner(), &played, &RenderOptions::default()).unwrap();
         let mut findings = corrected.findings.iter();
+        let swapped = findings
+            .clone()
+            .any(|finding| finding.code == "channels-swapped");
+        assert!(!swapped, "{rows:?}");
         let said = findings.any(|finding| finding.code == "field-few-responses");
         assert_eq!(said, is_few, "{rows:?}");
     }

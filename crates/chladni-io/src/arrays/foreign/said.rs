@@ -12,8 +12,9 @@ use std::str::FromStr;
 
 const UNIT: [&str; 2] = ["unit", "frf_unit"];
 const FREQUENCY_UNIT: [&str; 2] = ["frequency_unit", "freq_unit"];
-/// Names that may also say the unit of a place or a force.
-const MAYBE_FREQUENCY_UNIT: [&str; 2] = ["x_unit", "f_unit"];
+/// Names that may also say the unit of a place or a force, each with the array whose unit it says
+/// where there is one.
+const MAYBE_FREQUENCY_UNIT: [(&str, &str); 2] = [("x", "x_unit"), ("f", "f_unit")];
 const PHASE_UNIT: [&str; 2] = ["phase_unit", "angle_unit"];
 
 /// A fact in words, and the field that states it.
@@ -124,10 +125,13 @@ impl<'a> Reader<'a> {
         if frequency_unit.is_none() {
             frequency_unit = self.near(frf, &frequency_names)?;
         }
-        if frequency_unit.is_none() {
-            let is_frequency = |fact: &Fact<'_>| factor_of(&fact.text).is_some();
-            let maybe = self.near(freq, &MAYBE_FREQUENCY_UNIT)?;
-            frequency_unit = maybe.filter(is_frequency);
+        let is_axis = |name: &str| key_of(freq.name()) == name;
+        for (own, name) in MAYBE_FREQUENCY_UNIT {
+            let of_another = self.datasets().any(|entry| key_of(entry.name()) == own);
+            if frequency_unit.is_none() && (is_axis(own) || !of_another) {
+                let is_frequency = |fact: &Fact<'_>| factor_of(&fact.text).is_some();
+                frequency_unit = self.near(freq, &[name])?.filter(is_frequency);
+            }
         }
         let phase_unit = match &phase {
             None => None,

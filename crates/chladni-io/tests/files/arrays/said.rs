@@ -60,6 +60,9 @@ fn frequencies_have_the_unit_that_is_said() {
             assert!((found / f - 1.0).abs() < 1e-12, "{axis} {key}: {found}");
         }
     }
+    let both = over("freq", &HZ.map(|f| 1e-3 * f)).texts("x_unit", &["m"]);
+    let found = read(&both.texts("f_unit", &["kHz"])).frequency_hz;
+    assert!((found[0] / HZ[0] - 1.0).abs() < 1e-12, "{found}");
     refused(
         &over("freq", &HZ).texts("frequency_unit", &["V"]),
         &["/frequency_unit", "found V", "rad/s"],
