@@ -399,6 +399,10 @@ fn every_view_is_drawn_in_any_window_and_either_theme() {
             "{width} px: the page is {overflow} px wider than the window"
         );
         for view in views {
+            // a view takes its height when it is drawn
+            page.wait(&format!(
+                "document.querySelector('{view}').getBoundingClientRect().height > 100"
+            ));
             let [_, _, wide, high] = page.place(view);
             assert!(
                 wide > 200.0 && high > 100.0 && wide <= f64::from(width),

@@ -218,10 +218,11 @@ pub const SWAPS_WEIGHED: usize = 20;
 pub const SWAP_EVIDENCE: f64 = 5.0;
 
 /// Mean square of the whitened difference that two swapped cables and gains that scatter may
-/// leave. With no other fault and noise that is stated rightly they leave 1.1 at most, with three
-/// times the stated noise about 5. 30 of 600 fields of rigs with several other faults
-/// (`bench rig`), for which a swap would be the likeliest single cause, leave 5.8 and more.
-pub const SWAP_LEAVES: f64 = 5.0;
+/// leave. With no other fault and noise that is stated rightly they leave 1.1 at most, with twice
+/// the stated noise about 2. 30 of 600 fields of rigs with several other faults (`bench rig`), for
+/// which a swap would be the likeliest single cause, leave 5.8 and more; with four faults at once
+/// down to 3.
+pub const SWAP_LEAVES: f64 = 3.0;
 
 /// Responses from which on two swapped cables are told: with fewer, gains that scatter explain
 /// whatever a wrong pair leaves.
