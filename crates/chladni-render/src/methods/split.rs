@@ -20,12 +20,14 @@ impl Lanes {
         im: [0.0; LANES],
     };
 
-    /// Adds value·factor to each sum.
+    /// Adds value·factor to each sum, in one rounding: one instruction where the processor has
+    /// fused sums, as most since 2013 do. Others call a function, and `mls` takes ten times as
+    /// long there.
     #[inline(always)]
     fn add(&mut self, values: &Self, factor: f64) {
         for k in 0..LANES {
-            self.re[k] += values.re[k] * factor;
-            self.im[k] += values.im[k] * factor;
+            self.re[k] = values.re[k].mul_add(factor, self.re[k]);
+            self.im[k] = values.im[k].mul_add(factor, self.im[k]);
         }
     }
 }
