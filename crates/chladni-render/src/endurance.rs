@@ -138,7 +138,7 @@ impl Endurance {
     }
 }
 
-/// What actuators do for `drive`, axes (rig, actuator), and factors on the frequencies of
+/// The forces of the actuators for `drive`, axes (rig, actuator), and factors on the frequencies of
 /// the modes, axes (rig, mode), of the next rigs.
 fn drawn(
     draw: &mut Draw,

@@ -149,7 +149,7 @@ impl<'a> Race<'a> {
     }
 }
 
-/// What moves `value` along its own phase to the magnitude `limit`, and beyond by the
+/// The change that moves `value` along its own phase to the magnitude `limit`, and beyond by the
 /// relaxation.
 #[inline(always)]
 fn pull(value: Complex64, limit: f64) -> Complex64 {
