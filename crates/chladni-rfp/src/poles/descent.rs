@@ -57,6 +57,12 @@ fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64
     oscillating(work.law, Complex64::new(re, im), pole)
 }
 
+/// Re stepᴴ·gradient.
+fn along(step: &Array2<Complex64>, gradient: &Array2<Complex64>) -> f64 {
+    let parts = step.iter().zip(gradient);
+    parts.map(|(step, value)| (step.conj() * value).re).sum()
+}
+
 /// A search under way.
 pub(crate) struct Descent<'a> {
     /// Data.
@@ -91,6 +97,13 @@ impl<'a> Descent<'a> {
         P::at(self.work, self.energy, &self.lambda, self.powers)
     }
 
+    /// Fall of the sum of squares by a whole Gauss–Newton step, if the model were linear.
+    pub fn promised<P: Point>(&self, point: &P) -> f64 {
+        let (information, gradient) = point.system(self.work, &self.lambda);
+        let step = solve_hermitian(information.view(), gradient.view());
+        step.map_or(f64::INFINITY, |step| along(&step, &gradient))
+    }
+
     /// Steps until the largest is `tolerance` of a half-bandwidth, or what one promises
     /// is far below the noise of one value: a pole that the data hardly tell goes on for
     /// ever. True where it came to that, or nothing helps any more.
@@ -116,11 +129,7 @@ impl<'a> Descent<'a> {
                 continue;
             };
             let (trial, largest) = self.moved(step.index_axis(Axis(1), 0));
-            let promised: f64 = step
-                .iter()
-                .zip(&gradient)
-                .map(|(step, along)| (step.conj() * along).re)
-                .sum();
+            let promised = along(&step, &gradient);
             let enough = largest < tolerance
                 || promised < limits::PROMISED * point.sse() / self.work.b.len() as f64;
             match P::at(self.work, self.energy, &trial, self.powers) {

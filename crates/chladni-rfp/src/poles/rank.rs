@@ -2,23 +2,36 @@
 
 use crate::data::columns::Columns;
 use crate::poles::limits;
-use chladni_linalg::blocked::tall_r;
-use chladni_linalg::{singular_values, LinalgError};
+use crate::tolerances as tol;
+use chladni_linalg::blocked::{blocked_matmul_h, tall_r};
+use chladni_linalg::{cholesky, singular_values, LinalgError};
+use ndarray::Array2;
+use num_complex::Complex64;
 
 /// Number of singular values above the noise, and whether the noise floor was seen at
 /// all.
 pub(crate) fn visible_rank(work: &Columns) -> Result<(usize, bool), LinalgError> {
-    // eigenvalues of the small Gram would square the condition; a thin QR first keeps the
-    // SVD small
-    let r = if work.lines() > work.columns() {
-        tall_r(work.b.view())?
+    let values = if work.lines() > work.columns() {
+        singular_values(triangle(&work.b)?.view())?
     } else {
-        work.b.clone()
+        singular_values(work.b.view())?
     };
-    Ok(rank_over_noise(
-        &singular_values(r.view())?.to_vec(),
-        work.lines(),
-    ))
+    Ok(rank_over_noise(&values.to_vec(), work.lines()))
+}
+
+/// A small matrix of the same singular values: the Cholesky factor of the Gram matrix where
+/// every column stands well outside those before it; else R, for a Gram matrix squares the
+/// condition.
+fn triangle(b: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
+    let gram = blocked_matmul_h(b.view(), b.view());
+    let stands_out = |lower: &Array2<Complex64>| {
+        let mut pivots = lower.diag().into_iter().zip(gram.diag());
+        pivots.all(|(pivot, whole)| pivot.norm_sqr() > tol::OUTSTANDING.powi(2) * whole.re)
+    };
+    match cholesky(gram.view()).ok().filter(stands_out) {
+        Some(lower) => Ok(lower),
+        None => tall_r(b.view()),
+    }
 }
 
 /// The same of falling singular values of columns with `lines` lines.

@@ -14,6 +14,7 @@ use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::coefficients;
 use crate::poles::descent::{Descent, Point};
+use crate::poles::limits;
 use crate::poles::normal::{Normal, Plain};
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
@@ -272,7 +273,8 @@ fn on_orthonormal_basis(
     })
 }
 
-/// The poles refined where that leaves less than `most`; `None` where it leaves more.
+/// The poles refined where that leaves less than `most`; `None` where it leaves more, or where
+/// no step in sight leads there.
 ///
 /// # Errors
 /// A kernel that fails.
@@ -283,7 +285,15 @@ pub(crate) fn refine_below(
     (iterations, tolerance): (usize, f64),
     most: f64,
 ) -> Result<Option<Refined>, LinalgError> {
-    let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
+    let mut descent = Descent::new(work, start, powers, iterations);
+    let mut point = descent.here::<Normal>();
+    if let Some(point) = &point {
+        let in_sight = limits::GAIN_OVER_PROMISE * descent.promised(point);
+        if point.sse() - in_sight > most {
+            return Ok(None);
+        }
+    }
+    let last = point.take_if(|point| descent.go(point, tolerance));
     // what is needed beside the sum of squares costs as much as a step
     if last.as_ref().is_some_and(|point| point.sse() >= most) {
         return Ok(None);
@@ -331,5 +341,54 @@ impl Refined {
                     / inverse[[q, q]].re
             })
             .collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damping::structural::{basis, POWERS};
+    use chladni_frf::Damping;
+    use ndarray::ShapeBuilder;
+
+    /// Two resonances over three columns, with an error that neither makes.
+    fn two_resonances(poles: [Complex64; 2]) -> Columns {
+        let lines = 200;
+        let mut work = Columns {
+            x: (1..=lines).map(|k| k as f64 / lines as f64).collect(),
+            g: vec![1.0; lines],
+            b: Array2::zeros((lines, 3).f()),
+            law: Damping::Structural,
+            leakage: None,
+        };
+        let residue = |(n, c): (usize, usize)| Complex64::new(1.0 + n as f64, c as f64 - 1.0);
+        work.b = matmul(
+            basis(&work, &poles, &[]).view(),
+            Array2::from_shape_fn((2, 3), residue).view(),
+        );
+        for ((k, c), value) in work.b.indexed_iter_mut() {
+            *value += Complex64::from_polar(0.1, (37 * k * k + 11 * c) as f64);
+        }
+        work
+    }
+
+    #[test]
+    fn a_fit_goes_on_where_its_first_step_promises_enough() {
+        let poles = [Complex64::new(0.3, 0.01), Complex64::new(0.6, 0.02)];
+        let work = two_resonances(poles);
+        let near = poles.map(|pole| pole + 0.1 * pole.im);
+        let roughly = (tol::REFINE_ROUGH, tol::ROUGH_STEP);
+        let best = refine(&work, &near, &POWERS, roughly.0, roughly.1).unwrap();
+        let descent = Descent::new(&work, &near, &POWERS, roughly.0);
+        let point = descent.here::<Normal>().unwrap();
+        let (left, falls) = (best.projection.sse, point.sse() - best.projection.sse);
+        let promised = descent.promised(&point);
+        assert!(
+            (0.8..1.25).contains(&(falls / promised)),
+            "{falls} of {promised}"
+        );
+        let below = |start: &[Complex64]| refine_below(&work, start, &POWERS, roughly, 1.1 * left);
+        assert!(below(&near).unwrap().is_some());
+        assert!(below(&near[..1]).unwrap().is_none());
     }
 }
