@@ -309,4 +309,19 @@ mod tests {
         // 0.92 where the operator update starts from the errors of amplifiers
         assert!(mean(&rows, RigWay::Correct, 2) >= 0.98, "{rows:?}");
     }
+
+    /// The second field of this rig is as that of the model, turned the wrong way in time: a mode
+    /// moved across the drive. It is taken, for the first field tells.
+    #[test]
+    fn a_second_field_that_the_model_alone_would_refuse_is_taken() {
+        let options = RigOptions {
+            errors: vec![RigError::Mixed],
+            rigs: 1,
+            first_seed: 989,
+            fields: 2,
+            corner_only: false,
+        };
+        let rows = rigs(&options, &mut Journal::none(), &|_| {}).unwrap();
+        assert!(mean(&rows, RigWay::Correct, 2) >= 0.99, "{rows:?}");
+    }
 }

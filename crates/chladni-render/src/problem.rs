@@ -253,16 +253,22 @@ impl Problem {
         )
     }
 
-    /// The smaller share of hot and cold rows to be expected inside their limit, each
-    /// amplitude with the standard deviation ‖L·A‖/√2 along its phase.
+    /// The smaller share of hot and cold rows to be expected inside their limit.
     pub(crate) fn expected_ratio(&self, drive: &Drive) -> f64 {
+        let mean = |chances: &[f64]| chances.iter().sum::<f64>() / chances.len() as f64;
+        let [hot, cold] = self.chances(drive);
+        mean(&hot).min(mean(&cold))
+    }
+
+    /// The chance of each hot and of each cold row to be inside its limit under `drive`, each
+    /// amplitude with the standard deviation ‖L·A‖/√2 along its phase.
+    pub(crate) fn chances(&self, drive: &Drive) -> [Vec<f64>; 2] {
         let spread = self.covariance.deviation(drive).max(f64::MIN_POSITIVE);
-        let mut sums = [0.0; 2];
-        for (k, amplitude) in self.field(drive).map(amplitude).iter().enumerate() {
-            let kind = usize::from(k >= self.rows.hot);
-            sums[kind] += chance_above(self.slack(k, *amplitude), spread);
-        }
-        (sums[0] / self.rows.hot as f64).min(sums[1] / self.rows.cold() as f64)
+        let amplitudes = self.field(drive).map(amplitude);
+        let chance = |(k, amplitude)| chance_above(self.slack(k, amplitude), spread);
+        let mut hot: Vec<f64> = amplitudes.into_iter().enumerate().map(chance).collect();
+        let cold = hot.split_off(self.rows.hot);
+        [hot, cold]
     }
 
     /// For a mobility that fields have corrected: the ground between the responses, which no

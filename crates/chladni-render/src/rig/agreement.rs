@@ -105,7 +105,15 @@ pub(crate) struct Likeness {
 impl Likeness {
     /// Of a measured field against what is predicted at its responses.
     pub(crate) fn of(predicted: &Array1<Complex64>, field: &LaidField) -> Self {
-        let measured = &field.phased(predicted);
+        Self::between(predicted, &field.phased(predicted), field.magnitudes_only)
+    }
+
+    /// The same of measured values that have phases, or those predicted.
+    pub(super) fn between(
+        predicted: &Array1<Complex64>,
+        measured: &Array1<Complex64>,
+        magnitudes_only: bool,
+    ) -> Self {
         let pairs = predicted.iter().zip(measured);
         let inner: Complex64 = pairs.clone().map(|(a, b)| a.conj() * b).sum();
         let turned: Complex64 = pairs.map(|(a, b)| a * b).sum();
@@ -114,14 +122,14 @@ impl Likeness {
         let quotient = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
         Self {
             coefficient: quotient(inner.norm_sqr(), own * other),
-            conjugate: match field.magnitudes_only {
+            conjugate: match magnitudes_only {
                 true => 0.0,
                 false => quotient(turned.norm_sqr(), own * other),
             },
             level_db: 10.0 * quotient(other, own).max(f64::MIN_POSITIVE).log10(),
             phase_deg: inner.arg().to_degrees(),
             responses: predicted.len(),
-            magnitudes_only: field.magnitudes_only,
+            magnitudes_only,
         }
     }
 

@@ -80,7 +80,8 @@ pub fn calibrate(
         &mut findings,
     )?;
     let learned = Learned::of(model, &setup, scene, &seen)?;
-    let operator = learned.estimators.operator(learned.chosen);
+    findings.extend(learned.findings.iter().cloned());
+    let operator = learned.operator();
     let covariance = operator
         .covariance
         .mapv(|value| value * learned.inflation());

@@ -86,7 +86,7 @@ impl Parts {
         tried: &Tried,
         mut odd: Vec<usize>,
     ) -> Result<Posterior> {
-        let normals = self.normals(theta, fields);
+        let normals = self.normals(theta, fields)?;
         let alternatives = (self.actuators() as f64).ln();
         let around = Around {
             tried,

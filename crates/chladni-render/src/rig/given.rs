@@ -1,9 +1,10 @@
 //! The drive to give: the new one, or the best that was measured.
 
 use super::seen::Seen;
-use crate::problem::{chance_above, Drive};
+use crate::problem::{chance_above, Drive, Problem};
 use crate::setup::Setup;
 use crate::tolerances;
+use num_complex::Complex64;
 
 /// The rule by which a measured response counts as inside its limit.
 #[derive(Clone, Copy)]
@@ -53,7 +54,8 @@ pub(super) struct Given {
 /// The new drive, or the best measured one where that serves or no better is to be expected.
 ///
 /// Before the third field a drive that serves is given again only where all that is known agrees:
-/// given again, it teaches nothing. Later a measurement is worth more than any promise.
+/// given again, it teaches nothing. Later a measurement is worth more than any promise, and a drive
+/// that may serve less follows only where the best one has been given again before.
 ///
 /// * `fields`: number of all fields, those before a calibration included
 pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usize) -> Given {
@@ -61,10 +63,10 @@ pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usiz
     let allowed = |drive: &Drive| {
         corrected.problem.drive_limits.allowed_gain(drive) >= 1.0 - tolerances::AT_LIMIT
     };
+    let measured_first = fields >= tolerances::MEASURED_FIRST_FIELDS;
     let as_measured = |k: usize| {
         let plain = measured_ratio(corrected, &seen[k], Count::Plain);
-        let counts = fields >= tolerances::MEASURED_FIRST_FIELDS;
-        counts && plain.is_some_and(|plain| plain >= tolerances::SERVES_AS_MEASURED)
+        measured_first && plain.is_some_and(|plain| plain >= tolerances::SERVES_AS_MEASURED)
     };
     let best = (0..seen.len())
         .filter(|&k| seen[k].rows.len() == whole && allowed(&seen[k].drive))
@@ -82,8 +84,14 @@ pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usiz
         let told = corrected.problem.expected_ratio(&seen[k].drive);
         ratio >= tolerances::SERVES_AS_MEASURED && told >= tolerances::SERVES_AS_TOLD
     };
+    let is_sure =
+        |ratio: f64| chance_of_ratio(&corrected.problem, &new, ratio) >= tolerances::SURELY_NO_LESS;
+    let goes_back = |ratio: f64| measured_first && !is_repeat(seen) && !is_sure(ratio);
+    let is_given_again = |measured: bool, ratio: f64, k: usize| {
+        measured || ratio >= expected || serves(ratio, k) || goes_back(ratio)
+    };
     match best {
-        Some((measured, ratio, k)) if measured || ratio >= expected || serves(ratio, k) => Given {
+        Some((measured, ratio, k)) if is_given_again(measured, ratio, k) => Given {
             drive: seen[k].drive.clone(),
             predicted: ratio,
             best_measured: Some(k),
@@ -95,5 +103,94 @@ pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usiz
             best_measured: best.map(|(_, _, k)| k),
             kept: false,
         },
+    }
+}
+
+/// True where the newest drive was measured before.
+fn is_repeat(seen: &[Seen]) -> bool {
+    let Some((newest, before)) = seen.split_last() else {
+        return false;
+    };
+    let size = |drive: &Drive| drive.iter().map(Complex64::norm_sqr).sum::<f64>();
+    before.iter().any(|seen| {
+        size(&(&seen.drive - &newest.drive))
+            <= tolerances::REPEATED_DRIVE.powi(2) * size(&newest.drive)
+    })
+}
+
+/// The chance that `drive` serves `ratio` of the hot and of the cold rows, or more: rows are taken
+/// for independent.
+fn chance_of_ratio(problem: &Problem, drive: &Drive, ratio: f64) -> f64 {
+    let of_kind = |chances: Vec<f64>| {
+        let least = (ratio * chances.len() as f64 - tolerances::AT_LIMIT).ceil();
+        // chances of each number of rows that are served
+        let mut counts = vec![1.0];
+        for chance in chances {
+            counts.push(0.0);
+            for served in (0..counts.len()).rev() {
+                let from_fewer = served.checked_sub(1).map_or(0.0, |fewer| counts[fewer]);
+                counts[served] = counts[served] * (1.0 - chance) + from_fewer * chance;
+            }
+        }
+        counts.iter().skip(least.max(0.0) as usize).sum::<f64>()
+    };
+    problem.chances(drive).map(of_kind).iter().product()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::covariance::Covariance;
+    use crate::problem::{DriveLimits, Rows};
+    use crate::scene::Limits;
+    use ndarray::{Array1, Array2};
+
+    /// Three hot rows at their limit and two cold ones far below theirs: each hot row is served
+    /// with a chance of a half.
+    #[test]
+    fn the_chance_of_a_share_is_that_of_coins() {
+        let unit = Complex64::ONE;
+        let rows = Rows {
+            mobility: Array2::from_shape_fn((5, 1), |(k, _)| if k < 3 { unit } else { 0.0 * unit }),
+            hot: 3,
+            positions_m: vec![[0.0; 2]; 5],
+            levels: Array1::ones(5),
+        };
+        let limits = Limits {
+            threshold_m_per_s: 0.9,
+            hot_m_per_s: 1.0,
+            cold_m_per_s: 0.8,
+        };
+        let drive_limits = DriveLimits {
+            each: 3.0,
+            effort: f64::INFINITY,
+        };
+        let covariance = Covariance::of_gram(Array2::from_elem((1, 1), unit * 1e-4)).unwrap();
+        let problem = Problem::new(rows, covariance, limits, drive_limits);
+        let drive = Drive::from_elem(1, unit);
+        for (ratio, chance) in [
+            (0.0, 1.0),
+            (0.3, 0.875),
+            (1.0 / 3.0, 0.875),
+            (0.5, 0.5),
+            (1.0, 0.125),
+        ] {
+            let told = chance_of_ratio(&problem, &drive, ratio);
+            assert!((told - chance).abs() < 1e-9, "{ratio}: {told}");
+        }
+    }
+
+    #[test]
+    fn a_drive_given_again_is_a_repeat() {
+        let seen = |weight: f64| Seen {
+            drive: Drive::from_elem(2, Complex64::from(weight)),
+            rows: vec![0],
+            velocity: Array1::ones(1),
+            noise: 0.01,
+            magnitudes_only: false,
+        };
+        assert!(!is_repeat(&[]) && !is_repeat(&[seen(1.0)]));
+        assert!(!is_repeat(&[seen(1.0), seen(1.0), seen(1.001)]));
+        assert!(is_repeat(&[seen(1.0), seen(2.0), seen(1.0 + 1e-12)]));
     }
 }

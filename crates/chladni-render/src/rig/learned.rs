@@ -18,7 +18,7 @@ use crate::drift::Drift;
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::tolerances;
-use chladni_frf::{ComplexMatrix, Dof, Error, ModalModel, Result, CREATED_BY};
+use chladni_frf::{ComplexMatrix, Dof, Error, Finding, ModalModel, Result, CREATED_BY};
 use num_complex::Complex64;
 
 /// The result of all fields together.
@@ -28,10 +28,16 @@ pub(super) struct Learned {
     pub(super) chosen: Estimator,
     /// NIS of each field against what was foretold of it.
     pub(super) nis: Vec<f64>,
+    /// Findings on fields after the first.
+    pub(super) findings: Vec<Finding>,
 }
 
 impl Learned {
     /// Takes in the fields one by one: each is foretold from those before it.
+    ///
+    /// # Errors
+    /// No field; a later one that turns the wrong way or lies at another level than those before
+    /// it foretell; those of the factorisations.
     pub(super) fn of(
         model: &ModalModel,
         setup: &Setup,
@@ -53,9 +59,15 @@ impl Learned {
         for (count, newest) in (1..).zip(seen) {
             let whole = newest.rows.len() == all.len();
             let (mut chosen, mut nis) = (Estimator::Structured, Vec::new());
+            let mut findings = Vec::new();
             let mut before = None;
             match learned {
                 Some(known) => {
+                    let likeness = newest.likeness(&known.operator().mobility);
+                    likeness.check()?;
+                    findings = known.findings;
+                    let told = likeness.finding();
+                    findings.extend(told.map(|told| told.about(format_args!("field {count}"))));
                     chosen = known.chosen;
                     if whole {
                         let error = |of| miss(known.estimators.operator(of), newest);
@@ -77,6 +89,7 @@ impl Learned {
                 estimators,
                 chosen,
                 nis,
+                findings,
             });
         }
         learned.ok_or_else(|| {
@@ -86,6 +99,11 @@ impl Learned {
                 .expected("at least one pair of weights and measured field")
                 .help("play the weights, measure the field, and give both")
         })
+    }
+
+    /// The operator of the estimator that counts.
+    pub(super) fn operator(&self) -> &KalmanOperator {
+        self.estimators.operator(self.chosen)
     }
 
     /// Factor on the covariance: where the newest field was not what was foretold, the

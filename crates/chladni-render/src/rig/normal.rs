@@ -8,6 +8,7 @@
 use super::parts::Parts;
 use super::seen::Seen;
 use crate::kernel_error::unsolvable;
+use crate::problem::Drive;
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::{s, Array1, Array2, ArrayView1, ArrayViewMut1, Axis};
@@ -29,7 +30,8 @@ pub(super) struct Eliminated {
     ln_evidence: f64,
 }
 
-/// The part of one field in the normal equations, before its noise weighs it.
+/// What was measured, around θ, behind noise of one variance: the measured values of one field,
+/// or a sum of fields whose errors depend on no other sum.
 struct Share {
     matrix: Array2<f64>,
     right: Array1<f64>,
@@ -37,15 +39,36 @@ struct Share {
     square: f64,
     /// Real numbers that were measured.
     values: usize,
-    /// Σ|drive|²
+    /// Variance of their noise.
+    noise: f64,
+    /// Variance that an unexplained mobility of variance 1 adds.
     force: f64,
+}
+
+/// A field around θ: slopes over the unknowns, axes (row, unknown), and what is left at θ = 0.
+struct Linear {
+    slope: Array2<Complex64>,
+    left: Array1<Complex64>,
 }
 
 impl Parts {
     /// The normal equations around θ, by the scale of the unexplained part.
-    pub(super) fn normals(&self, theta: &Array1<f64>, fields: &[Seen]) -> Vec<(f64, Normal)> {
+    ///
+    /// # Errors
+    /// Those of the factorisations.
+    pub(super) fn normals(
+        &self,
+        theta: &Array1<f64>,
+        fields: &[Seen],
+    ) -> Result<Vec<(f64, Normal)>> {
         let size = self.size();
-        let shares: Vec<Share> = fields.iter().map(|seen| self.share(theta, seen)).collect();
+        let mut shares = Vec::new();
+        for fields in alike(fields) {
+            match fields.as_slice() {
+                [alone] if alone.magnitudes_only => shares.push(self.magnitudes(theta, alone)),
+                together => shares.extend(self.phased(theta, together)?),
+            }
+        }
         let normal = |&unexplained: &f64| {
             let unknowns = self.unknowns() + tolerances::LEVEL_PARTS;
             let mut normal = Normal {
@@ -53,12 +76,8 @@ impl Parts {
                 right: Array1::zeros(unknowns),
                 ln_likelihood: 0.0,
             };
-            for (seen, share) in fields.iter().zip(&shares) {
-                let spread = (unexplained * size).powi(2) * share.force;
-                let variance = match seen.magnitudes_only {
-                    true => seen.noise.powi(2) + 0.5 * spread,
-                    false => 0.5 * (seen.noise.powi(2) + spread),
-                };
+            for share in &shares {
+                let variance = share.noise + (unexplained * size).powi(2) * share.force;
                 normal.matrix.scaled_add(1.0 / variance, &share.matrix);
                 normal.right.scaled_add(1.0 / variance, &share.right);
                 normal.ln_likelihood -=
@@ -66,53 +85,104 @@ impl Parts {
             }
             (unexplained, normal)
         };
-        tolerances::UNEXPLAINED_SCALES.iter().map(normal).collect()
+        Ok(tolerances::UNEXPLAINED_SCALES.iter().map(normal).collect())
     }
 
-    fn share(&self, theta: &Array1<f64>, seen: &Seen) -> Share {
+    /// Fields of the same rows. Their errors are not independent: an unexplained mobility
+    /// answers equal drives equally. In the sums Σ_f conj(U_fi)·v_f/σ_f they are, with the
+    /// variance 1 + s²λ_i; U and λ are of the matrix A_fᴴA_g/(σ_fσ_g) (theory.md, eq. 58a).
+    fn phased(&self, theta: &Array1<f64>, fields: &[&Seen]) -> Result<Vec<Share>> {
+        let drives: Vec<Drive> = fields
+            .iter()
+            .map(|seen| seen.drive.mapv(|weight| weight / seen.noise))
+            .collect();
+        let overlap = Array2::from_shape_fn((fields.len(), fields.len()), |(f, g)| {
+            let pairs = drives[f].iter().zip(&drives[g]);
+            pairs.map(|(a, b)| a * b.conj()).sum::<Complex64>()
+        });
+        let (forces, sums) = chladni_linalg::eigh(overlap.view()).map_err(unsolvable)?;
+        let linear: Vec<Linear> = fields.iter().map(|seen| self.linear(theta, seen)).collect();
+        let share = |(&force, sum): (&f64, ArrayView1<Complex64>)| {
+            let (rows, unknowns) = linear[0].slope.dim();
+            let mut slope = Array2::<Complex64>::zeros((rows, unknowns));
+            let mut left = Array1::<Complex64>::zeros(rows);
+            for ((seen, of_field), part) in fields.iter().zip(&linear).zip(sum) {
+                let part = part.conj() / seen.noise;
+                slope.scaled_add(part, &of_field.slope);
+                left.scaled_add(part, &of_field.left);
+            }
+            let parts = |value: &Complex64| [value.re, value.im];
+            let values = Array1::from_iter(left.iter().flat_map(parts));
+            let slopes = Array2::from_shape_fn((2 * rows, unknowns), |(k, p)| {
+                parts(&slope[[k / 2, p]])[k % 2]
+            });
+            self.share(slopes, &values, 0.5, 0.5 * force.max(0.0))
+        };
+        Ok(forces.iter().zip(sums.columns()).map(share).collect())
+    }
+
+    /// A field of magnitudes, along the phases that θ foretells.
+    fn magnitudes(&self, theta: &Array1<f64>, seen: &Seen) -> Share {
+        let Linear { slope, left } = self.linear(theta, seen);
+        let force: f64 = seen.drive.iter().map(Complex64::norm_sqr).sum();
+        let (slope, left) = (slope.mapv(|value| value.re), left.mapv(|value| value.re));
+        self.share(slope, &left, seen.noise.powi(2), 0.5 * force)
+    }
+
+    fn linear(&self, theta: &Array1<f64>, seen: &Seen) -> Linear {
         let (field, slope) = self.field(theta, &seen.drive);
-        let parts = if seen.magnitudes_only { 1 } else { 2 };
-        let unknowns = self.unknowns();
-        let mut rows =
-            Array2::<f64>::zeros((parts * seen.rows.len(), unknowns + tolerances::LEVEL_PARTS));
-        let mut left = Array1::<f64>::zeros(rows.nrows());
+        let mut slope = slope.select(Axis(0), &seen.rows);
+        let mut left = Array1::zeros(seen.rows.len());
         for (k, (&row, &measured)) in seen.rows.iter().zip(&seen.velocity).enumerate() {
             let foretold = field[row];
-            // along the foretold phase, where none was measured
-            let turn = match seen.magnitudes_only {
-                true => foretold.conj() / foretold.norm().max(f64::MIN_POSITIVE),
-                false => Complex64::ONE,
-            };
-            let difference = match seen.magnitudes_only {
-                true => Complex64::from(measured.norm() - foretold.norm()),
-                false => measured - foretold,
-            };
-            for (p, &value) in slope.row(row).iter().enumerate() {
-                let value = value * turn;
-                rows[[parts * k, p]] = value.re;
-                if parts == 2 {
-                    rows[[2 * k + 1, p]] = value.im;
-                }
-            }
-            left[parts * k] = difference.re;
-            if parts == 2 {
-                left[2 * k + 1] = difference.im;
+            left[k] = measured - foretold;
+            if seen.magnitudes_only {
+                let turn = foretold.conj() / foretold.norm().max(f64::MIN_POSITIVE);
+                slope.row_mut(k).mapv_inplace(|value| value * turn);
+                left[k] = Complex64::from(measured.norm() - foretold.norm());
             }
         }
-        left += &rows.slice(s![.., ..unknowns]).dot(theta);
+        for (p, &value) in theta.iter().enumerate() {
+            left.scaled_add(Complex64::from(value), &slope.column(p));
+        }
+        Linear { slope, left }
+    }
+
+    /// The equations of real values `left` over the unknowns and the level of all gains.
+    fn share(&self, slope: Array2<f64>, left: &Array1<f64>, noise: f64, force: f64) -> Share {
+        let unknowns = self.unknowns();
+        let mut rows = Array2::<f64>::zeros((left.len(), unknowns + tolerances::LEVEL_PARTS));
+        rows.slice_mut(s![.., ..unknowns]).assign(&slope);
         for part in 0..tolerances::LEVEL_PARTS {
-            let of_gains = rows.slice(s![.., part..2 * self.actuators(); 2]);
-            let all = of_gains.sum_axis(Axis(1));
-            rows.column_mut(unknowns + part).assign(&all);
+            let of_gains = slope.slice(s![.., part..2 * self.actuators(); 2]);
+            rows.column_mut(unknowns + part)
+                .assign(&of_gains.sum_axis(Axis(1)));
         }
         Share {
             matrix: chladni_linalg::matmul_h(rows.view(), rows.view()),
-            right: rows.t().dot(&left),
-            square: left.dot(&left),
+            right: rows.t().dot(left),
+            square: left.dot(left),
             values: left.len(),
-            force: seen.drive.iter().map(Complex64::norm_sqr).sum(),
+            noise,
+            force,
         }
     }
+}
+
+/// Fields with phases that measured the same rows, together; each of the others alone.
+fn alike(fields: &[Seen]) -> Vec<Vec<&Seen>> {
+    let mut groups: Vec<Vec<&Seen>> = Vec::new();
+    for seen in fields {
+        let same = |group: &&mut Vec<&Seen>| {
+            let first = group[0];
+            !(seen.magnitudes_only || first.magnitudes_only) && first.rows == seen.rows
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(seen),
+            None => groups.push(vec![seen]),
+        }
+    }
+    groups
 }
 
 impl Normal {
@@ -175,5 +245,100 @@ fn gained(root: &Array2<f64>, white: ArrayView1<f64>, precision: &[f64]) -> f64 
 fn add(mut diagonal: ArrayViewMut1<f64>, precision: &[f64]) {
     for (value, precision) in diagonal.iter_mut().zip(precision) {
         *value += precision;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operator::Operator;
+    use crate::test_model::test_model;
+    use chladni_frf::Damping;
+
+    fn parts() -> Parts {
+        let model = test_model(Damping::Structural, &[(80.0, 0.08), (120.0, 0.05)], [5, 2]);
+        Parts::new(&model, &Operator::of_model(&model, 100.0, None).unwrap())
+    }
+
+    /// A field that is not quite that of the model.
+    fn seen(parts: &Parts, drive: [f64; 2], noise: f64) -> Seen {
+        let drive = Drive::from_iter(drive.map(Complex64::from));
+        let velocity = parts
+            .whole
+            .dot(&drive)
+            .mapv(|value| value * Complex64::new(1.1, 0.05));
+        Seen {
+            rows: (0..velocity.len()).collect(),
+            noise: noise * crate::rig::field::rms(&velocity),
+            drive,
+            velocity,
+            magnitudes_only: false,
+        }
+    }
+
+    fn normals(parts: &Parts, fields: &[Seen]) -> Vec<(f64, Normal)> {
+        parts
+            .normals(&Array1::zeros(parts.unknowns()), fields)
+            .unwrap()
+    }
+
+    fn assert_same(a: &Normal, b: &Normal, within: f64) {
+        let size = a
+            .matrix
+            .iter()
+            .fold(0.0, |most: f64, value| most.max(value.abs()));
+        let apart = (&a.matrix - &b.matrix)
+            .iter()
+            .fold(0.0, |most: f64, value| most.max(value.abs()));
+        assert!(apart <= within * size, "{apart} of {size}");
+    }
+
+    /// What the model leaves unexplained is the same each time, so that only noise is averaged.
+    #[test]
+    fn a_field_measured_twice_is_one_of_half_the_variance() {
+        let parts = parts();
+        let twice = normals(
+            &parts,
+            &[
+                seen(&parts, [1.0, 0.5], 0.02),
+                seen(&parts, [1.0, 0.5], 0.02),
+            ],
+        );
+        let once = normals(&parts, &[seen(&parts, [1.0, 0.5], 0.02 / 2f64.sqrt())]);
+        for ((_, twice), (_, once)) in twice.iter().zip(&once) {
+            assert_same(once, twice, 1e-9);
+        }
+    }
+
+    /// Drives that overlap nowhere have errors of their own.
+    #[test]
+    fn fields_of_orthogonal_drives_add_up() {
+        let parts = parts();
+        let [first, second] = [[1.0, 0.5], [-0.5, 1.0]].map(|drive| seen(&parts, drive, 0.02));
+        let both = normals(&parts, &[first.clone(), second.clone()]);
+        let [first, second] = [first, second].map(|seen| normals(&parts, &[seen]));
+        for (k, (_, both)) in both.iter().enumerate() {
+            let sum = Normal {
+                matrix: &first[k].1.matrix + &second[k].1.matrix,
+                right: &first[k].1.right + &second[k].1.right,
+                ln_likelihood: 0.0,
+            };
+            assert_same(both, &sum, 1e-9);
+        }
+    }
+
+    /// A field of fewer rows, or one of magnitudes, is taken alone.
+    #[test]
+    fn fields_of_other_rows_are_not_joined() {
+        let parts = parts();
+        let whole = seen(&parts, [1.0, 0.5], 0.02);
+        let mut some = whole.clone();
+        some.rows.truncate(3);
+        some.velocity = some.velocity.slice(s![..3]).to_owned();
+        let mut plain = whole.clone();
+        plain.magnitudes_only = true;
+        let fields = [whole.clone(), some, plain.clone(), whole, plain];
+        let sizes: Vec<usize> = alike(&fields).iter().map(Vec::len).collect();
+        assert_eq!(sizes, [2, 1, 1, 1]);
     }
 }

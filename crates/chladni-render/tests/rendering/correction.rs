@@ -177,7 +177,6 @@ fn a_correction_tells_gains_and_keeps_what_was_best() {
     assert!(error.to_string().contains("at least one pair"), "{error}");
 }
 
-/// The scene with a calibration.
 /// From the third field on a measurement is worth more than any promise.
 #[test]
 fn a_drive_that_served_as_measured_is_given_again_after_three_fields() {
@@ -208,6 +207,7 @@ fn a_drive_that_served_as_measured_is_given_again_after_three_fields() {
     assert!(given_again >= 3, "{given_again}");
 }
 
+/// The scene with a calibration.
 fn with(calibration: &Calibration, scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.actuators.calibration = Some(Arc::new(calibration.clone()));

@@ -203,3 +203,23 @@ fn one_dead_channel_is_no_field_of_other_weights() {
         );
     }
 }
+
+/// A later field is held against what those before it taught.
+#[test]
+fn a_second_field_that_turns_the_wrong_way_is_refused() {
+    let weights = drive();
+    let first = measured(&weights, Rig::new(300.0, 8));
+    let (again, _) = calibrated(&weights, first.clone());
+    let mut turned = measured(&again, Rig::new(300.0, 8));
+    let both = |second: &MeasuredField| {
+        let first = (weights.clone(), first.clone(), None);
+        let played = [first, (again.clone(), second.clone(), None)];
+        calibrate(truth(), &corner(), &played, &RenderOptions::default())
+    };
+    both(&turned).unwrap();
+    for point in &mut turned.points {
+        point.velocity_m_per_s = point.velocity_m_per_s.conj();
+    }
+    let error = both(&turned).unwrap_err();
+    assert_eq!(error.field.as_deref(), Some("velocity"), "{error}");
+}
