@@ -207,8 +207,7 @@ impl Likeness {
         })
     }
 
-    /// Refuses a field that turns the wrong way, or lies at a level from which a correction would
-    /// learn large gains.
+    /// Refuses a field that turns the wrong way, or fails [`Self::check_level`].
     ///
     /// # Errors
     /// [`chladni_frf::ErrorKind::BadData`].
@@ -223,6 +222,14 @@ impl Likeness {
                 .expected("phases of e^(+jωt)")
                 .help(CONJUGATE_HELP));
         }
+        self.check_level()
+    }
+
+    /// Refuses a field at a level from which a correction would learn large gains.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`].
+    pub(super) fn check_level(&self) -> Result<()> {
         if !self.is_level_off(tolerances::LEVEL_REFUSED_DB) {
             return Ok(());
         }

@@ -114,7 +114,11 @@ pub fn calibrate(
         }
     }
     findings.extend(solution.findings);
-    let given = best_of(&corrected, solution.drive, &seen, fields);
+    let newest = played
+        .last()
+        .and_then(|(weights, ..)| weights.correction.as_ref());
+    let was_kept = newest.is_some_and(|correction| correction.kept);
+    let given = best_of(&corrected, solution.drive, &seen, (fields, was_kept));
     let correction = corrected_by(&setup, &seen, &learned, &given);
     let structured = &learned.estimators.structured;
     if learned.chosen == Estimator::Structured {

@@ -1,7 +1,8 @@
 //! The most probable gains and shifts around given ones, at the prior of the largest
 //! evidence.
 //!
-//! The noise is σ² + s²‖A‖². The scales of s, the level of all gains, gains, common shift and
+//! Noise has the variance σ², and an unexplained mobility adds s²‖A‖², alike under like drives. The
+//! scales of s, the level of all gains, gains, common shift and
 //! shifts are those of the largest evidence (Laplace); a channel that needs more than its scale
 //! beside the level is called odd where the evidence for that is beyond doubt.
 

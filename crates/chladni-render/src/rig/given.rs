@@ -4,7 +4,6 @@ use super::seen::Seen;
 use crate::problem::{chance_above, Drive, Problem};
 use crate::setup::Setup;
 use crate::tolerances;
-use num_complex::Complex64;
 
 /// The rule by which a measured response counts as inside its limit.
 #[derive(Clone, Copy)]
@@ -58,7 +57,13 @@ pub(super) struct Given {
 /// that may serve less follows only where the best one has been given again before.
 ///
 /// * `fields`: number of all fields, those before a calibration included
-pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usize) -> Given {
+/// * `was_kept`: true where the newest field is that of a drive given again
+pub(super) fn best_of(
+    corrected: &Setup,
+    new: Drive,
+    seen: &[Seen],
+    (fields, was_kept): (usize, bool),
+) -> Given {
     let whole = corrected.operator.responses.len();
     let allowed = |drive: &Drive| {
         corrected.problem.drive_limits.allowed_gain(drive) >= 1.0 - tolerances::AT_LIMIT
@@ -86,7 +91,7 @@ pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usiz
     };
     let is_sure =
         |ratio: f64| chance_of_ratio(&corrected.problem, &new, ratio) >= tolerances::SURELY_NO_LESS;
-    let goes_back = |ratio: f64| measured_first && !is_repeat(seen) && !is_sure(ratio);
+    let goes_back = |ratio: f64| measured_first && !was_kept && !is_sure(ratio);
     let is_given_again = |measured: bool, ratio: f64, k: usize| {
         measured || ratio >= expected || serves(ratio, k) || goes_back(ratio)
     };
@@ -104,18 +109,6 @@ pub(super) fn best_of(corrected: &Setup, new: Drive, seen: &[Seen], fields: usiz
             kept: false,
         },
     }
-}
-
-/// True where the newest drive was measured before.
-fn is_repeat(seen: &[Seen]) -> bool {
-    let Some((newest, before)) = seen.split_last() else {
-        return false;
-    };
-    let size = |drive: &Drive| drive.iter().map(Complex64::norm_sqr).sum::<f64>();
-    before.iter().any(|seen| {
-        size(&(&seen.drive - &newest.drive))
-            <= tolerances::REPEATED_DRIVE.powi(2) * size(&newest.drive)
-    })
 }
 
 /// The chance that `drive` serves `ratio` of the hot and of the cold rows, or more: rows are taken
@@ -144,6 +137,7 @@ mod tests {
     use crate::problem::{DriveLimits, Rows};
     use crate::scene::Limits;
     use ndarray::{Array1, Array2};
+    use num_complex::Complex64;
 
     /// Three hot rows at their limit and two cold ones far below theirs: each hot row is served
     /// with a chance of a half.
@@ -178,19 +172,5 @@ mod tests {
             let told = chance_of_ratio(&problem, &drive, ratio);
             assert!((told - chance).abs() < 1e-9, "{ratio}: {told}");
         }
-    }
-
-    #[test]
-    fn a_drive_given_again_is_a_repeat() {
-        let seen = |weight: f64| Seen {
-            drive: Drive::from_elem(2, Complex64::from(weight)),
-            rows: vec![0],
-            velocity: Array1::ones(1),
-            noise: 0.01,
-            magnitudes_only: false,
-        };
-        assert!(!is_repeat(&[]) && !is_repeat(&[seen(1.0)]));
-        assert!(!is_repeat(&[seen(1.0), seen(1.0), seen(1.001)]));
-        assert!(is_repeat(&[seen(1.0), seen(2.0), seen(1.0 + 1e-12)]));
     }
 }

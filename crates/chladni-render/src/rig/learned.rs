@@ -64,7 +64,11 @@ impl Learned {
             match learned {
                 Some(known) => {
                     let likeness = newest.likeness(&known.operator().mobility);
-                    likeness.check()?;
+                    let refused = likeness.check().map_err(|error| {
+                        let about = error.field.clone().unwrap_or_default();
+                        error.field(format!("{about} of field {count}"))
+                    });
+                    refused?;
                     findings = known.findings;
                     let told = likeness.finding();
                     findings.extend(told.map(|told| told.about(format_args!("field {count}"))));

@@ -90,11 +90,19 @@ impl Parts {
 
     /// Fields of the same rows. Their errors are not independent: an unexplained mobility
     /// answers equal drives equally. In the sums Σ_f conj(U_fi)·v_f/σ_f they are, with the
-    /// variance 1 + s²λ_i; U and λ are of the matrix A_fᴴA_g/(σ_fσ_g) (theory.md, eq. 58a).
+    /// variance 1 + s²λ_i; U and λ are of the matrix A_gᴴA_f/(σ_fσ_g) (theory.md, eq. 58a).
     fn phased(&self, theta: &Array1<f64>, fields: &[&Seen]) -> Result<Vec<Share>> {
+        let size = |drive: &Drive| drive.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+        // a field that is zero everywhere has no noise that could be told
+        let least = |drive: &Drive| tolerances::LEAST_FIELD_NOISE * self.size() * size(drive);
+        let noises: Vec<f64> = fields
+            .iter()
+            .map(|seen| seen.noise.max(least(&seen.drive)))
+            .collect();
         let drives: Vec<Drive> = fields
             .iter()
-            .map(|seen| seen.drive.mapv(|weight| weight / seen.noise))
+            .zip(&noises)
+            .map(|(seen, noise)| seen.drive.mapv(|weight| weight / noise))
             .collect();
         let overlap = Array2::from_shape_fn((fields.len(), fields.len()), |(f, g)| {
             let pairs = drives[f].iter().zip(&drives[g]);
@@ -106,8 +114,8 @@ impl Parts {
             let (rows, unknowns) = linear[0].slope.dim();
             let mut slope = Array2::<Complex64>::zeros((rows, unknowns));
             let mut left = Array1::<Complex64>::zeros(rows);
-            for ((seen, of_field), part) in fields.iter().zip(&linear).zip(sum) {
-                let part = part.conj() / seen.noise;
+            for ((noise, of_field), part) in noises.iter().zip(&linear).zip(sum) {
+                let part = part.conj() / noise;
                 slope.scaled_add(part, &of_field.slope);
                 left.scaled_add(part, &of_field.left);
             }
@@ -261,8 +269,8 @@ mod tests {
     }
 
     /// A field that is not quite that of the model.
-    fn seen(parts: &Parts, drive: [f64; 2], noise: f64) -> Seen {
-        let drive = Drive::from_iter(drive.map(Complex64::from));
+    fn seen(parts: &Parts, drive: [Complex64; 2], noise: f64) -> Seen {
+        let drive = Drive::from_iter(drive);
         let velocity = parts
             .whole
             .dot(&drive)
@@ -282,31 +290,36 @@ mod tests {
             .unwrap()
     }
 
-    fn assert_same(a: &Normal, b: &Normal, within: f64) {
-        let size = a
-            .matrix
-            .iter()
-            .fold(0.0, |most: f64, value| most.max(value.abs()));
-        let apart = (&a.matrix - &b.matrix)
-            .iter()
-            .fold(0.0, |most: f64, value| most.max(value.abs()));
-        assert!(apart <= within * size, "{apart} of {size}");
+    /// The matrix, the right side, and the likelihood beside that of the first scale are one.
+    fn assert_same(a: &[(f64, Normal)], b: &[(f64, Normal)]) {
+        let largest = |values: Vec<f64>| values.into_iter().fold(0.0, f64::max);
+        for ((_, one), (_, other)) in a.iter().zip(b) {
+            let of = |apart: &Array2<f64>| largest(apart.iter().map(|v| v.abs()).collect());
+            let apart = of(&(&one.matrix - &other.matrix));
+            assert!(apart <= 1e-9 * of(&one.matrix), "{apart}");
+            let of = |apart: &Array1<f64>| largest(apart.iter().map(|v| v.abs()).collect());
+            let apart = of(&(&one.right - &other.right));
+            assert!(apart <= 1e-9 * of(&one.right), "{apart}");
+            let beside =
+                |own: &Normal, all: &[(f64, Normal)]| own.ln_likelihood - all[0].1.ln_likelihood;
+            let (one, other) = (beside(one, a), beside(other, b));
+            assert!((one - other).abs() <= 1e-9 * one.abs(), "{one} {other}");
+        }
     }
 
-    /// What the model leaves unexplained is the same each time, so that only noise is averaged.
+    const WEIGHTS: [Complex64; 2] = [Complex64::new(1.0, 0.2), Complex64::new(0.3, -0.5)];
+
+    /// What the model leaves unexplained is the same each time, turned as the drive is, so that only
+    /// noise is averaged.
     #[test]
     fn a_field_measured_twice_is_one_of_half_the_variance() {
         let parts = parts();
-        let twice = normals(
-            &parts,
-            &[
-                seen(&parts, [1.0, 0.5], 0.02),
-                seen(&parts, [1.0, 0.5], 0.02),
-            ],
-        );
-        let once = normals(&parts, &[seen(&parts, [1.0, 0.5], 0.02 / 2f64.sqrt())]);
-        for ((_, twice), (_, once)) in twice.iter().zip(&once) {
-            assert_same(once, twice, 1e-9);
+        for turn in [Complex64::ONE, Complex64::I, Complex64::new(-0.6, 0.8)] {
+            let first = seen(&parts, WEIGHTS, 0.02);
+            let second = seen(&parts, WEIGHTS.map(|weight| weight * turn), 0.02);
+            let twice = normals(&parts, &[first, second]);
+            let once = normals(&parts, &[seen(&parts, WEIGHTS, 0.02 / 2f64.sqrt())]);
+            assert_same(&once, &twice);
         }
     }
 
@@ -314,24 +327,33 @@ mod tests {
     #[test]
     fn fields_of_orthogonal_drives_add_up() {
         let parts = parts();
-        let [first, second] = [[1.0, 0.5], [-0.5, 1.0]].map(|drive| seen(&parts, drive, 0.02));
-        let both = normals(&parts, &[first.clone(), second.clone()]);
-        let [first, second] = [first, second].map(|seen| normals(&parts, &[seen]));
-        for (k, (_, both)) in both.iter().enumerate() {
-            let sum = Normal {
-                matrix: &first[k].1.matrix + &second[k].1.matrix,
-                right: &first[k].1.right + &second[k].1.right,
-                ln_likelihood: 0.0,
-            };
-            assert_same(both, &sum, 1e-9);
-        }
+        let [a, b] = WEIGHTS;
+        let fields = [
+            seen(&parts, WEIGHTS, 0.02),
+            seen(&parts, [-b.conj(), a.conj()], 0.02),
+        ];
+        let both = normals(&parts, &fields);
+        let [first, second] = fields.map(|seen| normals(&parts, &[seen]));
+        let sum: Vec<(f64, Normal)> = first
+            .iter()
+            .zip(&second)
+            .map(|((scale, one), (_, other))| {
+                let sum = Normal {
+                    matrix: &one.matrix + &other.matrix,
+                    right: &one.right + &other.right,
+                    ln_likelihood: one.ln_likelihood + other.ln_likelihood,
+                };
+                (*scale, sum)
+            })
+            .collect();
+        assert_same(&both, &sum);
     }
 
     /// A field of fewer rows, or one of magnitudes, is taken alone.
     #[test]
     fn fields_of_other_rows_are_not_joined() {
         let parts = parts();
-        let whole = seen(&parts, [1.0, 0.5], 0.02);
+        let whole = seen(&parts, WEIGHTS, 0.02);
         let mut some = whole.clone();
         some.rows.truncate(3);
         some.velocity = some.velocity.slice(s![..3]).to_owned();

@@ -123,9 +123,10 @@ pub(super) fn see(
             _ => finding.about(format_args!("field {number}")),
         };
         let mut told: Vec<Finding> = Vec::from_iter(off);
+        let likeness = Likeness::of(&predicted, &field);
+        likeness.check_level()?;
         if number == 1 {
-            // a later one is held against what those before it taught
-            let likeness = Likeness::of(&predicted, &field);
+            // the form of a later one is held against what those before it taught
             likeness.check()?;
             told.extend(likeness.finding());
         }

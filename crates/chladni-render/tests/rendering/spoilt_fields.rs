@@ -221,5 +221,6 @@ fn a_second_field_that_turns_the_wrong_way_is_refused() {
         point.velocity_m_per_s = point.velocity_m_per_s.conj();
     }
     let error = both(&turned).unwrap_err();
-    assert_eq!(error.field.as_deref(), Some("velocity"), "{error}");
+    let about = error.field.as_deref();
+    assert_eq!(about, Some("velocity of field 2"), "{error}");
 }
