@@ -144,15 +144,18 @@ fn shared(stretches: &[Stretch]) -> Option<bool> {
         pairs => pairs,
     };
     // by chance it goes as one over the lines
-    let length = stretches.first()?.errors.len() as f64;
-    let coherence = sum * length / (count * limits::STRETCH as f64);
+    let first = stretches.first()?;
+    let coherence = sum * first.errors.len() as f64 / (count * limits::STRETCH as f64);
     if coherence > limits::SHARED {
         return Some(true);
     }
     // coherences scatter as much as their mean: few pairs do not tell that errors are apart
     let (of_chance, of_leakage) = limits::COHERENCE;
     let nats = (of_leakage / of_chance).ln() - coherence * (1.0 / of_chance - 1.0 / of_leakage);
-    (count * nats > limits::APART).then_some(false)
+    let of_one_force = stretches
+        .iter()
+        .all(|other| other.reference == first.reference);
+    (count * nats > limits::APART[usize::from(!of_one_force)]).then_some(false)
 }
 
 /// The stretches of one FRF, of `length` lines.
