@@ -119,7 +119,8 @@ pub fn corrected(
 /// A pair of weights and field, and the checksum of the weights.
 type Pair = (Weights, MeasuredField, Option<String>);
 
-/// The error with the file that it is about: of the first pair that is refused by itself.
+/// The error with the file that it is about: of the field that it names, or of the first pair that
+/// is refused by itself.
 fn with_file(
     error: Error,
     args: &Args,
@@ -127,6 +128,15 @@ fn with_file(
     scene: &Scene,
     played: &[Pair],
 ) -> Error {
+    let about = error.field.as_deref().unwrap_or_default();
+    let number = about.rsplit_once(" of field ").map(|(_, number)| number);
+    let named = number.and_then(|number| {
+        args.field
+            .get(number.parse::<usize>().ok()?.checked_sub(1)?)
+    });
+    if let Some(named) = named {
+        return error.file(named);
+    }
     let options = RenderOptions::default();
     let files = args.weights.iter().zip(&args.field);
     for (pair, (weights, field)) in played.iter().zip(files) {

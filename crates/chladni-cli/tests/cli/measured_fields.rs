@@ -334,6 +334,13 @@ fn bad_calibrations_are_refused_by_name() {
     assert!(!folder.names().contains(&"no.json".to_owned()));
 }
 
+fn negative(number: &str) -> String {
+    match number.strip_prefix('-') {
+        Some(positive) => positive.to_owned(),
+        None => format!("-{number}"),
+    }
+}
+
 #[test]
 fn of_several_fields_the_bad_one_is_named() {
     let folder = prepared();
@@ -344,6 +351,15 @@ fn of_several_fields_the_bad_one_is_named() {
     folder.write("foreign.csv", sha256);
     folder.write("words.csv", good.replace("\n1:+Z,", "\n1:+Z,x"));
     folder.write("again.csv", format!("# measured again\n{good}"));
+    let mut turned = String::new();
+    for line in good.lines() {
+        let parts: Vec<&str> = line.split(',').collect();
+        turned += &match parts[..] {
+            [response, re, im] if im != "im" => format!("{response},{re},{}\n", negative(im)),
+            _ => format!("{line}\n"),
+        };
+    }
+    folder.write("turned.csv", turned);
     folder.write(
         "scene-2.toml",
         folder.text("scene.toml").replace("330.0", "331.0"),
@@ -363,6 +379,7 @@ fn of_several_fields_the_bad_one_is_named() {
         ("w0.json", "foreign.csv", "foreign.csv"),
         ("w0.json", "words.csv", "words.csv"),
         ("w-2.json", "again.csv", "w-2.json"),
+        ("w0.json", "turned.csv", "turned.csv"),
     ] {
         let error = folder.run(&line(weights, field)).exits(65).json();
         assert_eq!(error["error"]["file"], named, "{error}");
