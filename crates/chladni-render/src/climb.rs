@@ -306,34 +306,15 @@ pub(crate) fn peak(drive: &Drive) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::covariance::Covariance;
-    use crate::problem::{DriveLimits, Rows};
-    use crate::scene::Limits;
+    use crate::test_model::test_problem;
     use ndarray::{Array2, Axis};
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
     /// A problem of two hot rows and others that are cold.
     fn problem(mobility: Array2<Complex64>) -> Problem {
-        let count = mobility.nrows();
-        let error = Complex64::from(0.01 * 0.01);
-        let rows = Rows {
-            hot: 2,
-            positions_m: vec![[0.0; 2]; count],
-            levels: Array1::ones(count),
-            mobility,
-        };
-        let limits = Limits {
-            threshold_m_per_s: 0.9,
-            hot_m_per_s: 1.0,
-            cold_m_per_s: 0.8,
-        };
-        let drive_limits = DriveLimits {
-            each: 100.0,
-            effort: f64::INFINITY,
-        };
-        let covariance = Covariance::of_gram(Array2::from_diag_elem(5, error)).unwrap();
-        Problem::new(rows, covariance, limits, drive_limits)
+        let levels = Array1::ones(mobility.nrows());
+        test_problem((mobility, levels), 2, 0.01, 100.0)
     }
 
     /// Of many rows that are alike one binds: it is found among very many rows as among few.

@@ -106,9 +106,7 @@ fn size(drive: &Drive) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::covariance::Covariance;
-    use crate::problem::{DriveLimits, Rows};
-    use crate::scene::Limits;
+    use crate::test_model::test_problem;
     use ndarray::Array1;
     use proptest::prelude::*;
 
@@ -127,28 +125,9 @@ mod tests {
 
     /// More rows than four actuators can serve, a third of them hot.
     fn problem(mobility: Vec<Complex64>, error: f64) -> Problem {
-        let gram = Array2::from_diag_elem(ACTUATORS, Complex64::from(error * error));
-        let rows = Rows {
-            mobility: Array2::from_shape_vec((ROWS, ACTUATORS), mobility).unwrap(),
-            hot: ROWS / 3,
-            positions_m: vec![[0.0; 2]; ROWS],
-            levels: Array1::from_shape_fn(ROWS, |row| if row == 0 { 1.5 } else { 1.0 }),
-        };
-        let limits = Limits {
-            threshold_m_per_s: 0.9,
-            hot_m_per_s: 1.0,
-            cold_m_per_s: 0.8,
-        };
-        let drive_limits = DriveLimits {
-            each: 3.0,
-            effort: f64::INFINITY,
-        };
-        Problem::new(
-            rows,
-            Covariance::of_gram(gram).unwrap(),
-            limits,
-            drive_limits,
-        )
+        let mobility = Array2::from_shape_vec((ROWS, ACTUATORS), mobility).unwrap();
+        let levels = Array1::from_shape_fn(ROWS, |row| if row == 0 { 1.5 } else { 1.0 });
+        test_problem((mobility, levels), ROWS / 3, error, 3.0)
     }
 
     proptest! {

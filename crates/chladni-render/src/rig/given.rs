@@ -133,9 +133,7 @@ fn chance_of_ratio(problem: &Problem, drive: &Drive, ratio: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::covariance::Covariance;
-    use crate::problem::{DriveLimits, Rows};
-    use crate::scene::Limits;
+    use crate::test_model::test_problem;
     use ndarray::{Array1, Array2};
     use num_complex::Complex64;
 
@@ -144,23 +142,9 @@ mod tests {
     #[test]
     fn the_chance_of_a_share_is_that_of_coins() {
         let unit = Complex64::ONE;
-        let rows = Rows {
-            mobility: Array2::from_shape_fn((5, 1), |(k, _)| if k < 3 { unit } else { 0.0 * unit }),
-            hot: 3,
-            positions_m: vec![[0.0; 2]; 5],
-            levels: Array1::ones(5),
-        };
-        let limits = Limits {
-            threshold_m_per_s: 0.9,
-            hot_m_per_s: 1.0,
-            cold_m_per_s: 0.8,
-        };
-        let drive_limits = DriveLimits {
-            each: 3.0,
-            effort: f64::INFINITY,
-        };
-        let covariance = Covariance::of_gram(Array2::from_elem((1, 1), unit * 1e-4)).unwrap();
-        let problem = Problem::new(rows, covariance, limits, drive_limits);
+        let mobility =
+            Array2::from_shape_fn((5, 1), |(k, _)| if k < 3 { unit } else { 0.0 * unit });
+        let problem = test_problem((mobility, Array1::ones(5)), 3, 0.01, 3.0);
         let drive = Drive::from_elem(1, unit);
         for (ratio, chance) in [
             (0.0, 1.0),

@@ -30,8 +30,8 @@ pub(super) struct Eliminated {
     ln_evidence: f64,
 }
 
-/// What was measured, around θ, behind noise of one variance: the measured values of one field,
-/// or a sum of fields whose errors depend on no other sum.
+/// Equations around θ of measured values with noise of one variance: those of one field, or of a
+/// sum of fields whose errors depend on no other sum.
 struct Share {
     matrix: Array2<f64>,
     right: Array1<f64>,
@@ -309,7 +309,7 @@ mod tests {
 
     const WEIGHTS: [Complex64; 2] = [Complex64::new(1.0, 0.2), Complex64::new(0.3, -0.5)];
 
-    /// What the model leaves unexplained is the same each time, turned as the drive is, so that only
+    /// The unexplained part of the model is the same each time, turned as the drive is, so that only
     /// noise is averaged.
     #[test]
     fn a_field_measured_twice_is_one_of_half_the_variance() {
