@@ -139,11 +139,15 @@ impl Columns {
     /// Rows multiplied by `weights`, in the data and in g.
     pub fn reweighted(&self, weights: &[f64]) -> Self {
         let mut out = self.clone();
-        for (k, &w) in weights.iter().enumerate() {
-            out.g[k] *= w;
-            out.b.row_mut(k).mapv_inplace(|v| v * w);
-        }
+        out.weigh(weights);
         out
+    }
+    /// The same in place; nothing changes where there are no weights.
+    pub fn weigh(&mut self, weights: &[f64]) {
+        for (k, &w) in weights.iter().enumerate() {
+            self.g[k] *= w;
+            self.b.row_mut(k).mapv_inplace(|v| v * w);
+        }
     }
 }
 

@@ -174,11 +174,13 @@ impl Source for Screened<'_> {
 
     fn projected(
         &self,
-        _: &Way,
+        way: &Way,
         q: &Array2<Complex64>,
         energy: &Array1<f64>,
     ) -> Result<Projected, FitError> {
-        Ok(project(self, measured_basis(self, q), energy)?)
+        let weights = way.weights();
+        let basis = measured_basis(self, q, weights);
+        Ok(project(self, basis, energy, weights)?)
     }
 
     fn way(&self) -> Option<&Way> {

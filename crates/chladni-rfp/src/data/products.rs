@@ -35,7 +35,8 @@ impl Projected {
     ///
     /// * `t`, `gram`: as in [`Products`]
     /// * `turned`: XᵀR₀ of an X
-    /// * `line_energy`: of each line over all FRFs
+    /// * `line_energy`: of each line over all FRFs, before weights
+    /// * `weights`: of lines, where they do not count alike
     ///
     /// # Errors
     /// A decomposition that fails.
@@ -44,6 +45,7 @@ impl Projected {
         [t, gram]: [&Array2<f64>; 2],
         turned: impl FnOnce(&Array2<f64>) -> Array2<f64>,
         line_energy: &Array1<f64>,
+        weights: &[f64],
     ) -> Result<Self, LinalgError> {
         let lines = data.lines.len();
         let factor = data.factor();
@@ -55,15 +57,22 @@ impl Projected {
         let b = Array2::from_shape_fn((lines, half.ncols()).f(), complex);
         let mut beyond = line_energy.clone();
         add_energy(&mut beyond, &b, -1.0);
+        let squares = weights.iter().map(|weight| weight * weight);
+        beyond
+            .iter_mut()
+            .zip(squares)
+            .for_each(|(energy, square)| *energy *= square);
         beyond.mapv_inplace(|energy| energy.max(0.0));
+        let mut work = Columns {
+            x: data.x.clone(),
+            g: data.g.clone(),
+            b,
+            law: data.law,
+            leakage: data.leakage.clone(),
+        };
+        work.weigh(weights);
         Ok(Projected {
-            work: Columns {
-                x: data.x.clone(),
-                g: data.g.clone(),
-                b,
-                law: data.law,
-                leakage: data.leakage.clone(),
-            },
+            work,
             back: turned(&half),
             beyond,
         })
@@ -150,16 +159,17 @@ pub(crate) struct Products {
 }
 
 /// Runs the pass with a [`measured_basis`] on all FRFs; `line_energy` comes from the first
-/// pass.
+/// pass. `weights`: of lines, which the basis holds already.
 pub(crate) fn project(
     data: &Screened,
     basis: Array2<f64>,
     line_energy: &Array1<f64>,
+    weights: &[f64],
 ) -> Result<Projected, LinalgError> {
     let Products { t, gram, r0 } = products(data, &basis);
     drop(basis);
     let turned = |x: &Array2<f64>| blocked_matmul_h(x.view(), r0.view());
-    Projected::new(data, [&t, &gram], turned, line_energy)
+    Projected::new(data, [&t, &gram], turned, line_energy, weights)
 }
 
 /// The pass itself, with a [`measured_basis`].
@@ -197,7 +207,7 @@ pub(crate) fn products(data: &Screened, basis: &Array2<f64>) -> Products {
 
 /// Energy Σ|qᴴb|² that each column of `q` sees of all FRFs: a light pass.
 pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
-    let basis = measured_basis(data, q);
+    let basis = measured_basis(data, q, &[]);
     let sums = |group: Range<usize>| {
         let mut energy = vec![0.0; q.ncols()];
         data.each_block(group, |frfs, block| {
@@ -218,8 +228,16 @@ pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
 }
 
 /// The basis over the reals as it meets values in the measured kind: the factor to work
-/// units waits until all is small.
-pub(crate) fn measured_basis(data: &DataLayout, q: &Array2<Complex64>) -> Array2<f64> {
+/// units waits until all is small. `weights`: of lines, where they do not count alike.
+pub(crate) fn measured_basis(
+    data: &DataLayout,
+    q: &Array2<Complex64>,
+    weights: &[f64],
+) -> Array2<f64> {
     let factor = data.factor();
-    real_basis(&q.mapv(|v| v * factor.conj()))
+    let mut met = q.mapv(|v| v * factor.conj());
+    for (mut row, weight) in met.rows_mut().into_iter().zip(weights) {
+        row.mapv_inplace(|v| v * weight);
+    }
+    real_basis(&met)
 }

@@ -28,9 +28,10 @@ pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     /// them.
     fn sketch(&self, seed: u64) -> (Columns, Array1<f64>);
 
-    /// Second pass: all FRFs compressed on the basis of a model with the poles of `way`.
+    /// Second pass: all FRFs compressed on the basis of a model with the poles of `way`, and
+    /// weighted as its lines are.
     ///
-    /// * `q`: that basis, orthonormal, (line, unknown)
+    /// * `q`: that basis, orthonormal on weighted lines, (line, unknown)
     /// * `energy`: of each line over all FRFs
     ///
     /// # Errors
@@ -83,6 +84,16 @@ pub(crate) struct Way {
     pub by: By,
 }
 
+impl Way {
+    /// Weight of each line used; empty where all count alike.
+    pub fn weights(&self) -> &[f64] {
+        match &self.by {
+            By::Measured { weights, .. } => weights,
+            By::Fast { .. } | By::Conjugated => &[],
+        }
+    }
+}
+
 /// The path that found the poles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum By {
@@ -105,6 +116,8 @@ pub(crate) enum By {
         grades: Vec<(Trust, Vec<Reason>)>,
         #[serde(with = "as_json")]
         findings: Vec<Finding>,
+        /// 1/σ of each line used, of unit mean square; empty where they count alike.
+        weights: Vec<f64>,
     },
     /// Stopped: every resonance turns the wrong way.
     Conjugated,

@@ -39,6 +39,9 @@ pub(crate) struct MeasuredPoles {
     /// From columns to FRFs, where the columns are scaled FRFs; `None` where they are
     /// mixtures.
     pub back: Option<Array2<f64>>,
+    /// 1/σ of each line of the data, of unit mean square; empty where the shapes of lines are
+    /// not known so well: residues then follow the peaks.
+    pub weights: Vec<f64>,
     /// E|δλ|² of each pole.
     pub variance: Vec<f64>,
     /// Grade of each pole; nuisance poles are `Weak` without reasons.
@@ -140,6 +143,10 @@ fn on_columns(
         .collect();
     Ok(MeasuredPoles {
         refined,
+        weights: match record.needs_all_lines() {
+            true => on_lines(&data.x, &visible.work.x, &weights),
+            false => Vec::new(),
+        },
         work,
         back,
         variance,
@@ -287,6 +294,26 @@ fn join(work: &Columns, finished: &[Finished]) -> (Vec<Evidence>, Vec<f64>) {
             .assign(&part.variance);
     }
     (all, normalised(&variance))
+}
+
+/// Weights of lines x from those of lines `known`, some of them, of unit mean square.
+fn on_lines(x: &[f64], known: &[f64], weights: &[f64]) -> Vec<f64> {
+    let at = |&x: &f64| {
+        let after = known.partition_point(|own| *own < x);
+        match (after.checked_sub(1), after < known.len()) {
+            (Some(before), true) => {
+                let part = (x - known[before]) / (known[after] - known[before]);
+                weights[before] + part * (weights[after] - weights[before])
+            }
+            (Some(last), false) => weights[last],
+            (None, _) => weights[0],
+        }
+    };
+    let mut all: Vec<f64> = x.iter().map(at).collect();
+    let squares: f64 = all.iter().map(|weight| weight * weight).sum();
+    let rms = (squares / all.len() as f64).sqrt();
+    all.iter_mut().for_each(|weight| *weight /= rms);
+    all
 }
 
 /// Poles with their grades, as the searches stand.

@@ -237,6 +237,7 @@ fn from_measured<S: Source>(
                 spread: found.variance,
                 grades: found.grades,
                 findings: found.warnings,
+                weights: found.weights,
             },
         };
         return on_way(data, way, options, sought);
@@ -268,7 +269,8 @@ fn on_way<S: Source>(
     options: &FitOptions,
     sought: bool,
 ) -> Result<Result<PoleEstimate, Vec<usize>>, S::Stop> {
-    let (sketch, energy) = data.sketch(options.seed);
+    let (mut sketch, energy) = data.sketch(options.seed);
+    sketch.weigh(way.weights());
     let q = Projection::new(&sketch, &way.lambda, &POWERS)?.q;
     let projected = data.projected(&way, &q, &energy)?;
     if data.values().is_none() && sought {
@@ -285,6 +287,7 @@ fn on_way<S: Source>(
             spread,
             grades,
             findings,
+            ..
         } => (spread, grades, measured_words(&evidence), findings),
         // the data contradict any passive structure in e^{+jωt}; they are not corrected
         // without being told

@@ -51,9 +51,9 @@ pub(crate) fn lean(survey: Survey, options: &FitOptions) -> Result<PoleEstimate,
     rough.extend(beyond(&all, &rough));
     let measured = {
         let columns = basis(&all, &rough, &POWERS);
-        measured_basis(data, &qr_thin(columns.view())?.0)
+        measured_basis(data, &qr_thin(columns.view())?.0, &[])
     };
-    let projected = project(data, measured, &survey.energy)?;
+    let projected = project(data, measured, &survey.energy, &[])?;
     let needed = needed(&projected.work, &rough, data.pairs.len())?;
     let refined = fine(&projected.work, &needed, options, data.pairs.len())?;
     let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();

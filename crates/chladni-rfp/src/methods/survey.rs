@@ -96,7 +96,12 @@ impl<'a> Survey<'a> {
             return Ok(whole(rank));
         }
         let q = u.slice(s![.., ..directions]).to_owned();
-        let projected = project(self.data, measured_basis(self.data, &q), &self.energy)?;
+        let projected = project(
+            self.data,
+            measured_basis(self.data, &q, &[]),
+            &self.energy,
+            &[],
+        )?;
         let outside = (self.energy.sum() - projected.work.energy()).max(0.0);
         Ok(Compressed {
             work: projected.work,

@@ -33,13 +33,30 @@ pub(crate) fn above_rounding(model: &Laid, data: &DataLayout) -> Option<Vec<f64>
         .then(|| sums.into_iter().map(|(left, _)| left).collect())
 }
 
-/// The same, rounding or not; empty where no energies are known.
+/// The same, rounding or not, and where lines are weighted to first order in the noise; empty
+/// where no energies are known.
 pub(crate) fn by_sums(model: &Laid, data: &DataLayout) -> Vec<f64> {
-    sums(model, data)
+    let plain = unweighted(model.columns, data);
+    let columns = plain.as_ref().unwrap_or(model.columns);
+    sums(&Laid { columns, ..*model }, data)
         .into_iter()
         .flatten()
         .map(|(left, _)| left.max(0.0))
         .collect()
+}
+
+/// The columns of weighted lines as they were before; `None` where they are, or are those of
+/// other lines.
+fn unweighted(work: &Columns, data: &DataLayout) -> Option<Columns> {
+    if work.x != data.x || work.g == data.g {
+        return None;
+    }
+    let over = data.g.iter().zip(&work.g);
+    let plain = work.reweighted(&over.map(|(plain, own)| plain / own).collect::<Vec<_>>());
+    Some(Columns {
+        g: data.g.clone(),
+        ..plain
+    })
 }
 
 /// (left, energy) of each FRF, in work units of the measured data.

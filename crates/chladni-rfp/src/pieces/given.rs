@@ -37,8 +37,9 @@ pub fn residues(
         let q = qr_thin(basis(&data.axis(), &given.lambda(), &given.powers).view())?.0;
         let projected = project(
             &data,
-            measured_basis(&data, &q),
+            measured_basis(&data, &q, &[]),
             &data.sketch(options.seed).1,
+            &[],
         )?;
         given.on(projected.work, Some(projected.back))?
     };

@@ -6,7 +6,7 @@
 // file.rs
 
 /// Version of the content; another one is refused.
-pub(super) const VERSION: u64 = 6;
+pub(super) const VERSION: u64 = 7;
 /// Most bytes of the first line.
 pub(super) const HEAD_MOST: usize = 1024;
 

@@ -283,7 +283,14 @@ impl Source for Merged<'_> {
             if self.serves(made, way)? {
                 let WholeProducts { t, gram, .. } = made.products;
                 let turned = |x: &Array2<f64>| made.products.turned(x);
-                return Ok(Projected::new(&self.head, [t, gram], turned, energy)?);
+                let weights = way.weights();
+                return Ok(Projected::new(
+                    &self.head,
+                    [t, gram],
+                    turned,
+                    energy,
+                    weights,
+                )?);
             }
         }
         Err(Stop::Pass(Box::new(

@@ -9,7 +9,7 @@ use crate::data::source::Way;
 use crate::pieces::error::PieceError;
 use crate::pieces::partial::{Block, ProductSums};
 use crate::pieces::poles::{Matrix, Poles};
-use crate::poles::passes::on_all_lines;
+use crate::poles::passes::on_weighted_lines;
 use chladni_frf::{Error, FrfSet};
 use ndarray::{Array2, Axis};
 use rayon::prelude::*;
@@ -30,7 +30,8 @@ impl Basis {
             law: way.law,
             ..poles.head(options.effort)?
         };
-        let measured = measured_basis(&head, &on_all_lines(&head, &way.lambda)?);
+        let q = on_weighted_lines(&head, &way.lambda, way.weights())?;
+        let measured = measured_basis(&head, &q, way.weights());
         Ok(Self { measured, head })
     }
 }

@@ -50,6 +50,13 @@ fn finite(field: &str, values: impl IntoIterator<Item = f64>) -> Result<(), Erro
     }
 }
 
+fn positive(field: &str, mut values: impl Iterator<Item = f64>) -> Result<(), Error> {
+    match values.find(|value| !(value.is_finite() && *value > 0.0)) {
+        Some(value) => Err(refused(field, value, "positive numbers")),
+        None => Ok(()),
+    }
+}
+
 impl Plan {
     /// Number of lines in the band.
     fn check(&self) -> Result<usize, Error> {
@@ -230,7 +237,7 @@ impl Sound for Poles {
             weighting.check()?;
         }
         match &self.way {
-            Some(way) => way.check(),
+            Some(way) => way.check(self.lines.len()),
             None if self.pass == Pass::Products => Err(refused("poles", "none", "some")),
             None => Ok(()),
         }
@@ -238,13 +245,23 @@ impl Sound for Poles {
 }
 
 impl Way {
-    fn check(&self) -> Result<(), Error> {
+    /// * `lines`: number of lines used
+    fn check(&self, lines: usize) -> Result<(), Error> {
         let poles = self.lambda.iter();
         finite("poles", poles.flat_map(|value| [value.re, value.im]))?;
         match &self.by {
-            By::Measured { spread, grades, .. } => {
+            By::Measured {
+                spread,
+                grades,
+                weights,
+                ..
+            } => {
                 count("spread of the poles", spread.len(), self.lambda.len())?;
-                count("grades of the poles", grades.len(), self.lambda.len())
+                count("grades of the poles", grades.len(), self.lambda.len())?;
+                if !weights.is_empty() {
+                    count("weights of lines", weights.len(), lines)?;
+                }
+                positive("weights of lines", weights.iter().copied())
             }
             By::Fast { extra_passes, .. } if *extra_passes > limits::ROUNDS_MOST => {
                 Err(refused("passes", extra_passes, "a few"))
@@ -256,11 +273,7 @@ impl Way {
 
 impl DofWeights {
     fn check(&self) -> Result<(), Error> {
-        let bad = |weight: &f64| !(weight.is_finite() && *weight > 0.0);
-        match self.numbers().find(bad) {
-            Some(weight) => Err(refused("weights", weight, "positive numbers")),
-            None => Ok(()),
-        }
+        positive("weights", self.numbers())
     }
 }
 

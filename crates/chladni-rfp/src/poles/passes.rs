@@ -254,7 +254,17 @@ pub(crate) fn on_all_lines(
     data: &DataLayout,
     lambda: &[Complex64],
 ) -> Result<Array2<Complex64>, LinalgError> {
-    Ok(qr_thin(basis(&data.axis(), lambda, &POWERS).view())?.0)
+    on_weighted_lines(data, lambda, &[])
+}
+
+/// The same on lines of these `weights`, where they do not count alike.
+pub(crate) fn on_weighted_lines(
+    data: &DataLayout,
+    lambda: &[Complex64],
+    weights: &[f64],
+) -> Result<Array2<Complex64>, LinalgError> {
+    let axis = data.axis().reweighted(weights);
+    Ok(qr_thin(basis(&axis, lambda, &POWERS).view())?.0)
 }
 
 /// Noise variance from the residual of all FRFs.

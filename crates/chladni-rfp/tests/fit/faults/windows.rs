@@ -3,8 +3,9 @@
 use super::random_test::{random_test, random_test_of, taper, MODES, RATE_HZ, RECORD, RECORDS};
 use super::*;
 use chladni_frf::{BlockWindow, Damping, Estimation, Estimator, Forcing, Mode};
+use chladni_rfp::pieces::{reduce, solve, Partial, Poles, Solved};
 use chladni_rfp::{FitError, Method, Window};
-use ndarray::Axis;
+use ndarray::{s, Axis};
 
 /// ζ found over ζ true, mode by mode.
 fn damping_ratios(model: &ModalModel) -> Vec<f64> {
@@ -12,17 +13,22 @@ fn damping_ratios(model: &ModalModel) -> Vec<f64> {
 }
 
 fn damping_ratios_of(modes: &[(f64, f64)], model: &ModalModel) -> Vec<f64> {
-    let nearest = |f: f64| {
+    let found = modes_near(modes, model).into_iter();
+    let each = found.zip(modes);
+    each.map(|(found, (_, zeta))| found.damping_ratio / zeta)
+        .collect()
+}
+
+/// The nearest mode of the model to each of the true ones.
+fn modes_near<'a>(modes: &[(f64, f64)], model: &'a ModalModel) -> Vec<&'a Mode> {
+    let nearest = |&(f, _): &(f64, f64)| {
         let off = |m: &&Mode| (m.frequency_hz - f).abs();
         model
             .in_band_modes()
             .min_by(|a, b| off(a).total_cmp(&off(b)))
             .expect("a mode")
     };
-    modes
-        .iter()
-        .map(|&(f, zeta)| nearest(f).damping_ratio / zeta)
-        .collect()
+    modes.iter().map(nearest).collect()
 }
 
 #[test]
@@ -273,4 +279,87 @@ fn a_window_asks_for_even_lines() {
         fit(&set.frf, &options),
         Err(FitError::WindowAxis { .. })
     ));
+}
+
+/// The set with so many responses, each a mixture of those that were measured.
+fn mixed(frf: &FrfSet, responses: usize) -> FrfSet {
+    let FrfValues::F64(values) = &frf.values else {
+        panic!("synthetic sets are in double precision")
+    };
+    let lines = values.len_of(Axis(2));
+    let part = |i: usize, own: usize| (1.7 * (i * 3 + own + 1) as f64).cos();
+    let value = |(i, _, k): (usize, usize, usize)| -> Complex64 {
+        (0..values.len_of(Axis(0)))
+            .map(|own| part(i, own) * values[[own, 0, k]])
+            .sum()
+    };
+    FrfSet {
+        values: FrfValues::F64(Array3::from_shape_fn((responses, 1, lines), value)),
+        responses: (1..=responses)
+            .map(|node| format!("{node}:+Z").parse().unwrap())
+            .collect(),
+        references: vec!["99:+Z".parse().unwrap()],
+        ..frf.clone()
+    }
+}
+
+/// The fit of two halves of the responses.
+fn in_halves(frf: &FrfSet, options: &FitOptions) -> ModalModel {
+    let FrfValues::F64(values) = &frf.values else {
+        panic!("synthetic sets are in double precision")
+    };
+    let half = |b: usize| {
+        let rows = b * frf.responses.len() / 2..(b + 1) * frf.responses.len() / 2;
+        FrfSet {
+            values: FrfValues::F64(values.slice(s![rows.clone(), .., ..]).to_owned()),
+            responses: frf.responses[rows].to_vec(),
+            ..frf.clone()
+        }
+    };
+    let mut poles: Option<Poles> = None;
+    for _ in 0..8 {
+        let of_half =
+            |b: usize| reduce(&half(b), options, b as u64, Vec::new(), poles.as_ref()).unwrap();
+        let merged = Partial::merge(vec![of_half(0), of_half(1)]).unwrap();
+        match solve(merged, options, &|_| {}).unwrap() {
+            Solved::Poles(found) => poles = Some(*found),
+            Solved::Fit(fit) => return fit.model,
+        }
+    }
+    panic!("no end")
+}
+
+#[test]
+fn many_responses_are_fitted_on_weighted_lines_as_few_are() {
+    let few = random_test(Window::Hann, 1.0, 41);
+    let options = FitOptions {
+        band_hz: Some([20.0, 250.0]),
+        window: Some(Window::Hann),
+        // the poles are sought in the other one first
+        damping: Some(Damping::Viscous),
+        ..FitOptions::default()
+    };
+    let of_few = fitted_with(&few, &options);
+    let many = mixed(&few, 30);
+    let of_many = fitted_with(&many, &options);
+    let in_pieces = in_halves(&many, &options);
+    let [few, many, pieces] =
+        [&of_few, &of_many, &in_pieces].map(|model| modes_near(&MODES, model));
+    for ((few, many), pieces) in few.iter().zip(many).zip(pieces) {
+        let at = few.frequency_hz;
+        assert_eq!(many.trust, Trust::Sure, "{at} Hz");
+        let off = (many.loss_factor - few.loss_factor).abs() / few.loss_factor_std;
+        assert!(off < 0.5, "{at} Hz: {off} bars");
+        let bars = many.loss_factor_std / few.loss_factor_std;
+        assert!((0.7..1.4).contains(&bars), "{at} Hz: bar {bars}");
+        let off = (pieces.loss_factor - many.loss_factor).abs() / many.loss_factor_std;
+        assert!(off < 0.3, "{at} Hz: {off} bars from the whole");
+        let bars = pieces.loss_factor_std / many.loss_factor_std;
+        assert!(
+            (0.95..1.05).contains(&bars),
+            "{at} Hz: bar {bars} of the whole"
+        );
+    }
+    let left = [&of_many, &in_pieces].map(|model| model.quality.relative_error);
+    assert!((left[1] / left[0] - 1.0).abs() < 0.05, "{left:?}");
 }
