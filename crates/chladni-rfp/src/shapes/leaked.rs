@@ -5,7 +5,7 @@
 //! one force: a few forms of the force, of which every shape takes its part.
 
 use crate::damping::columns::{leaking_pole, resonance, Leaking as Leaks};
-use crate::data::window::block_errors::{Band, Form, Leak};
+use crate::data::window::band::{Band, Form, Leak};
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::Influence;
 use crate::shapes::limits;
