@@ -180,7 +180,7 @@ fn widen(mode: &mut Mode, scaling: Scaling, of_loss: f64, of_scale: f64) {
     if scaling != Scaling::UnitModalMass {
         return;
     }
-    widen_scale(mode, of_scale);
+    widen_scale(mode, |std, size| std.hypot(of_scale * size));
 }
 
 /// True for a mode of the band that was not rejected.

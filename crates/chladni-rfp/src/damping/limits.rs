@@ -53,6 +53,13 @@ pub(super) const PHASED_LOSS_KEPT: f64 = 0.2;
 /// Numerator terms beyond the degree of the denominator: residual terms from 1/x to x².
 pub(super) const RESIDUAL_TERMS: usize = 3;
 
+// bars.rs
+
+/// Standard deviations within which nine tenths of the errors to one side lie.
+pub(super) const NINE_TENTHS: f64 = 1.2816;
+/// Error bars of a real number, and of a complex one, within which 95 % of errors lie.
+pub(super) const REACH: [f64; 2] = [1.96, 1.7308];
+
 // verdict.rs
 
 /// Shift of a frequency and a loss factor under the wrong law, relative and over η².

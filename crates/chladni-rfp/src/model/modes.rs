@@ -173,11 +173,12 @@ pub(crate) fn modes(
         .collect()
 }
 
-/// Widens the bars of a mass-scaled shape by a relative doubt of its scale.
-pub(crate) fn widen_scale(mode: &mut Mode, doubt: f64) {
-    mode.scale_std = mode.scale_std.map(|std| std.hypot(doubt));
+/// Widens the bars of a mass-scaled shape by a doubt of its scale; `widened`: by bar and size of
+/// what it belongs to.
+pub(crate) fn widen_scale(mode: &mut Mode, widened: impl Fn(f64, f64) -> f64) {
+    mode.scale_std = mode.scale_std.map(|std| widened(std, 1.0));
     let values = mode.shape.0.iter().zip(&mut mode.shape_std);
-    values.for_each(|(value, std)| *std = std.hypot(doubt * value.norm()));
+    values.for_each(|(value, std)| *std = widened(*std, value.norm()));
 }
 
 /// Relative error of the scale that turned phases suggest: √2 times the rms angle of the
