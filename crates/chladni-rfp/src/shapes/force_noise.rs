@@ -5,50 +5,13 @@
 //! square; the rest of what FRFs share is this noise. Near a mode it is as large a part of the FRF,
 //! but the fit takes most of it along: bars must know it from elsewhere.
 
+use crate::damping::columns::leaking_pole;
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::{square, Influence, Shared};
+use crate::shapes::levels::{level_of, Told};
 use crate::shapes::limits;
 use chladni_frf::shared_power;
 use num_complex::Complex64;
-
-/// The errors that FRFs of one force share on a line, over their power.
-struct Told {
-    /// Of the residual.
-    shared: f64,
-    /// Of their slopes, per cycle.
-    slope: f64,
-    /// Noise of an FRF by itself.
-    alone: f64,
-}
-
-/// E|ν|² from lines that hold it and, where slopes leak, a part that goes with the power of the
-/// slope; `None` where there is none.
-///
-/// Lines scatter by their own mean and by noise of their FRFs, and count over the square of both.
-fn level_of(told: &[Told], leaks: bool) -> Option<f64> {
-    let seen = told.iter().map(|own| own.shared.abs()).sum::<f64>();
-    let [mut level, mut leaked] = [seen / told.len().max(1) as f64, 0.0];
-    for _ in 0..limits::LEVEL_ROUNDS {
-        // normal equations of the two parts
-        let [mut ones, mut slopes, mut squares, mut sum, mut along] = [0.0; 5];
-        for own in told {
-            let mean: f64 = level + leaked * own.slope.max(0.0);
-            let weight = (mean + own.alone).max(f64::EPSILON * seen).powi(-2);
-            ones += weight;
-            slopes += weight * own.slope;
-            squares += weight * own.slope * own.slope;
-            sum += weight * own.shared;
-            along += weight * own.slope * own.shared;
-        }
-        let free = ones * squares - slopes * slopes;
-        leaked = match leaks && free > 0.0 {
-            true => ((ones * along - slopes * sum) / free).max(0.0),
-            false => 0.0,
-        };
-        level = ((sum - leaked * slopes) / ones).max(0.0);
-    }
-    (level > 0.0 && level.is_finite()).then_some(level)
-}
 
 impl Influence<'_> {
     /// The noise that lines beside modes tell; `None` where the set tells the variance of lines,
@@ -60,16 +23,7 @@ impl Influence<'_> {
         if self.found.data.share_at(work.x[0]).is_some() {
             return None;
         }
-        let modes: Vec<f64> = (0..self.lambda.len())
-            .filter(|&n| work.in_band(self.lambda[n]))
-            .map(|n| self.middle(n))
-            .collect();
-        let beside = |k: usize| {
-            let apart = |middle: &f64| self.errors.cycles((work.x[k].sqrt() - middle).abs());
-            kept[k] > limits::KEPT_MOSTLY
-                && modes.iter().all(|own| apart(own) >= limits::BESIDE_CYCLES)
-        };
-        let lines: Vec<usize> = (1..work.lines() - 1).filter(|&k| beside(k)).collect();
+        let lines = self.found.lines_beside(self.errors, kept);
         if lines.len() < limits::SHARED_LINES {
             return None;
         }
@@ -80,13 +34,44 @@ impl Influence<'_> {
             Some(_) => 1.0,
             None => self.forces as f64,
         };
-        let variance = mixed * level_of(&told, self.errors.leaks())?;
-        Some(Shared {
+        let level = mixed * level_of(&told, self.errors.leaks())?;
+        let variance = (level - self.cut_off()).max(0.0);
+        (variance > 0.0).then(|| Shared {
             variances: vec![variance; work.lines()],
             alone: 1.0,
             by_force: false,
             over_lines: true,
         })
+    }
+
+    /// Variance beside modes of what records at rest lack of responses that go on after them, over
+    /// the power of the FRFs; zero where it is not foretold. It is no noise of the force, but as
+    /// large a part of an FRF on all lines, so that slopes do not tell it.
+    fn cut_off(&self) -> f64 {
+        let work = self.found.work;
+        let Some(blocks) = self
+            .errors
+            .blocks()
+            .filter(|_| self.errors.begins_at_rest())
+        else {
+            return 0.0;
+        };
+        let of_mode = |n: usize| -> Option<f64> {
+            let far = |k: &usize| {
+                self.errors.cycles(work.x[*k].sqrt() - self.middle(n)) >= limits::BESIDE_CYCLES
+            };
+            let line = self
+                .lines_about(n, limits::LEAK_CYCLES)
+                .into_iter()
+                .find(far)?;
+            let leaking = self.leaking(n, &[n], &[line])?;
+            let s = leaking_pole(work.law, self.lambda[n]).s;
+            let column = leaking.units[0][0] / (Complex64::new(0.0, work.x[line].sqrt()) - s);
+            Some(self.leaked_on(&leaking, 0) / (blocks * column.norm_sqr()))
+        };
+        let inside = (0..self.lambda.len()).filter(|&n| work.in_band(self.lambda[n]));
+        let parts: Vec<f64> = inside.filter_map(of_mode).collect();
+        parts.iter().sum::<f64>() / parts.len().max(1) as f64
     }
 
     /// The errors that FRFs of each force share on the line k.
@@ -122,7 +107,7 @@ impl Influence<'_> {
             };
             let power: f64 = own().map(|l| here[l].norm_sqr()).sum();
             Some(Told {
-                shared: part(&error, kept)?,
+                seen: part(&error, kept)?,
                 slope: part(&slope, 1.0)?,
                 alone: self.noise_of_columns() / power,
             })
@@ -145,39 +130,5 @@ impl Influence<'_> {
         let dropping = drop.filter(|_| self.shared.over_lines);
         let near = dropping.and_then(|drop| self.noise_near(n, *variances.first()?, drop));
         near.unwrap_or_else(|| variances.clone())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn noise_of_a_force_is_told_from_what_slopes_leak() {
-        // distances of 10 to 60 cycles to a mode; leakage of 0.3 per slope; at each distance the
-        // quantiles of an exponential
-        let of = |noise: f64| -> Vec<Told> {
-            let places = (0..50).flat_map(|k| (0..50).map(move |n| (k, n)));
-            let line = |(k, n): (usize, usize)| {
-                let slope = (10.0 + k as f64).powi(-2);
-                let chance = -((n as f64 + 0.5) / 50.0).ln();
-                Told {
-                    shared: (noise + 0.3 * slope) * chance,
-                    slope,
-                    alone: 1e-5,
-                }
-            };
-            places.map(line).collect()
-        };
-        let level = level_of(&of(1e-4), true).unwrap();
-        assert!((level / 1e-4 - 1.0).abs() < 0.05, "{level}");
-        // leakage alone is not read as noise, and noise alone needs no slopes
-        assert!(level_of(&of(0.0), true).unwrap_or(0.0) < 1e-6);
-        let flat = of(1e-4).into_iter().map(|own| Told {
-            shared: 1e-4,
-            ..own
-        });
-        let level = level_of(&flat.collect::<Vec<_>>(), false).unwrap();
-        assert!((level / 1e-4 - 1.0).abs() < 1e-9, "{level}");
     }
 }

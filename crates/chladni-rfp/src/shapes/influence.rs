@@ -13,7 +13,7 @@ use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
 use chladni_frf::shared_power;
 use chladni_linalg::{matmul, matmul_h, solve_upper, LinalgError};
-use ndarray::{concatenate, s, Array2, ArrayView1, Axis};
+use ndarray::{concatenate, s, Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::LN_2;
 
@@ -35,7 +35,7 @@ pub(crate) struct Found<'a> {
 
 impl Found<'_> {
     /// Scale of the FRF of pair l.
-    fn scale_of(&self, l: usize) -> f64 {
+    pub(super) fn scale_of(&self, l: usize) -> f64 {
         self.scales_of_frfs.as_ref().map_or(1.0, |all| all[l])
     }
 
@@ -52,29 +52,6 @@ impl Found<'_> {
             }
         }
         residues
-    }
-
-    /// Noise variance of each pair before the weights of lines, from the median of the
-    /// residual.
-    fn noise(&self, residual: &Array2<Complex64>) -> Vec<f64> {
-        let level = |column: ArrayView1<Complex64>| {
-            let values = column.iter().enumerate();
-            let mut squares: Vec<f64> = values
-                .map(|(k, value)| {
-                    let expected = self.data.variance_at(self.work.x[k]);
-                    value.norm_sqr() / (self.weight(k).powi(2) * expected)
-                })
-                .collect();
-            let middle = squares.len() / 2;
-            *squares.select_nth_unstable_by(middle, f64::total_cmp).1 / LN_2
-        };
-        let levels: Vec<f64> = residual.columns().into_iter().map(level).collect();
-        let usual = levels.iter().sum::<f64>() / levels.len().max(1) as f64;
-        let noise = |l: usize| match self.scales_of_frfs {
-            Some(_) => levels[l] * self.scale_of(l).powi(2),
-            None => usual,
-        };
-        (0..self.data.pairs.len()).map(noise).collect()
     }
 
     /// The error that FRFs share on each line, as noise of the force makes it (theory.md, eq.
@@ -213,7 +190,7 @@ impl<'a> Influence<'a> {
             residues: found.residues(),
             of_forces: Vec::new(),
             of_noise: Array2::zeros((0, 0)),
-            noise: found.noise(&projection.residual),
+            noise: found.noise(errors, &projection.residual, &kept),
             force: data.pairs.iter().map(|&(_, j)| j % forces).collect(),
             forces,
             of_response,

@@ -182,6 +182,15 @@ pub(super) const FORCES_MOST: usize = 4;
 /// 0.90 of 240; without it in 0.91 and more at each.
 pub(super) const LEAKS_AS_TOLD: f64 = 1.3;
 
+// own_noise.rs
+
+/// Noise of an FRF over that of the median line, at least: what is less is nothing but leakage.
+pub(super) const NOISE_OF_MEDIAN: f64 = 1e-2;
+
+/// Noise of lines beside modes over that of the median line, below which the difference is
+/// leakage and not chance: 200 lines tell either to 7 %.
+pub(super) const LEAKAGE_SHOWS: f64 = 0.8;
+
 // force_drop.rs
 
 /// Ratios of decays that are tried; the first is an even force, the last a drop of 30 dB.
