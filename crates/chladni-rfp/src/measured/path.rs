@@ -39,8 +39,8 @@ pub(crate) struct MeasuredPoles {
     /// From columns to FRFs, where the columns are scaled FRFs; `None` where they are
     /// mixtures.
     pub back: Option<Array2<f64>>,
-    /// 1/σ of each line of the data, of unit mean square; empty where the shapes of lines are
-    /// not known so well: residues then follow the peaks.
+    /// 1/σ of each line of the data, of unit mean square; empty where lines do not have the shape
+    /// of the columns, so that residues do best to follow the peaks.
     pub weights: Vec<f64>,
     /// E|δλ|² of each pole.
     pub variance: Vec<f64>,

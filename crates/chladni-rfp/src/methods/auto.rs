@@ -342,7 +342,10 @@ fn spoilt_lines(
     if !sound.iter().any(|pole| work.in_band(*pole)) {
         return Ok(Vec::new()); // nothing to judge by
     }
-    let left = projected.line_residual(&Projection::new(work, &sound, &POWERS)?.residual);
+    let mut left = projected.line_residual(&Projection::new(work, &sound, &POWERS)?.residual);
+    for (left, weight) in left.iter_mut().zip(way.weights()) {
+        *left /= weight * weight;
+    }
     let fitted: Vec<f64> = energy
         .iter()
         .zip(&left)

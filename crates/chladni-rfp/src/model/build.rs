@@ -18,7 +18,7 @@ use crate::model::residual_energy::{above_rounding, by_sums, Laid};
 use crate::poles::estimate::fewer_modes;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
-use crate::shapes::influence::Found;
+use crate::shapes::found::Found;
 use crate::shapes::line_bars::line_bars;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;

@@ -174,11 +174,22 @@ pub(crate) fn modes(
 }
 
 /// Widens the bars of a mass-scaled shape by a doubt of its scale; `widened`: by bar and size of
-/// what it belongs to.
+/// a value. The bar of the scale takes what is added, in the mean over the shape, so that what is
+/// known of a shape beside its scale stays.
 pub(crate) fn widen_scale(mode: &mut Mode, widened: impl Fn(f64, f64) -> f64) {
-    mode.scale_std = mode.scale_std.map(|std| widened(std, 1.0));
-    let values = mode.shape.0.iter().zip(&mut mode.shape_std);
-    values.for_each(|(value, std)| *std = widened(*std, value.norm()));
+    let (mut added, mut power) = (0.0, 0.0);
+    for (value, std) in mode.shape.0.iter().zip(&mut mode.shape_std) {
+        let before = *std;
+        *std = widened(before, value.norm());
+        if std.is_finite() {
+            added += std.powi(2) - before.powi(2);
+            power += value.norm_sqr();
+        }
+    }
+    if power > 0.0 {
+        let wider = |std: f64| (std.powi(2) + added / power).sqrt();
+        mode.scale_std = mode.scale_std.map(wider);
+    }
 }
 
 /// Relative error of the scale that turned phases suggest: √2 times the rms angle of the

@@ -33,16 +33,25 @@ pub(crate) fn above_rounding(model: &Laid, data: &DataLayout) -> Option<Vec<f64>
         .then(|| sums.into_iter().map(|(left, _)| left).collect())
 }
 
-/// The same, rounding or not, and where lines are weighted to first order in the noise; empty
-/// where no energies are known.
+/// The same, rounding or not; empty where no energies are known. On weighted lines their sum is
+/// right, and single FRFs are off by noise: columns that were chosen with weights do not hold all
+/// of the product without.
 pub(crate) fn by_sums(model: &Laid, data: &DataLayout) -> Vec<f64> {
     let plain = unweighted(model.columns, data);
     let columns = plain.as_ref().unwrap_or(model.columns);
-    sums(&Laid { columns, ..*model }, data)
-        .into_iter()
-        .flatten()
-        .map(|(left, _)| left.max(0.0))
-        .collect()
+    let known = sums(&Laid { columns, ..*model }, data);
+    let left = known.into_iter().flatten().map(|(left, _)| left);
+    let (sum, left) = left.fold((0.0, Vec::new()), |(sum, mut all), left| {
+        all.push(left.max(0.0));
+        (sum + left, all)
+    });
+    // none is below zero, and the sum stays
+    let kept: f64 = left.iter().sum();
+    let scale = match kept > 0.0 {
+        true => sum.max(0.0) / kept,
+        false => 1.0,
+    };
+    left.into_iter().map(|left| left * scale).collect()
 }
 
 /// The columns of weighted lines as they were before; `None` where they are, or are those of

@@ -240,11 +240,14 @@ impl<'a> Merged<'a> {
     }
 
     /// True where the products at hand compress the data for the poles of `way` as well:
-    /// on the same lines, as many poles, each within their basis but for a small share.
+    /// on the same lines, weighted as those are or not, as many poles, each within their basis but for a small share.
     /// The part outside costs a share of the information, and no bias: compressed columns
     /// are mixtures of whole FRFs, and the basis only says how they are mixed.
     fn serves(&self, made: &Made, way: &Way) -> Result<bool, LinalgError> {
-        if made.poles.lines != self.lines || made.way.lambda.len() != way.lambda.len() {
+        if made.poles.lines != self.lines
+            || made.way.lambda.len() != way.lambda.len()
+            || made.way.weights().is_empty() != way.weights().is_empty()
+        {
             return Ok(false);
         }
         if made.way == way {
@@ -333,7 +336,9 @@ impl Source for Merged<'_> {
         if weights.is_none() && self.weighting.is_none() {
             return Ok(other);
         }
-        let mut asked = other.asked(Pass::Anew, self.made.as_ref().map(|made| made.way.clone()));
+        let made = self.made.as_ref();
+        let made = made.filter(|made| made.poles.lines == self.lines);
+        let mut asked = other.asked(Pass::Anew, made.map(|made| made.way.clone()));
         asked.weighting = weights
             .map(|(weights, giver)| DofWeights::new(self, &weights, giver, self.measured_rms()));
         Err(Stop::Pass(Box::new(asked)))

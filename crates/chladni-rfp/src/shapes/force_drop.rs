@@ -34,6 +34,11 @@ pub(crate) struct ForceDrop {
 }
 
 impl ForceDrop {
+    /// True where a drop may be.
+    pub fn may_be(&self) -> bool {
+        !self.forces.is_empty()
+    }
+
     /// The finding, in words; `None` where the force may be even.
     ///
     /// * `hz`: ω_max/2π

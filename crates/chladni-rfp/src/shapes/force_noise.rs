@@ -5,7 +5,6 @@
 //! square; the rest of what FRFs share is this noise. Near a mode it is as large a part of the FRF,
 //! but the fit takes most of it along: bars must know it from elsewhere.
 
-use crate::damping::columns::leaking_pole;
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::{square, Influence, Shared};
 use crate::shapes::levels::{level_of, Told};
@@ -18,7 +17,8 @@ impl Influence<'_> {
     /// or few lines lie beside modes.
     ///
     /// * `kept`: share of an error of each line that stays in the residual
-    pub(super) fn noise_of_force(&self, kept: &[f64]) -> Option<Shared> {
+    /// * `cut_off`: part of the variance that is none of the force's
+    pub(super) fn noise_of_force(&self, kept: &[f64], cut_off: f64) -> Option<Shared> {
         let work = self.found.work;
         if self.found.data.share_at(work.x[0]).is_some() {
             return None;
@@ -35,43 +35,13 @@ impl Influence<'_> {
             None => self.forces as f64,
         };
         let level = mixed * level_of(&told, self.errors.leaks())?;
-        let variance = (level - self.cut_off()).max(0.0);
+        let variance = (level - cut_off).max(0.0);
         (variance > 0.0).then(|| Shared {
             variances: vec![variance; work.lines()],
             alone: 1.0,
             by_force: false,
             over_lines: true,
         })
-    }
-
-    /// Variance beside modes of what records at rest lack of responses that go on after them, over
-    /// the power of the FRFs; zero where it is not foretold. It is no noise of the force, but as
-    /// large a part of an FRF on all lines, so that slopes do not tell it.
-    fn cut_off(&self) -> f64 {
-        let work = self.found.work;
-        let Some(blocks) = self
-            .errors
-            .blocks()
-            .filter(|_| self.errors.begins_at_rest())
-        else {
-            return 0.0;
-        };
-        let of_mode = |n: usize| -> Option<f64> {
-            let far = |k: &usize| {
-                self.errors.cycles(work.x[*k].sqrt() - self.middle(n)) >= limits::BESIDE_CYCLES
-            };
-            let line = self
-                .lines_about(n, limits::LEAK_CYCLES)
-                .into_iter()
-                .find(far)?;
-            let leaking = self.leaking(n, &[n], &[line])?;
-            let s = leaking_pole(work.law, self.lambda[n]).s;
-            let column = leaking.units[0][0] / (Complex64::new(0.0, work.x[line].sqrt()) - s);
-            Some(self.leaked_on(&leaking, 0) / (blocks * column.norm_sqr()))
-        };
-        let inside = (0..self.lambda.len()).filter(|&n| work.in_band(self.lambda[n]));
-        let parts: Vec<f64> = inside.filter_map(of_mode).collect();
-        parts.iter().sum::<f64>() / parts.len().max(1) as f64
     }
 
     /// The errors that FRFs of each force share on the line k.

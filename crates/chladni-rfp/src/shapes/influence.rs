@@ -2,58 +2,19 @@
 //! δλ = H⁻¹·Σ_l R̄_l∘(DᴴP⊥E_l) and δR_l = A⁺(E_l − D·R_l∘δλ).
 
 use crate::damping::structural::basis_derivative;
-use crate::data::columns::Columns;
 use crate::data::information::{covariance, kept_share};
-use crate::data::layout::DataLayout;
 use crate::data::window::block_errors::BlockErrors;
 use crate::poles::pole::Pole;
 use crate::poles::refine::Projection;
+use crate::shapes::found::Found;
 use crate::shapes::limits;
-use crate::shapes::low_rank::Shapes;
-use crate::shapes::scale::Scale;
 use chladni_frf::shared_power;
 use chladni_linalg::{matmul, matmul_h, solve_upper, LinalgError};
 use ndarray::{concatenate, s, Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::LN_2;
 
-/// Poles, shapes and the lines they were found on.
-pub(crate) struct Found<'a> {
-    pub data: &'a DataLayout,
-    pub work: &'a Columns,
-    /// Scale of each FRF, where the columns are scaled FRFs.
-    pub scales_of_frfs: Option<Vec<f64>>,
-    pub powers: &'a [i32],
-    /// True where the poles are those of a fit to these columns.
-    pub fitted: bool,
-    /// True where errors are no white noise, and the bars at hand those of the residual as it is.
-    pub measured: bool,
-    pub poles: &'a [Pole],
-    pub shapes: &'a Shapes,
-    pub scales: &'a [Scale],
-}
-
 impl Found<'_> {
-    /// Scale of the FRF of pair l.
-    pub(super) fn scale_of(&self, l: usize) -> f64 {
-        self.scales_of_frfs.as_ref().map_or(1.0, |all| all[l])
-    }
-
-    /// Residues of the columns, (pole, pair).
-    fn residues(&self) -> Array2<Complex64> {
-        let Found { poles, shapes, .. } = self;
-        let pairs = &self.data.pairs;
-        let mut residues = Array2::zeros((poles.len(), pairs.len()));
-        for (term, &owner) in shapes.owner.iter().enumerate() {
-            let unit = poles[owner].residue_unit(self.work.law);
-            for (l, &(i, j)) in pairs.iter().enumerate() {
-                residues[[owner, l]] +=
-                    unit * shapes.shape[[term, i]] * shapes.participation[[term, j]];
-            }
-        }
-        residues
-    }
-
     /// The error that FRFs share on each line, as noise of the force makes it (theory.md, eq.
     /// F4h), or one denominator of all responses.
     fn shared(&self, residual: &Array2<Complex64>) -> Shared {
@@ -96,12 +57,6 @@ impl Found<'_> {
             over_lines: false,
         }
     }
-
-    /// Weight of line k over that of an FRF as it was measured.
-    pub fn weight(&self, k: usize) -> f64 {
-        let power = f64::from(self.data.kind.omega_power());
-        self.work.g[k] / self.work.x[k].powf(0.5 * power)
-    }
 }
 
 /// Errors that FRFs share.
@@ -115,6 +70,15 @@ pub(super) struct Shared {
     pub by_force: bool,
     /// True where neighbouring lines share it, too, as windows make them.
     pub over_lines: bool,
+}
+
+/// Noise of pairs.
+#[derive(Default)]
+pub(super) struct PairNoise {
+    /// Variance of each.
+    pub variances: Vec<f64>,
+    /// Σ_l R̄_ml·R_nl over FRFs l, times these, (m, n).
+    pub products: Array2<Complex64>,
 }
 
 /// Poles and residues as sums over errors of lines.
@@ -133,10 +97,10 @@ pub(super) struct Influence<'a> {
     pub residues: Array2<Complex64>,
     /// Σ_l R̄_ml·R_nl over FRFs l of each force, weighted as in the fit, (m, n).
     pub of_forces: Vec<Array2<Complex64>>,
-    /// The same over all, for their noise.
-    pub of_noise: Array2<Complex64>,
-    /// Noise variance of each pair.
-    pub noise: Vec<f64>,
+    /// Noise of each pair by itself.
+    pub noise: PairNoise,
+    /// The same with what pairs leak on the median line.
+    pub seen: PairNoise,
     /// Force of each pair, and their number.
     pub force: Vec<usize>,
     pub forces: usize,
@@ -189,8 +153,8 @@ impl<'a> Influence<'a> {
             inverse: Array2::zeros((0, 0)),
             residues: found.residues(),
             of_forces: Vec::new(),
-            of_noise: Array2::zeros((0, 0)),
-            noise: found.noise(errors, &projection.residual, &kept),
+            noise: PairNoise::default(),
+            seen: PairNoise::default(),
             force: data.pairs.iter().map(|&(_, j)| j % forces).collect(),
             forces,
             of_response,
@@ -206,11 +170,16 @@ impl<'a> Influence<'a> {
         };
         let of_forces = (0..forces).map(|force| influence.products(|l| at(force, l)));
         influence.of_forces = of_forces.collect();
-        influence.of_noise = influence.products(|l| influence.noise[l] * weight(l).powi(2));
+        let noise = found.noise(errors, &influence.projection.residual, &kept);
+        [influence.noise, influence.seen] = noise.map(|variances| PairNoise {
+            products: influence.products(|l| variances[l] * weight(l).powi(2)),
+            variances,
+        });
         let outside = influence.rows.slice(s![.., n..]);
         let across = matmul_h(outside, outside).mapv(|v: Complex64| v.conj());
         influence.inverse = covariance((across * influence.of_all()).view());
-        if let Some(shared) = influence.noise_of_force(&kept) {
+        let cut_off = influence.cut_off();
+        if let Some(shared) = influence.noise_of_force(&kept, cut_off) {
             influence.shared = shared;
         }
         Ok(influence)
@@ -227,7 +196,7 @@ impl<'a> Influence<'a> {
 
     /// The products of all forces.
     pub fn of_all(&self) -> Array2<Complex64> {
-        let none = Array2::zeros(self.of_noise.raw_dim());
+        let none = Array2::zeros((self.lambda.len(), self.lambda.len()));
         self.of_forces.iter().fold(none, |sum, one| sum + one)
     }
 
@@ -291,8 +260,9 @@ impl<'a> Influence<'a> {
     /// Mean variance of noise of the columns, before the weights of lines.
     pub fn noise_of_columns(&self) -> f64 {
         let of_column = |(l, noise): (usize, &f64)| noise / self.found.scale_of(l).powi(2);
-        let sum: f64 = self.noise.iter().enumerate().map(of_column).sum();
-        sum / self.noise.len().max(1) as f64
+        let variances = &self.noise.variances;
+        let sum: f64 = variances.iter().enumerate().map(of_column).sum();
+        sum / variances.len().max(1) as f64
     }
 
     /// Lines whose leakage counts for the mode n.

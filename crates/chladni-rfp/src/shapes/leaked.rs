@@ -7,7 +7,7 @@
 use crate::damping::columns::{leaking_pole, resonance, Leaking as Leaks};
 use crate::data::window::band::{Band, Form, Leak};
 use crate::shapes::force_drop::ForceDrop;
-use crate::shapes::influence::Influence;
+use crate::shapes::influence::{Influence, PairNoise};
 use crate::shapes::limits;
 use chladni_linalg::matmul;
 use ndarray::{s, Array2, Axis};
@@ -101,6 +101,32 @@ impl Influence<'_> {
         })
     }
 
+    /// Variance beside modes of what records of bursts lack of responses that go on after them,
+    /// over the power of the FRFs; zero where it is not foretold. It is no noise of the force, but
+    /// as large a part of an FRF on all lines, so that slopes do not tell it.
+    pub fn cut_off(&self) -> f64 {
+        let work = self.found.work;
+        let Some(blocks) = self.errors.blocks().filter(|_| self.errors.cuts_off()) else {
+            return 0.0;
+        };
+        let of_mode = |n: usize| -> Option<f64> {
+            let apart = |k: usize| {
+                let distance = work.x[k].sqrt() - self.middle(n);
+                self.errors.cycles(distance.abs())
+            };
+            let lines = self.lines_about(n, limits::LEAK_CYCLES).into_iter();
+            let beside = lines.filter(|&k| apart(k) >= limits::BESIDE_CYCLES);
+            let line = beside.min_by(|&a, &b| apart(a).total_cmp(&apart(b)))?;
+            let leaking = self.leaking(n, &[n], &[line])?;
+            let s = leaking_pole(work.law, self.lambda[n]).s;
+            let column = leaking.units[0][0] / (Complex64::new(0.0, work.x[line].sqrt()) - s);
+            Some(self.leaked_on(&leaking, 0) / (blocks * column.norm_sqr()))
+        };
+        let inside = (0..self.lambda.len()).filter(|&n| work.in_band(self.lambda[n]));
+        let parts: Vec<f64> = inside.filter_map(of_mode).collect();
+        parts.iter().sum::<f64>() / parts.len().max(1) as f64
+    }
+
     /// Variance of what the first pole leaks into a line, for one block.
     pub fn leaked_on(&self, leaking: &Leaking, place: usize) -> f64 {
         let mut row = vec![Complex64::ZERO; leaking.units[0].len()];
@@ -111,10 +137,13 @@ impl Influence<'_> {
 
     /// Moments for the mode n where leakage has this `share` of its variance in one block, and
     /// errors that FRFs share the variances `shared` on lines.
+    ///
+    /// * `noise`: products of the influence of lines, for noise correlated over them
+    /// * `own`: of pairs
     pub fn moments(
         &self,
         n: usize,
-        noise: &Array2<Complex64>,
+        (noise, own): (&Array2<Complex64>, &PairNoise),
         share: LeakageShare,
         shared: &[f64],
         drop: Option<&ForceDrop>,
@@ -130,7 +159,7 @@ impl Influence<'_> {
         near.truncate(limits::LEAKING_MOST);
         let size = near.len();
         // errors of poles by the noise of all forces
-        let of_noise = &noise.slice(s![count.., count..]) * &self.of_noise;
+        let of_noise = &noise.slice(s![count.., count..]) * &own.products;
         let part = self.inverse.select(Axis(0), &near);
         let adjoint = part.t().mapv(|v| v.conj());
         let of_poles = matmul(matmul(part.view(), of_noise.view()).view(), adjoint.view());

@@ -187,9 +187,9 @@ pub(super) const LEAKS_AS_TOLD: f64 = 1.3;
 /// Noise of an FRF over that of the median line, at least: what is less is nothing but leakage.
 pub(super) const NOISE_OF_MEDIAN: f64 = 1e-2;
 
-/// Noise of lines beside modes over that of the median line, below which the difference is
-/// leakage and not chance: 200 lines tell either to 7 %.
-pub(super) const LEAKAGE_SHOWS: f64 = 0.8;
+/// Standard deviations by which noise beside modes must lie below that of the median line to be
+/// called less.
+pub(super) const LEVEL_SIGMAS: f64 = 3.0;
 
 // force_drop.rs
 

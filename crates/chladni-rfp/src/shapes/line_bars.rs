@@ -5,7 +5,8 @@ use crate::data::window::block_errors::BlockErrors;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::ShapeBars;
 use crate::shapes::force_drop::ForceDrop;
-use crate::shapes::influence::{square, Found, Influence};
+use crate::shapes::found::Found;
+use crate::shapes::influence::{square, Influence, PairNoise};
 use crate::shapes::leaked::{LeakageShare, Moments};
 use crate::shapes::limits;
 use crate::shapes::scale::Scale;
@@ -99,26 +100,34 @@ pub(crate) fn line_bars(
         _ => told.map_or(all, |told| all.min(told)),
     };
     let share = LeakageShare { all, own };
+    // what the median line leaks makes good for what is not known: how many blocks there were, or
+    // how loud noise is where a force drops
+    let drops = drop.as_ref().is_some_and(ForceDrop::may_be);
+    let noise = match drops || told.is_none() {
+        true => &influence.seen,
+        false => &influence.noise,
+    };
     let shares = influence.shared.by_force;
     let of_term = |term: usize| {
         let owner = found.shapes.owner[term];
         let told = influence.moments(
             owner,
-            &correlated,
+            (&correlated, noise),
             share,
             &influence.shared_near(owner, drop.as_ref()),
             drop.as_ref(),
         );
         let other = found.poles[owner].given.as_ref();
         let white = other.filter(|_| !shares).map(|_| {
-            let moments = influence.moments(owner, &white, LeakageShare::default(), &[], None);
-            let shape = influence.term(term, &moments, &white);
+            let white = (&white, &influence.seen);
+            let moments = influence.moments(owner, white, LeakageShare::default(), &[], None);
+            let shape = influence.term(term, &moments, white);
             (moments.pole, shape)
         });
         TermBars {
             term,
             owner,
-            shape: influence.term(term, &told, &correlated),
+            shape: influence.term(term, &told, (&correlated, noise)),
             pole: told.pole,
             white,
             larger_from: match shares {
@@ -188,7 +197,12 @@ impl Influence<'_> {
     }
 
     /// Deviations of the shape of a term, and that of its scale.
-    fn term(&self, term: usize, moments: &Moments, noise: &Array2<Complex64>) -> (Vec<f64>, f64) {
+    fn term(
+        &self,
+        term: usize,
+        moments: &Moments,
+        (noise, own): (&Array2<Complex64>, &PairNoise),
+    ) -> (Vec<f64>, f64) {
         let Found {
             data,
             poles,
@@ -215,7 +229,7 @@ impl Influence<'_> {
         };
         let (near, own_noise) = (&moments.near, noise[[n, n]].re);
         let scale_parts = self.parts(n, near, of_scale.iter().copied().enumerate());
-        let noise_of = |p: usize, coefficient: Complex64| coefficient.norm_sqr() * self.noise[p];
+        let noise_of = |p: usize, coefficient: Complex64| coefficient.norm_sqr() * own.variances[p];
         let scale_noise: f64 = of_scale
             .iter()
             .enumerate()

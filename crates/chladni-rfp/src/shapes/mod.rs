@@ -9,6 +9,7 @@ pub(crate) mod error_bars;
 pub(crate) mod factor;
 pub(crate) mod force_drop;
 mod force_noise;
+pub(crate) mod found;
 pub(crate) mod growth;
 pub(crate) mod influence;
 mod inverse_root;

@@ -4,7 +4,7 @@
 //! modes tell it apart from what the slopes of the FRF leak there.
 
 use crate::data::window::block_errors::BlockErrors;
-use crate::shapes::influence::Found;
+use crate::shapes::found::Found;
 use crate::shapes::levels::{level_of, Told};
 use crate::shapes::limits;
 use ndarray::Array2;
@@ -30,7 +30,8 @@ impl Found<'_> {
         (1..work.lines() - 1).filter(beside).collect()
     }
 
-    /// Noise variance of each pair before the weights of lines.
+    /// Noise variance of each pair before the weights of lines: by itself, and as the median line
+    /// shows it.
     ///
     /// * `kept`: as for [`Self::lines_beside`]
     pub(super) fn noise(
@@ -38,31 +39,52 @@ impl Found<'_> {
         errors: &BlockErrors,
         residual: &Array2<Complex64>,
         kept: &[f64],
-    ) -> Vec<f64> {
+    ) -> [Vec<f64>; 2] {
+        let columns = 0..residual.ncols();
+        let seen = columns.map(|column| self.median_noise(residual, column));
+        let seen: Vec<f64> = seen.collect();
         let beside = match errors.leaks() {
             true => self.lines_beside(errors, kept),
             false => Vec::new(),
         };
-        let level = |column: usize| {
-            let median = self.median_noise(residual, column);
-            if beside.len() < limits::SHARED_LINES {
-                return median;
-            }
+        if beside.len() < limits::SHARED_LINES {
+            return [self.of_pairs(&seen), self.of_pairs(&seen)];
+        }
+        let by_chance = limits::LEVEL_SIGMAS * self.scatter(errors, beside.len());
+        let apart = |(column, &seen): (usize, &f64)| {
             let told = |&k: &usize| self.told(errors, residual, (k, column), kept[k]);
             let told: Vec<Told> = beside.iter().map(told).collect();
-            let least = limits::NOISE_OF_MEDIAN * median;
+            let least = limits::NOISE_OF_MEDIAN * seen;
             match level_of(&told, true).map_or(least, |level| level.max(least)) {
-                apart if apart < limits::LEAKAGE_SHOWS * median => apart,
-                _ => median,
+                apart if apart < (1.0 - by_chance) * seen => apart,
+                _ => seen,
             }
         };
-        let levels: Vec<f64> = (0..residual.ncols()).map(level).collect();
+        let apart: Vec<f64> = seen.iter().enumerate().map(apart).collect();
+        [self.of_pairs(&apart), self.of_pairs(&seen)]
+    }
+
+    /// Levels of columns as those of pairs.
+    fn of_pairs(&self, levels: &[f64]) -> Vec<f64> {
         let usual = levels.iter().sum::<f64>() / levels.len().max(1) as f64;
         let noise = |l: usize| match self.scales_of_frfs {
             Some(_) => levels[l] * self.scale_of(l).powi(2),
             None => usual,
         };
         (0..self.data.pairs.len()).map(noise).collect()
+    }
+
+    /// Relative scatter of a difference of two levels that so many lines tell by chance.
+    fn scatter(&self, errors: &BlockErrors, lines: usize) -> f64 {
+        let work = self.work;
+        let spacing = work.spacing(1.0) / (2.0 * work.range().1.sqrt());
+        let squares = (1..limits::CYCLES_APART as usize).map(|lag| {
+            errors
+                .of_noise(errors.cycles(lag as f64 * spacing))
+                .norm_sqr()
+        });
+        let alike = 1.0 + 2.0 * squares.sum::<f64>();
+        (2.0 * alike / lines as f64).sqrt()
     }
 
     /// The noise of a column, from the median of its residual.

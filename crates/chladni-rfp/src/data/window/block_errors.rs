@@ -104,9 +104,9 @@ impl BlockErrors {
         self.force.is_some()
     }
 
-    /// True where records of bursts begin at rest.
-    pub fn begins_at_rest(&self) -> bool {
-        self.rest && self.leaks()
+    /// True for records of bursts that cut responses off at their full size.
+    pub fn cuts_off(&self) -> bool {
+        self.rest && self.leaks() && self.response.last() == Some(&1.0)
     }
 
     /// True for records of blows.

@@ -281,7 +281,8 @@ fn a_window_asks_for_even_lines() {
     ));
 }
 
-/// The set with so many responses, each a mixture of those that were measured.
+/// The set with so many responses, each a mixture of those that were measured with noise of its
+/// own.
 fn mixed(frf: &FrfSet, responses: usize) -> FrfSet {
     let FrfValues::F64(values) = &frf.values else {
         panic!("synthetic sets are in double precision")
@@ -293,14 +294,16 @@ fn mixed(frf: &FrfSet, responses: usize) -> FrfSet {
             .map(|own| part(i, own) * values[[own, 0, k]])
             .sum()
     };
-    FrfSet {
+    let mut set = FrfSet {
         values: FrfValues::F64(Array3::from_shape_fn((responses, 1, lines), value)),
         responses: (1..=responses)
             .map(|node| format!("{node}:+Z").parse().unwrap())
             .collect(),
         references: vec!["99:+Z".parse().unwrap()],
         ..frf.clone()
-    }
+    };
+    chladni_plate::add_white_noise(super::values(&mut set), 75.0, 7).unwrap();
+    set
 }
 
 /// The fit of two halves of the responses.
@@ -330,8 +333,8 @@ fn in_halves(frf: &FrfSet, options: &FitOptions) -> ModalModel {
 }
 
 #[test]
-fn many_responses_are_fitted_on_weighted_lines_as_few_are() {
-    let few = random_test(Window::Hann, 1.0, 41);
+fn many_responses_are_fitted_on_weighted_lines() {
+    let frf = mixed(&random_test(Window::Hann, 1.0, 41), 30);
     let options = FitOptions {
         band_hz: Some([20.0, 250.0]),
         window: Some(Window::Hann),
@@ -339,27 +342,26 @@ fn many_responses_are_fitted_on_weighted_lines_as_few_are() {
         damping: Some(Damping::Viscous),
         ..FitOptions::default()
     };
-    let of_few = fitted_with(&few, &options);
-    let many = mixed(&few, 30);
-    let of_many = fitted_with(&many, &options);
-    let in_pieces = in_halves(&many, &options);
-    let [few, many, pieces] =
-        [&of_few, &of_many, &in_pieces].map(|model| modes_near(&MODES, model));
-    for ((few, many), pieces) in few.iter().zip(many).zip(pieces) {
-        let at = few.frequency_hz;
-        assert_eq!(many.trust, Trust::Sure, "{at} Hz");
-        let off = (many.loss_factor - few.loss_factor).abs() / few.loss_factor_std;
-        assert!(off < 0.5, "{at} Hz: {off} bars");
-        let bars = many.loss_factor_std / few.loss_factor_std;
-        assert!((0.7..1.4).contains(&bars), "{at} Hz: bar {bars}");
-        let off = (pieces.loss_factor - many.loss_factor).abs() / many.loss_factor_std;
-        assert!(off < 0.3, "{at} Hz: {off} bars from the whole");
-        let bars = pieces.loss_factor_std / many.loss_factor_std;
+    let model = fitted_with(&frf, &options);
+    let in_pieces = in_halves(&frf, &options);
+    let found = [&model, &in_pieces].map(|model| modes_near(&MODES, model));
+    for ((mode, part), &(hz, zeta)) in found[0].iter().zip(&found[1]).zip(&MODES) {
+        // lines that count alike leave a bar of 2.2 % at 60 Hz
+        let bar = mode.loss_factor_std / mode.loss_factor;
         assert!(
-            (0.95..1.05).contains(&bars),
-            "{at} Hz: bar {bars} of the whole"
+            mode.trust != Trust::Rejected && bar < 0.015,
+            "{hz} Hz: {bar}"
+        );
+        let off = (mode.loss_factor - 2.0 * zeta).abs() / mode.loss_factor_std;
+        assert!(off < 3.0, "{hz} Hz: {off} bars");
+        let off = (part.loss_factor - mode.loss_factor).abs() / mode.loss_factor_std;
+        assert!(off < 0.3, "{hz} Hz: {off} bars from the whole");
+        let bars = part.loss_factor_std / mode.loss_factor_std;
+        assert!(
+            (0.8..1.25).contains(&bars),
+            "{hz} Hz: bar {bars} of the whole"
         );
     }
-    let left = [&of_many, &in_pieces].map(|model| model.quality.relative_error);
+    let left = [&model, &in_pieces].map(|model| model.quality.relative_error);
     assert!((left[1] / left[0] - 1.0).abs() < 0.05, "{left:?}");
 }
