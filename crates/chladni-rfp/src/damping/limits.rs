@@ -55,10 +55,10 @@ pub(super) const RESIDUAL_TERMS: usize = 3;
 
 // bars.rs
 
-/// Standard deviations within which nine tenths of the errors to one side lie.
-pub(super) const NINE_TENTHS: f64 = 1.2816;
-/// Error bars of a real number, and of a complex one, within which 95 % of errors lie.
-pub(super) const REACH: [f64; 2] = [1.96, 1.7308];
+/// Standard deviations that 95 % of errors do not exceed to one side.
+pub(super) const ONE_SIDE: f64 = 1.6449;
+/// Error bars within which 95 % of the errors of a complex number lie.
+pub(super) const COMPLEX_95: f64 = 1.7308;
 
 // verdict.rs
 

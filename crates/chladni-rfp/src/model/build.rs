@@ -1,6 +1,6 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
-use crate::damping::bars::{in_either_law, Number};
+use crate::damping::bars::in_either_law;
 use crate::damping::law::is_rational;
 use crate::damping::synthesis::synthesis;
 use crate::damping::verdict::shifts;
@@ -123,9 +123,8 @@ impl Shaped {
     fn hold_both_laws(&mut self) {
         for pole in &mut self.poles {
             let [omega, loss, _] = shifts(pole.loss_factor);
-            let held = |std: f64, shift: f64| in_either_law(Number::Real, std, shift);
-            pole.omega_std = held(pole.omega_std, omega * pole.omega);
-            pole.loss_factor_std = held(pole.loss_factor_std, loss);
+            pole.omega_std = pole.omega_std.hypot(omega * pole.omega);
+            pole.loss_factor_std = pole.loss_factor_std.hypot(loss);
         }
     }
 
@@ -143,7 +142,7 @@ impl Shaped {
         for mode in modes.iter_mut() {
             let [.., turn] = shifts(mode.loss_factor);
             widen_scale(mode, |std, size| {
-                let held = in_either_law(Number::Complex, std, turn * size);
+                let held = in_either_law(std, turn * size);
                 held.max(std.hypot(unexplained * size))
             });
         }
