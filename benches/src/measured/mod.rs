@@ -219,8 +219,13 @@ mod tests {
                 rms(&|mode| mode.loss_sigmas),
                 mean(modes.iter().flat_map(|mode| &mode.shape_sigmas).copied()),
             ];
-            // what the other damping law turns a shape by is 1.73 of its bars at most
-            let most = [1.4, 1.4, 1.74];
+            // where bars are far shorter than what the other damping law turns a shape by, that is
+            // 1.73 of them at most
+            let of_shapes = match name.ends_with("drop 12 dB") {
+                true => 1.74,
+                false => 1.4,
+            };
+            let most = [1.4, 1.4, of_shapes];
             let holds = |(bar, most): (&f64, f64)| (0.02..most).contains(bar);
             assert!(bars.iter().zip(most).all(holds), "{name}: {bars:.2?}");
         }

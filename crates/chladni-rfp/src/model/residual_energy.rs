@@ -41,17 +41,14 @@ pub(crate) fn by_sums(model: &Laid, data: &DataLayout) -> Vec<f64> {
     let columns = plain.as_ref().unwrap_or(model.columns);
     let known = sums(&Laid { columns, ..*model }, data);
     let left = known.into_iter().flatten().map(|(left, _)| left);
-    let (sum, left) = left.fold((0.0, Vec::new()), |(sum, mut all), left| {
-        all.push(left.max(0.0));
-        (sum + left, all)
-    });
-    // none is below zero, and the sum stays
-    let kept: f64 = left.iter().sum();
-    let scale = match kept > 0.0 {
-        true => sum.max(0.0) / kept,
+    let left: Vec<f64> = left.collect();
+    let positive = left.iter().map(|left| left.max(0.0));
+    let kept: f64 = positive.clone().sum();
+    let scale = match plain.is_some() && kept > 0.0 {
+        true => left.iter().sum::<f64>().max(0.0) / kept,
         false => 1.0,
     };
-    left.into_iter().map(|left| left * scale).collect()
+    positive.map(|left| left * scale).collect()
 }
 
 /// The columns of weighted lines as they were before; `None` where they are, or are those of

@@ -240,9 +240,9 @@ impl<'a> Merged<'a> {
     }
 
     /// True where the products at hand compress the data for the poles of `way` as well:
-    /// on the same lines, weighted as those are or not, as many poles, each within their basis but for a small share.
-    /// The part outside costs a share of the information, and no bias: compressed columns
-    /// are mixtures of whole FRFs, and the basis only says how they are mixed.
+    /// on the same lines, weighted or not as those are, as many poles, each within their basis
+    /// but for a small share. The part outside costs a share of the information, and no bias:
+    /// compressed columns are mixtures of whole FRFs, and the basis only says how they are mixed.
     fn serves(&self, made: &Made, way: &Way) -> Result<bool, LinalgError> {
         if made.poles.lines != self.lines
             || made.way.lambda.len() != way.lambda.len()

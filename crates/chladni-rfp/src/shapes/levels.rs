@@ -9,7 +9,7 @@ pub(super) struct Told {
     pub seen: f64,
     /// The same of the slope, per cycle.
     pub slope: f64,
-    /// What the residual scatters by besides.
+    /// Scatter of the residual by other noise.
     pub alone: f64,
 }
 
