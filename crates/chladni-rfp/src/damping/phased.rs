@@ -13,6 +13,7 @@ use crate::damping::places::in_plane_of;
 use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
 use crate::data::information::answer;
+use crate::data::sums::{inner, sum_of_squares};
 use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::blocked::{blocked_matmul_h, projected, range};
@@ -76,11 +77,10 @@ impl Common {
         }
         let background = range(all.view(), tol::FREE_RANK)?;
         let (_, data) = projected(background.view(), work.b.view());
-        let energy = data.iter().map(|v| v.norm_sqr()).sum();
         Ok(Self {
+            energy: sum_of_squares(&data),
             background,
             data,
-            energy,
         })
     }
 
@@ -274,11 +274,7 @@ impl Point {
             self.against.slice(s![..n, ..]),
         );
         let free = answer(gram, against)?;
-        let explained: f64 = free
-            .iter()
-            .zip(&against)
-            .map(|(r, b)| (r.conj() * b).re)
-            .sum();
+        let explained = inner(free.view(), against);
         Ok((explained - (self.energy - self.sse)).max(0.0))
     }
 }
@@ -291,9 +287,11 @@ fn columns(work: &Columns, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<C
         let gram = cauchy.gram();
         return (cauchy.columns, gram);
     }
-    let across = cauchy.columns.slice(s![.., lambda.len()..]);
+    let mut all = cauchy.columns;
+    let across = all.slice(s![.., lambda.len()..]);
     let down = along_frequency(work, lambda, across.to_owned());
-    let all = concatenate![Axis(1), cauchy.columns, down];
+    all.append(Axis(1), down.view()).expect("the same lines");
+    drop(down);
     let gram = blocked_matmul_h(all.view(), all.view());
     (all, gram)
 }

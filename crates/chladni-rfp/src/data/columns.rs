@@ -6,6 +6,7 @@
 //! receptance back into the measured kind, so that residuals are those of the measurement
 //! and white noise stays white.
 
+use crate::data::sums::sum_of_squares;
 use crate::data::window::leakage::Leakage;
 use chladni_frf::Damping;
 use ndarray::{Array1, Array2, ShapeBuilder};
@@ -60,7 +61,7 @@ impl Columns {
     }
     /// Sum of squares of the data.
     pub fn energy(&self) -> f64 {
-        self.b.iter().map(|v| v.norm_sqr()).sum()
+        sum_of_squares(&self.b)
     }
     /// Lines first..last around x that lie within `half_widths` half-bandwidths of the
     /// pole, at least `least` on both sides.

@@ -9,7 +9,7 @@ use crate::data::limits;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::products::{measured_basis, project, Projected};
 use crate::data::reading::{energy, in_place, squares, visit};
-use crate::data::screening::Screened;
+use crate::data::screening::{FirstPass, Screened};
 use crate::data::sketch::{Mixing, Sums};
 use crate::data::source::{Source, Way};
 use crate::tolerances as tol;
@@ -19,7 +19,6 @@ use ndarray::{Array1, Array2, ArrayView2, ArrayViewMut2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::Arc;
 
 impl Screened<'_> {
     /// The FRFs in groups of [`Self::group_size`].
@@ -151,35 +150,40 @@ impl Source for Screened<'_> {
             let energy = line_energy(&work.b) * total as f64;
             return (work, energy);
         }
-        let made;
-        let sums = match &self.sums {
-            Some((drawn, sums)) if *drawn == seed => sums,
-            _ => {
-                made = Sums::new(
-                    &self.frf.values,
-                    &self.pairs,
-                    &self.lines,
-                    &Mixing::even(total, width, seed),
-                    self.weighting.as_ref().map(|weighting| &weighting.weights),
-                );
-                &made
-            }
-        };
         let scale = (width as f64 / total as f64).sqrt() * self.factor();
-        let work = self
-            .axis()
-            .with_columns(sums.columns.mapv(|sum| sum * scale));
-        (work, &sums.line_energy * self.factor().norm_sqr())
+        let scaled = |sums: &Sums| {
+            let columns = sums.columns.mapv(|sum| sum * scale);
+            (columns, &sums.line_energy * self.factor().norm_sqr())
+        };
+        let made = || {
+            scaled(&Sums::new(
+                &self.frf.values,
+                &self.pairs,
+                &self.lines,
+                &Mixing::even(total, width, seed),
+                self.weighting.as_ref().map(|weighting| &weighting.weights),
+            ))
+        };
+        let (columns, energy) = self.first_pass.of(seed, scaled).unwrap_or_else(made);
+        (self.axis().with_columns(columns), energy)
+    }
+
+    fn end_first_pass(&self) {
+        // of many FRFs it is a small part, and takes long
+        if self.pairs.len() < limits::SUMS_KEPT_FRFS {
+            self.first_pass.end();
+        }
     }
 
     fn projected(
         &self,
         way: &Way,
-        q: &Array2<Complex64>,
+        q: Array2<Complex64>,
         energy: &Array1<f64>,
     ) -> Result<Projected, FitError> {
         let weights = way.weights();
-        let basis = measured_basis(self, q, weights);
+        let basis = measured_basis(self, &q, weights);
+        drop(q);
         Ok(project(self, basis, energy, weights)?)
     }
 
@@ -189,13 +193,9 @@ impl Source for Screened<'_> {
 
     fn without(&self, places: &[usize]) -> Self {
         let (head, kept) = self.head.without(places);
-        let sums = self
-            .sums
-            .as_ref()
-            .map(|(seed, sums)| (*seed, Arc::new(sums.select(&kept))));
         Self {
             head,
-            sums,
+            first_pass: self.first_pass.select(&kept),
             ..*self
         }
     }
@@ -235,7 +235,7 @@ impl Source for Screened<'_> {
             Some(_) => head.mean_square().sqrt(),
             None => rms,
         };
-        other.sums = None;
+        other.first_pass = FirstPass::default();
         Ok(other)
     }
 

@@ -20,5 +20,6 @@ pub(crate) mod reading;
 pub(crate) mod screening;
 pub(crate) mod sketch;
 pub(crate) mod source;
+pub(crate) mod sums;
 pub(crate) mod watch;
 pub(crate) mod window;

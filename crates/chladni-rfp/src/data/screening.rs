@@ -15,7 +15,7 @@ use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::ops::{Deref, Range};
-use std::sync::Arc;
+use std::sync::{Arc, RwLock};
 
 /// The usable part of an FRF set: selected lines and pairs, unit rms, no copy of the
 /// data.
@@ -24,9 +24,40 @@ pub(crate) struct Screened<'a> {
     pub head: DataLayout,
     /// The data as they were measured; they are weighted as they are read.
     pub frf: &'a FrfSet,
-    /// The first pass with the seed that it was drawn with, where it is done already; shared
-    /// by clones.
-    pub sums: Option<(u64, Arc<Sums>)>,
+    /// The first pass, where it is made already.
+    pub first_pass: FirstPass,
+}
+
+/// The first pass over a set and the seed that it was drawn with, until it is freed; shared by
+/// clones. Whoever needs it then makes it again.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct FirstPass(Arc<RwLock<Option<(u64, Sums)>>>);
+
+impl FirstPass {
+    pub fn new(made: Option<(u64, Sums)>) -> Self {
+        Self(Arc::new(RwLock::new(made)))
+    }
+
+    /// The value that `take` makes of the pass drawn with `seed`; `None` where that is gone.
+    pub fn of<T>(&self, seed: u64, take: impl FnOnce(&Sums) -> T) -> Option<T> {
+        let held = self.0.read().ok()?;
+        let drawn = held.as_ref().filter(|(drawn, _)| *drawn == seed);
+        drawn.map(|(_, sums)| take(sums))
+    }
+
+    /// The pass of the lines `kept` alone.
+    pub fn select(&self, kept: &[usize]) -> Self {
+        let held = self.0.read().ok();
+        let held = held.as_ref().and_then(|held| held.as_ref());
+        Self::new(held.map(|(seed, sums)| (*seed, sums.select(kept))))
+    }
+
+    /// Frees its memory.
+    pub fn end(&self) {
+        if let Ok(mut held) = self.0.write() {
+            *held = None;
+        }
+    }
 }
 
 impl Deref for Screened<'_> {
@@ -93,8 +124,12 @@ impl<'a> Screened<'a> {
         sensible(head.rms)?;
         let sums = sums
             .filter(|sums| sums.frf_energy.len() == head.pairs.len())
-            .map(|sums| (options.seed, Arc::new(sums)));
-        Ok(Self { head, frf, sums })
+            .map(|sums| (options.seed, sums));
+        Ok(Self {
+            head,
+            frf,
+            first_pass: FirstPass::new(sums),
+        })
     }
 
     /// Lines, pairs and scale that were chosen elsewhere, in a part of the data.
@@ -102,7 +137,7 @@ impl<'a> Screened<'a> {
         Self {
             head,
             frf,
-            sums: None,
+            first_pass: FirstPass::default(),
         }
     }
 

@@ -28,6 +28,10 @@ pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     /// them.
     fn sketch(&self, seed: u64) -> (Columns, Array1<f64>);
 
+    /// Frees what is kept of the first pass where that is a good part of the data and can be
+    /// made again: by who has the sketch and needs it no more.
+    fn end_first_pass(&self) {}
+
     /// Second pass: all FRFs compressed on the basis of a model with the poles of `way`, and
     /// weighted as its lines are.
     ///
@@ -39,7 +43,7 @@ pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     fn projected(
         &self,
         way: &Way,
-        q: &Array2<Complex64>,
+        q: Array2<Complex64>,
         energy: &Array1<f64>,
     ) -> Result<Projected, Self::Stop>;
 

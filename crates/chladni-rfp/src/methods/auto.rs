@@ -272,7 +272,9 @@ fn on_way<S: Source>(
     let (mut sketch, energy) = data.sketch(options.seed);
     sketch.weigh(way.weights());
     let q = Projection::new(&sketch, &way.lambda, &POWERS)?.q;
-    let projected = data.projected(&way, &q, &energy)?;
+    drop(sketch);
+    data.end_first_pass();
+    let projected = data.projected(&way, q, &energy)?;
     if data.values().is_none() && sought {
         let outliers = spoilt_lines(&way, &projected, &energy)?;
         if !outliers.is_empty() {

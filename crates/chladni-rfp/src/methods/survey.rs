@@ -153,3 +153,33 @@ impl Compressed {
         line_energy(&self.work.b).sum() / self.work.lines() as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::synthetic::Structure;
+
+    /// A first pass that was freed is made again with the same bits, by whoever asks.
+    #[test]
+    fn a_sketch_does_not_depend_on_what_is_kept() {
+        let structure = Structure {
+            responses: 200,
+            snr_db: Some(40.0),
+            ..Structure::four_modes()
+        };
+        let (frf, options) = (structure.frf(1), FitOptions::default());
+        let data = Screened::new(&frf, &options).unwrap();
+        let seed = options.seed;
+        assert!(data.first_pass.of(seed, |_| ()).is_some());
+        assert!(data.first_pass.of(seed + 1, |_| ()).is_none());
+        let sketches = |data: &Screened| {
+            let fewer = data.without(&[3, 7]);
+            let all = [data.sketch(seed), data.sketch(seed + 1), fewer.sketch(seed)];
+            all.map(|(sketch, energy)| (sketch.b, energy))
+        };
+        let kept = sketches(&data);
+        data.clone().end_first_pass();
+        assert!(data.first_pass.of(seed, |_| ()).is_none());
+        assert_eq!(sketches(&data), kept);
+    }
+}

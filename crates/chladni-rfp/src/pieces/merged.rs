@@ -279,7 +279,7 @@ impl Source for Merged<'_> {
     fn projected(
         &self,
         way: &Way,
-        _: &Array2<Complex64>,
+        _: Array2<Complex64>,
         energy: &Array1<f64>,
     ) -> Result<Projected, Stop> {
         if let Some(made) = &self.made {

@@ -80,6 +80,7 @@ pub(crate) fn fast_chain<S: Source>(
         },
     };
     watch.stage("projection")?;
+    data.end_first_pass();
     let (pass, history) = start.compressed(data, &energy, asked.modes.is_none())?;
     Ok(of_columns(data, pass, &energy, asked, history)?)
 }

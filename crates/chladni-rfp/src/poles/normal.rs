@@ -8,6 +8,7 @@
 
 use crate::damping::gram::Cauchy;
 use crate::data::columns::Columns;
+use crate::data::sums::sum_of_squares;
 use crate::poles::descent::Point;
 use crate::poles::limits;
 use crate::poles::removal::Removable;
@@ -81,7 +82,7 @@ impl Plain {
         let lower = cholesky(gram.view()).ok()?;
         let half = solve_lower(lower.view(), right.view()).ok()?;
         let mut coefficients = solve_lower_adjoint(lower.view(), half.view()).ok()?;
-        let sse = energy - half.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let sse = energy - sum_of_squares(&half);
         // an error of the Gram matrix in its last digit
         let rounding = f64::EPSILON
             * coefficients

@@ -41,7 +41,7 @@ pub(crate) struct Start {
     pub sketch: Columns,
     /// Poles, as sharp as it shows them.
     pub lambda: Vec<Complex64>,
-    /// Basis of the model with these poles on all lines, orthonormal.
+    /// Basis of the model with these poles on all lines, orthonormal; the next pass takes it.
     pub q: Array2<Complex64>,
     /// Orders tried, in order.
     pub history: Tried,
@@ -123,7 +123,8 @@ impl Start {
                 doubt: self.doubt.clone(),
             },
         };
-        let projected = data.projected(&way, &self.q, energy)?;
+        let q = std::mem::take(&mut self.q);
+        let projected = data.projected(&way, q, energy)?;
         Ok(Pass::of(data, projected, &self.lambda, &mut self.history)?)
     }
 }

@@ -13,6 +13,7 @@ use crate::damping::gram::Cauchy;
 use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::coefficients;
+use crate::data::sums::sum_of_squares;
 use crate::poles::descent::{Descent, Point};
 use crate::poles::limits;
 use crate::poles::normal::{Normal, Plain};
@@ -44,13 +45,12 @@ impl Projection {
     pub fn new(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
         let (q, r) = Cauchy::without_derivatives(work, lambda, powers).orthonormal()?;
         let (qb, residual) = projected(q.view(), work.b.view());
-        let sse = residual.iter().map(|v| v.norm_sqr()).sum();
         Ok(Self {
+            sse: sum_of_squares(&residual),
             q,
             r,
             qb,
             residual,
-            sse,
         })
     }
     /// Residues and residual coefficients, (m, column). Columns that are alike share theirs.
@@ -231,6 +231,22 @@ pub(crate) fn refined_poles(
     Ok(on_orthonormal_basis(descent, last, tolerance)?.lambda)
 }
 
+/// The poles and the sum of squares that they leave.
+pub(crate) fn refined_sum(
+    work: &Columns,
+    start: &[Complex64],
+    powers: &[i32],
+    iterations: usize,
+    tolerance: f64,
+) -> Result<(Vec<Complex64>, f64), LinalgError> {
+    let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
+    if let Some(point) = last {
+        return Ok((descent.lambda, point.sse()));
+    }
+    let refined = on_orthonormal_basis(descent, None, tolerance)?;
+    Ok((refined.lambda, refined.projection.sse))
+}
+
 /// As far as they go; where that is the end, with the last point.
 fn by_normal_equations<'a>(
     work: &'a Columns,
@@ -390,5 +406,20 @@ mod tests {
         let below = |start: &[Complex64]| refine_below(&work, start, &POWERS, roughly, 1.1 * left);
         assert!(below(&near).unwrap().is_some());
         assert!(below(&near[..1]).unwrap().is_none());
+    }
+
+    /// By normal equations, where these give up, and without a step.
+    #[test]
+    fn the_sum_of_squares_is_that_of_the_whole_refinement() {
+        let poles = [Complex64::new(0.3, 0.01), Complex64::new(0.6, 0.02)];
+        let twins = [poles[0], poles[0] + 1e-9];
+        let work = two_resonances(poles);
+        for (start, steps) in [(poles, 30), (poles, 0), (twins, 3)] {
+            let near = start.map(|pole| pole + 0.1 * pole.im);
+            let (lambda, sum) = refined_sum(&work, &near, &POWERS, steps, tol::FINE_STEP).unwrap();
+            let whole = refine(&work, &near, &POWERS, steps, tol::FINE_STEP).unwrap();
+            assert_eq!(lambda, whole.lambda);
+            assert!((sum / whole.projection.sse - 1.0).abs() < 1e-8, "{steps}");
+        }
     }
 }

@@ -5,7 +5,8 @@ use crate::damping::law::loss_bound;
 use crate::damping::saved;
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
-use crate::poles::refine::{refine, Projection};
+use crate::data::sums::inner;
+use crate::poles::refine::{refined_sum, Projection};
 use crate::poles::scan::places_beyond;
 use crate::shapes::limits;
 use crate::shapes::step::State;
@@ -57,8 +58,7 @@ impl<'a> Rest<'a> {
             let gram = matmul_h(columns.view(), columns.view());
             let energy = |residues: &Array2<Complex64>| -> f64 {
                 let along = blocked_matmul(gram.view(), residues.view());
-                let terms = along.iter().zip(residues);
-                terms.map(|(a, r)| (r.conj() * a).re).sum()
+                inner(residues.view(), along.view())
             };
             let residues = state.residues();
             let compressed = blocked_matmul_mixed(&residues, whole.back.t());
@@ -78,8 +78,7 @@ impl<'a> Rest<'a> {
     /// After at most so many steps of refinement.
     fn refined(&self, poles: &[Complex64], steps: usize) -> Result<Around, LinalgError> {
         let work = &self.work;
-        let refined = refine(work, poles, self.powers, steps, tol::FINE_STEP)?;
-        let found = (refined.lambda, refined.projection.sse);
+        let found = refined_sum(work, poles, self.powers, steps, tol::FINE_STEP)?;
         let (poles, sse) = saved::refined(work, found, self.powers, steps)?;
         Ok(Around {
             sse: sse + self.beside,

@@ -13,6 +13,7 @@ use crate::shapes::step::{Enough, State};
 use crate::shapes::structure::{Search, Structured, StructuredPole};
 use crate::shapes::target::{free_residues, Target};
 use crate::tolerances as tol;
+use chladni_linalg::blocked::blocked_matmul_mixed;
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -35,8 +36,8 @@ pub(super) struct Attempt<'a> {
     condensed: Option<Target<'a>>,
     /// True where references are eliminated, and responses kept in the search: the few are.
     swapped: bool,
-    /// Residues of the poles inside in every pair, (pole, own·other), and the sum of
-    /// squares that they leave.
+    /// Free residues of the poles inside, (pole, column), and the sum of squares that they
+    /// leave.
     residues: Array2<Complex64>,
     free_sse: f64,
 }
@@ -135,7 +136,8 @@ impl<'a> Attempt<'a> {
         let mut state = match known.and_then(|state| self.taken_from(state)) {
             Some(state) => state?,
             None => {
-                let along = leading_participations(&self.residues, target.sides)?;
+                let residues = blocked_matmul_mixed(&self.residues, target.back.view());
+                let along = leading_participations(&residues, target.sides)?;
                 State::new(target, self.inside.clone(), along, false)?
             }
         };

@@ -4,6 +4,7 @@
 use crate::damping::gram::Cauchy;
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
+use crate::data::sums::{inner, sum_of_squares};
 use crate::shapes::alternation::add_product;
 use crate::shapes::limits;
 use crate::shapes::line_products::background;
@@ -45,14 +46,13 @@ impl<'a> Target<'a> {
     ) -> Result<Self, LinalgError> {
         let free = background(work, outside, powers)?;
         let (_, data) = projected(free.view(), work.b.view());
-        let energy = data.iter().map(|v| v.norm_sqr()).sum();
         Ok(Self {
+            energy: sum_of_squares(&data),
             work,
             free,
             data,
             back,
             sides,
-            energy,
         })
     }
 
@@ -200,11 +200,7 @@ impl Products {
             right.mapv_inplace(|v: Complex64| Complex64::new(v.re, 0.0));
         }
         let shape = matmul(gram_inverse.view(), right.view());
-        let explained = shape
-            .iter()
-            .zip(&right)
-            .map(|(s, r)| (s.conj() * r).re)
-            .sum();
+        let explained = inner(shape.view(), right.view());
         let (mut along_shape, mut along_both) =
             (Array2::zeros((n, other).f()), Array2::zeros((n, 1).f()));
         for (pair, value) in values.columns().into_iter().enumerate() {
@@ -222,7 +218,7 @@ impl Products {
     }
 }
 
-/// Residues of every pair, free, at given poles, and the sum of squares they leave.
+/// Residues of every column, free, at given poles, and the sum of squares they leave.
 pub(crate) fn free_residues(
     target: &Target,
     lambda: &[Complex64],
@@ -230,13 +226,6 @@ pub(crate) fn free_residues(
     let f = target.outside(&basis(target.work, lambda, &[]));
     let against = blocked_matmul_h(f.view(), target.data.view());
     let residues = solve_hermitian(blocked_matmul_h(f.view(), f.view()).view(), against.view())?;
-    let explained: f64 = residues
-        .iter()
-        .zip(&against)
-        .map(|(r, b)| (r.conj() * b).re)
-        .sum();
-    Ok((
-        blocked_matmul_mixed(&residues, target.back.view()),
-        target.energy - explained,
-    ))
+    let left = target.energy - inner(residues.view(), against.view());
+    Ok((residues, left))
 }
