@@ -31,12 +31,12 @@ pub(super) const NOISY_SHARE: f64 = 2e-6;
 pub(super) const BLOCK_FRFS: usize = 64;
 /// Least FRFs of one such sum: fewer, and adding the sums costs more than making them.
 pub(super) const GROUP_FRFS: usize = 128;
-/// FRFs from which the sums of the first pass are kept for whoever asks for them again: with 80
-/// columns they are a fiftieth of the data and less, and a pass is a tenth of the fit and more.
-pub(super) const SUMS_KEPT_FRFS: usize = 4000;
 /// FRFs of a sum for each of its columns: the sums of several groups take an eighth of the
 /// data at most.
 pub(super) const GROUP_COLUMNS: usize = 8;
+/// FRFs from which the sums of the first pass are kept for whoever asks for them again: with 80
+/// columns they are a fiftieth of the data and less, and a pass is a tenth of the fit and more.
+pub(super) const SUMS_KEPT_FRFS: usize = 4000;
 /// Groups of a set that has FRFs for them, whatever memory their sums take: work for as many
 /// threads.
 pub(super) const GROUPS_LEAST: usize = 2;

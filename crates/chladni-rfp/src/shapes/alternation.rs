@@ -3,6 +3,7 @@
 //! Blocks of responses on all threads, sums in fixed order.
 
 use crate::data::information::answer;
+use crate::data::sums::inner;
 use crate::shapes::limits;
 use crate::shapes::residues::{ridge, Residues};
 use chladni_linalg::blocked::blocked_matmul;
@@ -73,7 +74,7 @@ impl<'a> Problem<'a> {
                     }
                 }
                 let weighted = matmul(self.residues.weight.view(), difference.view());
-                energy(difference.view(), weighted.view())
+                inner(difference.view(), weighted.view())
             })
             .collect();
         parts.iter().sum()
@@ -87,7 +88,7 @@ impl<'a> Halves<'a> {
             residues, owner, ..
         } = problem;
         let of_poles = blocked_matmul(residues.weight.view(), residues.values.view());
-        let total = energy(residues.values.view(), of_poles.view());
+        let total = inner(residues.values.view(), of_poles.view());
         let mut weighted = Array2::zeros((owner.len(), of_poles.ncols()).f());
         for (mut terms, poles) in weighted.columns_mut().into_iter().zip(of_poles.columns()) {
             terms
@@ -171,7 +172,7 @@ impl<'a> Halves<'a> {
                 .collect()
         };
         let best = self.solved(shape, &rights, partners)?;
-        let explained = energy(rights.view(), best.view());
+        let explained = inner(rights.view(), best.view());
         Ok((best, explained))
     }
 
@@ -215,12 +216,4 @@ pub(crate) fn add_product(
         }
         _ => sum.iter_mut().zip(factor).zip(value).for_each(add),
     }
-}
-
-/// Σ Re r̄·w.
-fn energy(flat: ArrayView2<Complex64>, weighted: ArrayView2<Complex64>) -> f64 {
-    let columns = flat.columns().into_iter().zip(weighted.columns());
-    columns
-        .map(|(r, w)| r.iter().zip(w).map(|(r, w)| (r.conj() * w).re).sum::<f64>())
-        .sum()
 }
