@@ -58,7 +58,9 @@ impl ModalModel {
         frequency_hz: f64,
     ) -> Array2<Complex64> {
         let [shapes, participations] = self.halves(TAU * frequency_hz);
-        let mut alpha = product(shapes.t(), participations.view());
+        let alpha = product(shapes.t(), participations.view());
+        // in the order of the residual terms
+        let mut alpha = alpha.as_standard_layout().into_owned();
         let rest = &self.residual_terms;
         let over_scale = TAU * frequency_hz / rest.omega_scale_rad_per_s;
         for term in &rest.terms {

@@ -76,8 +76,11 @@ fn viewed<'a, T: Scalar>(a: &'a ArrayView2<'_, T>) -> Viewed<'a, T> {
 
 fn array<T: Scalar>(m: MatRef<'_, T>) -> Array2<T> {
     let mut data = Vec::with_capacity(m.nrows() * m.ncols());
-    for j in 0..m.ncols() {
-        data.extend(m.col(j).iter().copied());
+    for column in m.col_iter() {
+        match column.try_as_col_major() {
+            Some(column) => data.extend_from_slice(column.as_slice()),
+            None => data.extend(column.iter().copied()),
+        }
     }
     Array2::from_shape_vec((m.nrows(), m.ncols()).f(), data)
         .expect("as many values as the shape has")

@@ -278,7 +278,7 @@ impl Spline {
         for (mut row, &query) in basis.rows_mut().into_iter().zip(&queries) {
             row.slice_mut(s![count..])
                 .iter_mut()
-                .zip(monomials(self.order, query))
+                .zip(monomials(query))
                 .for_each(|(place, value)| *place = value);
         }
         basis
@@ -304,7 +304,8 @@ impl Spline {
             None => queries.iter().map(one_by_one).collect(),
         };
         for (value, &query) in field.iter_mut().zip(&queries) {
-            let terms = monomials(self.order, query).zip(of_polynomial);
+            let monomials = monomials(query);
+            let terms = monomials.iter().zip(of_polynomial);
             terms.for_each(|(term, c)| *value += c * term);
         }
         field
@@ -362,11 +363,11 @@ fn phi(order: usize, squared: f64) -> f64 {
     0.5 * power * squared.ln()
 }
 
-/// All monomials of degree below `order`, which is at most 4.
-fn monomials(order: usize, [x, y]: Position) -> impl Iterator<Item = f64> {
+/// All monomials of degree below 4, those of lower degree first: a spline of a lower order takes
+/// as many as it has coefficients.
+fn monomials([x, y]: Position) -> [f64; 10] {
     let (xx, xy, yy) = (x * x, x * y, y * y);
-    let all = [1.0, x, y, xx, xy, yy, x * xx, xx * y, x * yy, y * yy];
-    all.into_iter().take(order * (order + 1) / 2)
+    [1.0, x, y, xx, xy, yy, x * xx, xx * y, x * yy, y * yy]
 }
 
 #[cfg(test)]

@@ -97,12 +97,17 @@ impl Lattice {
         let shared = matmul(nodes.t(), values).reversed_axes();
         let shared = shared.as_standard_layout();
         let shared = shared.as_slice().expect("standard layout");
+        let starts = x.kind.map(|kind| 2 * columns * kind);
         let at = |(&of_x, &of_y): (&usize, &usize)| {
-            let of_columns = x.kind.row(of_x);
-            let parts = of_columns.iter().enumerate().map(|(column, &kind)| {
-                let start = 2 * ((of_y * kinds + kind) * columns + column);
-                Complex64::new(shared[start], shared[start + 1])
-            });
+            let of_row = &shared[2 * columns * kinds * of_y..];
+            let parts = starts
+                .row(of_x)
+                .into_iter()
+                .enumerate()
+                .map(|(column, start)| {
+                    let part = &of_row[start + 2 * column..][..2];
+                    Complex64::new(part[0], part[1])
+                });
             parts.sum()
         };
         places().map(at).collect()
@@ -163,14 +168,13 @@ fn distinct(values: impl Iterator<Item = f64>) -> (Vec<usize>, Vec<f64>) {
     let mut met = Vec::<f64>::new();
     let mut last = 0;
     let mut index = |value: f64| {
-        let next = if last + 1 < met.len() { last + 1 } else { 0 };
-        let known = [last, next]
-            .into_iter()
-            .find(|&k| met.get(k) == Some(&value));
-        last = known.unwrap_or_else(|| {
+        if met.get(last) != Some(&value) {
+            last = if last + 1 < met.len() { last + 1 } else { 0 };
+        }
+        if met.get(last) != Some(&value) {
+            last = met.len();
             met.push(value);
-            met.len() - 1
-        });
+        }
         last
     };
     let mut which: Vec<usize> = values.map(&mut index).collect();

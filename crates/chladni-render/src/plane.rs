@@ -50,6 +50,15 @@ impl Rectangle {
         let e = tolerances::POSITION_M;
         x >= self.x_min - e && x <= self.x_max + e && y >= self.y_min - e && y <= self.y_max + e
     }
+    /// The same with every side farther out by `width_m`.
+    pub(crate) fn grown(&self, width_m: f64) -> Self {
+        Self {
+            x_min: self.x_min - width_m,
+            y_min: self.y_min - width_m,
+            x_max: self.x_max + width_m,
+            y_max: self.y_max + width_m,
+        }
+    }
     /// Corners, counter-clockwise from (x_min, y_min).
     pub fn corners(&self) -> [Position; 4] {
         [

@@ -337,7 +337,8 @@ impl Rows {
             .iter()
             .map(|&point| zones.level_at(point))
             .collect();
-        for (mut row, &level) in mobility.rows_mut().into_iter().zip(&levels) {
+        let scaled = mobility.rows_mut().into_iter().zip(&levels);
+        for (mut row, &level) in scaled.filter(|(_, &level)| level != 1.0) {
             row.mapv_inplace(|value| value / level);
         }
         Self {

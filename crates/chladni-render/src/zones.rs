@@ -100,6 +100,8 @@ pub struct ZoneMap {
     cold: Vec<Vec<Position>>,
     ignored: Vec<Vec<Position>>,
     border: Vec<[Position; 2]>,
+    /// Beyond it nothing is hot, nor in a transition.
+    around_hot: Option<Rectangle>,
     metric: Metric,
     transition_m: f64,
     /// Middle of a spot and its two radii, m.
@@ -117,6 +119,7 @@ impl Zones {
             cold: Vec::new(),
             ignored: Vec::new(),
             border: Vec::new(),
+            around_hot: None,
             metric: Metric::Larger,
             transition_m: self.transition_m,
             spot: None,
@@ -134,6 +137,8 @@ impl Zones {
         }
         map.border
             .retain(|&[a, b]| area_goes_on_beyond(&area, a, b));
+        map.around_hot =
+            Rectangle::around(&map.hot.concat()).map(|hot| hot.grown(self.transition_m));
         map
     }
 }
@@ -155,9 +160,13 @@ impl ZoneMap {
                 .iter()
                 .any(|polygon| polygon_contains(polygon, point))
         };
-        if !self.area.contains(point) || inside(&self.ignored) || self.is_transition(point) {
+        let is_near = self.around_hot.is_some_and(|hot| hot.contains(point));
+        if !self.area.contains(point)
+            || inside(&self.ignored)
+            || (is_near && self.is_transition(point))
+        {
             Ground::Ignored
-        } else if inside(&self.hot) {
+        } else if is_near && inside(&self.hot) {
             Ground::Hot
         } else if self.cold.is_empty() || inside(&self.cold) {
             Ground::Cold
@@ -169,6 +178,9 @@ impl ZoneMap {
     /// By what factor the limit at `point` exceeds the scene's: the largest level of the
     /// hot polygons there, 1 elsewhere.
     pub fn level_at(&self, point: Position) -> f64 {
+        if self.levels.iter().all(|&level| level == 1.0) {
+            return 1.0;
+        }
         let here = self
             .hot
             .iter()
