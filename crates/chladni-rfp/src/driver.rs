@@ -15,6 +15,7 @@ use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::screening::Screened;
 use crate::data::source::Source;
 use crate::data::watch::{CancelToken, Watch};
+use crate::data::window::kinds::Window;
 use crate::data::window::told::told;
 use crate::methods::aaa::aaa;
 use crate::methods::auto::{auto, Attempt, Fit};
@@ -33,7 +34,7 @@ use crate::model::exponential;
 use crate::model::identified::Identified;
 use crate::model::in_law::in_law;
 use crate::tolerances::OUTLIER_ROUNDS;
-use chladni_frf::{Finding, Forcing, FrfSet, ModalModel};
+use chladni_frf::{Estimator, Finding, Forcing, FrfSet, ModalModel};
 use chladni_linalg::blocked::in_pool;
 
 /// Identifies the modes in `frf`.
@@ -80,12 +81,49 @@ pub fn fit_watched(
     };
     in_pool(|| {
         let options = told(frf, options);
-        let fit = walk(Screened::new(frf, &options)?, &options, &watch)?;
-        if !window_bias::is_open(&fit.model) {
-            return Ok(fit);
+        let data = Screened::new(frf, &options)?;
+        let fit = walk(data.clone(), &options, &watch)?;
+        match options.window.filter(|window| *window != Window::None) {
+            Some(window) => with_window_told(data, fit, window, options, &watch),
+            None if window_bias::is_open(&fit.model) => {
+                with_window_found(frf, fit, options, &watch)
+            }
+            None => Ok(fit),
         }
-        with_window_found(frf, fit, options, &watch)
     })
+}
+
+/// The fit under the window that was told, with a caution where line shapes doubt that window and a
+/// fit without it leaves far less.
+///
+/// # Errors
+/// Those of [`fit`].
+fn with_window_told(
+    data: Screened,
+    mut fit: Fit,
+    window: Window,
+    options: FitOptions,
+    watch: &Watch,
+) -> Result<Fit, FitError> {
+    if !window_bias::is_doubted(&Case::of_fit(&data, &fit.model, &options)) {
+        return Ok(fit);
+    }
+    watch.stage("lines without the window")?;
+    let plain = FitOptions {
+        window: Some(Window::None),
+        ..options
+    };
+    let other = Screened::new(data.frf, &plain).and_then(|data| walk(data, &plain, watch));
+    match other {
+        Err(FitError::Cancelled) => return Err(FitError::Cancelled),
+        // nothing to compare with
+        Err(_) => {}
+        Ok(other) => {
+            let found = window_bias::contradicted(window, [&fit.model, &other.model]);
+            fit.model.quality.findings.extend(found);
+        }
+    }
+    Ok(fit)
 }
 
 /// The fit once more with the window that line shapes speak of, where what it leaves says so,
@@ -102,9 +140,11 @@ fn with_window_found(
     let screened = Screened::new(frf, &options)?;
     let case = Case::of_fit(&screened, &fit.model, &options);
     let evidence = window_bias::Evidence::new(&case);
-    // line shapes are those of windows on continuous noise
-    let forcing = frf.estimation.as_ref().and_then(|made| made.forcing);
-    let may_be = forcing.is_none_or(|forcing| forcing == Forcing::Continuous);
+    // line shapes are those of windows on continuous noise in H1
+    let may_be = frf.estimation.as_ref().is_none_or(|made| {
+        let forcing = made.forcing.unwrap_or(Forcing::Continuous);
+        made.estimator == Estimator::H1 && forcing == Forcing::Continuous
+    });
     let suspected = window_bias::of_shapes(&case, &evidence).filter(|_| may_be);
     let Some(window) = suspected else {
         window_bias::hold(&mut fit.model, &screened, evidence.suspected());

@@ -104,6 +104,18 @@ impl LineShapes {
     }
 }
 
+/// Log-likelihood of pure resonances over that of lines under `window`; `None` where no mode
+/// stands alone.
+pub(super) fn resonances_over(case: &Case, window: Window) -> Option<f64> {
+    let modes: Vec<&Mode> = case.model.in_band_modes().collect();
+    let gain = |mode: &&Mode| {
+        let scores = mode_scores(case, mode, &modes, [Window::None, window].into_iter())?;
+        Some(scores[0] - scores[1])
+    };
+    let gains: Vec<f64> = modes.iter().filter_map(gain).collect();
+    (!gains.is_empty()).then(|| gains.iter().sum())
+}
+
 /// The lines around a mode that stands alone, without what the model says of all else.
 struct Isolated {
     /// jω of each line, rad/s.

@@ -137,13 +137,16 @@ fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
 }
 
 /// True where poles of its own for each DOF of the side that was moved, at most half as many,
-/// leave no more of the FRFs than the common poles do.
+/// leave no more of the FRFs than the common poles do. A repeated pole is one of these.
 fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
     let frfs = by_set_up(case, group);
     if frfs.len() < 2 {
         return Ok(false);
     }
-    let poles: Vec<Complex64> = group.iter().map(|mode| pole(case, mode)).collect();
+    // Modes of one pole, which a model holds as one number, are told apart by their shapes: no
+    // movement makes two of these.
+    let mut poles: Vec<Complex64> = group.iter().map(|mode| pole(case, mode)).collect();
+    poles.dedup();
     let axis = case.data.axis();
     let rows = poles
         .iter()

@@ -5,7 +5,7 @@ use crate::checks::case::{Case, Checked};
 use crate::checks::correlation::{Correlation, TAPERED};
 use crate::checks::limits;
 use crate::checks::limits::DECIDES;
-use crate::checks::line_shape::{LineShapes, CUT_BURST};
+use crate::checks::line_shape::{resonances_over, LineShapes, CUT_BURST};
 use crate::checks::witness::{decades, witness, Witness};
 use crate::data::layout::DataLayout;
 use crate::data::window::kinds::Window;
@@ -42,6 +42,38 @@ pub(crate) fn modelled(case: &Case) -> Option<Checked> {
         .value("bias_relative", worst)
         .help("window none shows the broadened lines");
     Some(finding.into())
+}
+
+/// True where the lines of modes that stand alone are rather pure resonances than lines under the
+/// window that was told. Not asked where an exponential window moved the poles, nor of records that
+/// were padded: their lines have another shape.
+pub(crate) fn is_doubted(case: &Case) -> bool {
+    let told = case.data.window.filter(|window| *window != Window::None);
+    let as_measured = case.options.exponential_window_per_s.is_none() && !case.data.is_padded();
+    let gain = told
+        .filter(|_| as_measured)
+        .and_then(|window| resonances_over(case, window));
+    gain.is_some_and(|gain| gain > DECIDES)
+}
+
+/// The finding on a window that was told, where a fit of pure resonances leaves so much less: models
+/// under the window and without it. `None` where it does not.
+pub(crate) fn contradicted(window: Window, models: [&ModalModel; 2]) -> Option<Finding> {
+    let [under, plain] = models.map(|model| model.quality.relative_error);
+    let less = (under / plain.max(f64::MIN_POSITIVE)).powi(2);
+    let words = format!(
+        "the data contradict the {window} window that the file or you name: a fit of pure \
+         resonances leaves {:.2} % of the FRFs unexplained, the fit under the window {:.2} %; its \
+         loss factors are wrong, mostly too low",
+        100.0 * plain,
+        100.0 * under
+    );
+    (less > limits::CONTRADICTS).then(|| {
+        Finding::caution("window-contradicted", words)
+            .value("relative_error", under)
+            .value("relative_error_without", plain)
+            .help("say that there was no window, or which other one")
+    })
 }
 
 /// The check where the window is not known: how much too high damping can be.
@@ -101,8 +133,14 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     );
     let finding = Finding::note("window-bias", words)
         .modes_hz(concerned.iter().map(|mode| mode.frequency_hz))
-        .value("bias_relative", bias)
-        .help("say which window was used, or that there was none");
+        .value("bias_relative", bias);
+    let finding = match case.data.unlike_h1 {
+        true => finding.help(
+            "estimate H1, or by a local method: H2 and Hv of records that leak have a line shape \
+             that the fit does not know",
+        ),
+        false => finding.help("say which window was used, or that there was none"),
+    };
     Some(finding.into())
 }
 

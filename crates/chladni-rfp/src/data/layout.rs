@@ -2,13 +2,16 @@
 //! over the data needs no more.
 
 use crate::data::columns::Columns;
+use crate::data::limits;
 use crate::data::line_variance::LineVariance;
 use crate::data::options::Effort;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::window::block_errors::BlockErrors;
 use crate::data::window::kinds::Window;
 use crate::data::window::leakage::Leakage;
-use chladni_frf::{Damping, Dof, Estimation, Finding, FrfKind, FrfSet, Node, ReferenceUnit};
+use chladni_frf::{
+    Damping, Dof, Estimation, Estimator, Finding, FrfKind, FrfSet, Node, ReferenceUnit,
+};
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -57,6 +60,10 @@ pub(crate) struct DataLayout {
     pub hann_on_blows_s: Option<f64>,
     /// True where the set says that local fits made it of a force that does not suit them.
     pub local_on_smooth_force: bool,
+    /// FRFs are means of H2 or Hv.
+    pub unlike_h1: bool,
+    /// Part of a record that holds samples, s; 0 where it is not known.
+    pub record_s: f64,
     /// Its effect on the columns of poles; `None` where it has none.
     pub leakage: Option<Arc<Leakage>>,
     /// Errors that neighbouring lines share; `None` where they share none, or nobody knows.
@@ -158,6 +165,8 @@ impl DataLayout {
             window: None,
             hann_on_blows_s: None,
             local_on_smooth_force: false,
+            unlike_h1: false,
+            record_s: 0.0,
             leakage: None,
             errors: None,
             line_variance: LineVariance::default(),
@@ -202,10 +211,20 @@ impl DataLayout {
             window,
             hann_on_blows_s: blows.then_some(record_s),
             local_on_smooth_force: made.is_some_and(Estimation::local_on_smooth_force),
+            unlike_h1: made
+                .is_some_and(|made| matches!(made.estimator, Estimator::H2 | Estimator::Hv)),
+            record_s,
             leakage,
             errors: errors.map(Arc::new),
             ..self
         }
+    }
+
+    /// True where records do not last as long as the distance of lines says: padded, or of lines that
+    /// were thinned.
+    pub fn is_padded(&self) -> bool {
+        let lengths = self.record_s * self.line_spacing_hz();
+        (lengths - 1.0).abs() > limits::OTHER_LENGTH
     }
 
     /// Only the lines at `kept` (positions among those used); the scale stays.

@@ -185,6 +185,12 @@ pub(super) const LEAST_KEPT: f64 = 0.1;
 
 /// Outlier lines that a finding lists before it only counts.
 pub(super) const OUTLIERS_SHOWN: usize = 8;
+/// Records whose length differs by more from the inverse of the distance of lines have another line
+/// shape than these: rounding of the axis is far below it.
+pub(super) const OTHER_LENGTH: f64 = 0.01;
+/// Part of the lines that gaps may cost before this is a caution, and from which on an FRF may be
+/// left out for its own: modes of a part of the band may be lost then.
+pub(super) const LINES_LOST: f64 = 0.1;
 /// FRFs that an error lists before it only counts.
 pub(super) const PAIRS_SHOWN: usize = 6;
 

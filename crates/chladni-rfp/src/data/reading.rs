@@ -1,10 +1,13 @@
 //! Reading FRFs in the order in which they lie in memory, widened on the way.
 
+use crate::data::incomplete::{left_out, Incomplete};
 use crate::data::limits;
 use chladni_frf::{FrfSet, FrfValues};
 use ndarray::{ArrayView1, ArrayView2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// Calls `see` with each of `targets` and the value on each of `lines` of one pair.
 #[inline]
@@ -138,50 +141,93 @@ pub(crate) fn squares(values: &[f64]) -> f64 {
 
 /// The result of a first look at all values.
 pub(crate) struct Usable {
-    /// Pairs with at least one finite value that is not zero.
+    /// Pairs with at least one finite value that is not zero, without those of `left_out`.
     pub pairs: Vec<(usize, usize)>,
-    /// Lines (positions) on which one of them is not finite, or all are zero.
+    /// Pairs whose gaps cost more values than they bring.
+    pub left_out: BTreeSet<(usize, usize)>,
+    /// Lines (positions) on which one of `pairs` is not finite, or all are zero.
     pub bad: Vec<bool>,
+    /// Number of those that some of `pairs` have.
+    pub lost: usize,
     /// Sum of squares by response and reference, row by row; right where no line is bad.
     pub energy: Vec<f64>,
 }
 
+/// An FRF in which some values are not finite, or zero.
+struct Flawed {
+    pair: (usize, usize),
+    gaps: Vec<Range<usize>>,
+    zeros: Vec<Range<usize>>,
+}
+
 impl Usable {
     /// Looks at `lines` of all pairs.
-    pub fn new(frf: &FrfSet, lines: &[usize]) -> Self {
+    ///
+    /// * `whole`: no FRF may be left out for its gaps
+    pub fn new(frf: &FrfSet, lines: &[usize], whole: bool) -> Self {
         let all: Vec<(usize, usize)> = frf.all_pairs().collect();
         let sums: Vec<(f64, bool)> = all
             .par_iter()
             .map(|&pair| energy(&frf.values, pair, lines, 1.0))
             .collect();
-        let mut bad = vec![false; lines.len()];
-        let mut zeros = vec![0; lines.len()];
-        let mut pairs = Vec::new();
+        let (mut flawed, mut pairs) = (Vec::new(), Vec::new());
         for (&pair, &(sum, zero)) in all.iter().zip(&sums) {
             if sum.is_finite() && !zero {
                 pairs.push(pair);
                 continue;
             }
-            let (mut any, mut not_finite, mut zero) = (false, Vec::new(), Vec::new());
+            let (mut any, mut gaps, mut zeros) = (false, Vec::new(), Vec::new());
             visit(&frf.values, pair, lines, 0.., |row, value| match value {
-                value if !value.is_finite() => not_finite.push(row),
-                value if value == Complex64::default() => zero.push(row),
+                value if !value.is_finite() => add(&mut gaps, row),
+                value if value == Complex64::default() => add(&mut zeros, row),
                 _ => any = true,
             });
             if any {
                 pairs.push(pair);
-                not_finite.into_iter().for_each(|row| bad[row] = true);
-                zero.into_iter().for_each(|row| zeros[row] += 1);
+                flawed.push(Flawed { pair, gaps, zeros });
             }
         }
-        bad.iter_mut()
-            .zip(&zeros)
-            .for_each(|(bad, zeros)| *bad |= *zeros == pairs.len() && !pairs.is_empty());
+        let incomplete: Vec<Incomplete> = flawed
+            .iter()
+            .filter(|frf| !whole && !frf.gaps.is_empty())
+            .map(|own| {
+                let (response, reference) = (frf.responses[own.pair.0], frf.references[own.pair.1]);
+                Incomplete {
+                    pair: own.pair,
+                    driving_point: response.same_axis(reference),
+                    rows: &own.gaps,
+                }
+            })
+            .collect();
+        let left_out = left_out(&pairs, &incomplete, lines.len());
+        pairs.retain(|pair| !left_out.contains(pair));
+        flawed.retain(|frf| !left_out.contains(&frf.pair));
+        let count = |of: fn(&Flawed) -> &Vec<Range<usize>>| {
+            let mut frfs = vec![0; lines.len()];
+            let rows = flawed.iter().flat_map(of).cloned().flatten();
+            rows.for_each(|row| frfs[row] += 1);
+            frfs
+        };
+        let (gaps, zeros) = (count(|frf| &frf.gaps), count(|frf| &frf.zeros));
+        let of_none = |k: usize| gaps[k] + zeros[k] == pairs.len();
+        let bad: Vec<bool> = (0..lines.len())
+            .map(|k| gaps[k] > 0 || (of_none(k) && !pairs.is_empty()))
+            .collect();
         Self {
+            lost: (0..lines.len()).filter(|&k| bad[k] && !of_none(k)).count(),
             pairs,
+            left_out,
             bad,
             energy: sums.into_iter().map(|(sum, _)| sum).collect(),
         }
+    }
+}
+
+/// Adds a number to rising ranges.
+fn add(ranges: &mut Vec<Range<usize>>, number: usize) {
+    match ranges.last_mut() {
+        Some(last) if last.end == number => last.end += 1,
+        _ => ranges.push(number..number + 1),
     }
 }
 

@@ -6,11 +6,11 @@ use crate::data::layout::DataLayout;
 use crate::data::limits;
 use crate::data::line_variance::line_variance;
 use crate::data::noisy_frfs::far_noisier;
-use crate::data::options::FitOptions;
+use crate::data::options::{FitOptions, Method};
 use crate::data::reading::{energy, visit, Usable};
 use crate::data::sketch::{Mixing, Sums};
 use crate::data::window::told::record_s;
-use chladni_frf::{Finding, FrfSet};
+use chladni_frf::{Dof, Finding, FrfSet};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -80,23 +80,32 @@ impl<'a> Screened<'a> {
         let sums = of_whole(frf, &all, &lines, options);
         let Usable {
             mut pairs,
+            left_out,
             bad,
+            lost,
             energy: sum_of_pair,
         } = match &sums {
             Some(sums) => Usable {
                 pairs: all,
+                left_out: Default::default(),
                 bad: vec![false; lines.len()],
+                lost: 0,
                 energy: sums.frf_energy.clone(),
             },
-            None => Usable::new(frf, &lines),
+            // this method needs the whole matrix
+            None => Usable::new(frf, &lines, options.method == Method::Plscf),
         };
         if pairs.is_empty() {
             return Err(FitError::NoData);
         }
-        if pairs.len() < frf.pairs() {
-            warnings.push(without_values(frf.pairs() - pairs.len(), frf.pairs()));
+        let empty = frf.pairs() - pairs.len() - left_out.len();
+        if empty > 0 {
+            warnings.push(without_values(empty, frf.pairs()));
         }
-        warnings.extend(drop_bad(&mut lines, &bad));
+        if !left_out.is_empty() {
+            warnings.push(incomplete(frf, &Vec::from_iter(left_out)));
+        }
+        warnings.extend(drop_bad(&mut lines, &bad, lost));
         let noisy: Vec<(usize, usize)> = far_noisier(frf, &pairs, &lines)
             .into_iter()
             .map(|l| pairs[l])
@@ -188,12 +197,12 @@ fn of_whole(
     sums.filter(|sums| !sums.flawed)
 }
 
-/// Leaves out lines that are bad, and says how many.
-fn drop_bad(lines: &mut Vec<usize>, bad: &[bool]) -> Option<Finding> {
+/// Leaves out lines that are bad, and says how many; `lost`: those that some FRF has.
+fn drop_bad(lines: &mut Vec<usize>, bad: &[bool], lost: usize) -> Option<Finding> {
     let dropped = bad.iter().filter(|bad| **bad).count();
     let mut places = bad.iter();
     lines.retain(|_| places.next() == Some(&false));
-    (dropped > 0).then(|| lines_left_out(dropped))
+    (dropped > 0).then(|| lines_left_out(dropped, lost, bad.len()))
 }
 
 /// Energy of each FRF used, as the look at all lines told it (`sum_of_pair`) unless some
@@ -241,16 +250,19 @@ pub(crate) fn lines_in_band(
     }
 }
 
-/// The finding on lines without values.
-pub(crate) fn lines_left_out(dropped: usize) -> Finding {
-    Finding::note(
-        "lines-without-values",
-        format!(
-            "{dropped} lines hold no finite value in at least one FRF, or zeros in all, and are \
-             left out"
-        ),
-    )
-    .value("lines_left_out", dropped as f64)
+/// The finding on `dropped` lines of `all` without values: a caution where many are `lost` that some
+/// FRF has.
+pub(crate) fn lines_left_out(dropped: usize, lost: usize, all: usize) -> Finding {
+    let words = format!(
+        "{dropped} of {all} lines hold no finite value in at least one FRF, or zeros in all, and \
+         are left out"
+    );
+    let finding = match lost as f64 > limits::LINES_LOST * all as f64 {
+        true => Finding::caution("lines-without-values", words)
+            .help("leave out the FRFs with gaps, or measure them again"),
+        false => Finding::note("lines-without-values", words),
+    };
+    finding.value("lines_left_out", dropped as f64)
 }
 
 /// Checks that so many lines can bear the modes asked for, one where none are, and that
@@ -300,16 +312,30 @@ fn without_values(without: usize, of: usize) -> Finding {
     Finding::note("frfs-without-values", words).value("frfs_left_out", without as f64)
 }
 
+fn incomplete(frf: &FrfSet, pairs: &[(usize, usize)]) -> Finding {
+    let words = format!(
+        "without values on so many lines that they are left out, their values follow from the \
+         shapes: {}",
+        named(frf, pairs)
+    );
+    Finding::caution("frfs-incomplete", words)
+        .value("frfs_left_out", pairs.len() as f64)
+        .dofs(dofs_of(frf, pairs))
+        .help("measure these points again, or fit a band in which they have values")
+}
+
+fn dofs_of<'a>(frf: &'a FrfSet, pairs: &'a [(usize, usize)]) -> impl Iterator<Item = Dof> + 'a {
+    let both = |&(i, j): &(usize, usize)| [frf.responses[i], frf.references[j]];
+    pairs.iter().flat_map(both)
+}
+
 fn noisier(frf: &FrfSet, pairs: &[(usize, usize)]) -> Finding {
     let words = format!(
         "far noisier than the other FRFs and left out, their values follow from the shapes: {}",
         named(frf, pairs)
     );
-    let dofs = pairs
-        .iter()
-        .flat_map(|&(i, j)| [frf.responses[i], frf.references[j]]);
     Finding::caution("far-noisier", words)
-        .dofs(dofs)
+        .dofs(dofs_of(frf, pairs))
         .help("measure these points again")
 }
 

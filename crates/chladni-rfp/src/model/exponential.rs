@@ -7,6 +7,8 @@
 
 use crate::damping::law::constant_power;
 use crate::damping::places::{frequency_and_loss, s_of_mode};
+use crate::model::limits;
+use crate::model::modes::few_modes;
 use chladni_frf::{Damping, Finding, FrfKind, ModalModel, Mode, Reason, Scaling, Trust};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -39,14 +41,17 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
                 .iter_mut()
                 .for_each(|v| *v *= at_references);
         } else if mode.in_band {
-            explained += 1;
+            // a peak of noise may have any decay
+            let (decay, std) = (-measured.re, 0.5 * mode.loss_factor_std * measured.norm());
+            let clearly = std.is_nan() || alpha - decay > limits::CLEARLY_SLOWER * std;
+            explained += usize::from(mode.trust == Trust::Sure && clearly);
             mode.trust = Trust::Rejected;
             mode.reasons.push(
                 Reason::new(
                     "slower-than-window",
                     "it decays more slowly than the exponential window alone",
                 )
-                .detail(format!("{:.3} against {alpha} 1/s", -measured.re)),
+                .detail(format!("{decay:.3} against {alpha} 1/s")),
             );
         }
     }
@@ -68,6 +73,13 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
                 .value("decay_per_s", alpha)
                 .help("give the window's own α: ln(1/end value)/record length"),
         );
+    }
+    // where all of them are gone, there is nothing to trust
+    if let Some(few) = few_modes(&model.modes) {
+        model.quality.trusted = false;
+        if !findings.iter().any(|finding| finding.code == few.code) {
+            findings.push(few);
+        }
     }
 }
 

@@ -56,10 +56,15 @@ pub(super) const TRACK_FREQUENCY_PRIOR: f64 = 3e-3;
 pub(super) const TRACK_LOSS_PRIOR: f64 = 0.3;
 /// Noise that FRFs are taken to have at least, over their rms: rounding.
 pub(super) const TRACK_ROUNDING: f64 = 1e-9;
+/// Standard deviations by which a sure mode decays more slowly than the exponential window when the
+/// window's α is wrong.
+pub(super) const CLEARLY_SLOWER: f64 = 5.0;
 /// Relative step of numerical slopes: differences keep ten digits.
 pub(super) const TRACK_SLOPE_STEP: f64 = 1e-5;
 /// Misfit over that of the model from which on its shapes no longer hold.
 pub(super) const TRACK_MISFIT: f64 = 3.0;
+/// Misfit from which on the FRFs are not those of the model at all: half of their power is left.
+pub(super) const TRACK_LOST: f64 = 0.7;
 /// Misfit that is granted to any model.
 pub(super) const LEAST_MISFIT: f64 = 0.01;
 /// Part of itself by which a loss factor changes at most in a step.

@@ -8,7 +8,7 @@
 use super::limits;
 use crate::damping::law::per_residue;
 use chladni_frf::{
-    Damping, Dof, Error, Finding, FrfSet, FrfValues, ModalModel, Mode, Result, Trust,
+    Damping, Dof, Error, Finding, FrfSet, FrfValues, ModalModel, Mode, Result, Severity, Trust,
 };
 use ndarray::{Array1, Array2, Array3};
 use num_complex::Complex64;
@@ -348,9 +348,12 @@ fn told(
         relative_error,
     };
     let followed = followed(&told);
-    let findings = &mut told.model.quality.findings;
-    findings.push(followed);
-    findings.extend(shapes_changed(relative_error, model.quality.relative_error));
+    let quality = &mut told.model.quality;
+    quality.findings.push(followed);
+    let changed = shapes_changed(relative_error, model.quality.relative_error);
+    let is_fault = |finding: &Finding| finding.severity == Severity::Fault;
+    quality.trusted &= !changed.as_ref().is_some_and(is_fault);
+    quality.findings.extend(changed);
     told
 }
 
@@ -373,14 +376,24 @@ fn followed(moved: &MovedPoles) -> Finding {
 /// The finding of FRFs that moved poles explain far worse than the model did its own.
 fn shapes_changed(relative_error: f64, before: f64) -> Option<Finding> {
     let allowed = limits::TRACK_MISFIT * before.max(limits::LEAST_MISFIT);
-    (relative_error > allowed).then(|| {
+    let lost = relative_error > limits::TRACK_LOST;
+    (lost || relative_error > allowed).then(|| {
         let words = format!(
-            "moved poles leave {:.1} % of these FRFs, the model left {:.1} % of its own: the \
-             shapes are no longer those of the model",
+            "moved poles leave {:.1} % of these FRFs, the model left {:.1} % of its own: ",
             100.0 * relative_error,
             100.0 * before
         );
-        Finding::caution("shapes-changed", words)
+        let finding = match lost {
+            true => Finding::fault(
+                "shapes-changed",
+                words + "they are of another structure, or mostly noise",
+            ),
+            false => Finding::caution(
+                "shapes-changed",
+                words + "the shapes are no longer those of the model",
+            ),
+        };
+        finding
             .value("relative_error", relative_error)
             .help("scan again, and fit that")
     })

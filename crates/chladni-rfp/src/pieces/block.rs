@@ -228,7 +228,7 @@ fn first_pass(
     let (mut sums, mut mixing) = run(&pairs);
     let energy = (!sums.flawed).then(|| std::mem::take(&mut sums.frf_energy));
     if energy.is_none() {
-        pairs = Usable::new(frf, lines).pairs;
+        pairs = Usable::new(frf, lines, true).pairs;
         (sums, mixing) = run(&pairs);
     }
     let bad: Vec<bool> = sums

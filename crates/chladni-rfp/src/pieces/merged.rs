@@ -152,7 +152,9 @@ impl<'a> Merged<'a> {
         match asked {
             Some(poles) => poles.tell(&mut head),
             None if good.len() < lines.len() => {
-                head.warnings.push(lines_left_out(lines.len() - good.len()));
+                let left_out = lines.len() - good.len();
+                // whether some FRF has them was not counted
+                head.warnings.push(lines_left_out(left_out, 0, lines.len()));
             }
             None => {}
         }

@@ -1,6 +1,7 @@
 //! The fit, against closed forms, bounds and measured sets.
 
 mod common;
+mod doubts;
 mod family;
 mod faults;
 mod force_noise;

@@ -120,6 +120,15 @@ fn another_shape_is_said_and_strangers_are_refused() {
         told.iter().any(|finding| finding.code == "shapes-changed"),
         "{told:?}"
     );
+    assert!(moved.model.quality.trusted);
+    // the modes of another structure in the same places
+    let mut other = truth().clone();
+    for mode in &mut other.modes {
+        mode.shape.0.rotate_left(7);
+        mode.participation.0.rotate_left(3);
+    }
+    let moved = poles_of(truth(), &measured(&other, &SIX, &[4])).unwrap();
+    assert!(!moved.model.quality.trusted);
     let mut stranger = measured(truth(), &SIX, &[4]);
     stranger.responses[2].node = 4711;
     let said = poles_of(truth(), &stranger)

@@ -13,7 +13,7 @@ use crate::data::error::FitError;
 use crate::data::limits;
 use crate::data::options::FitOptions;
 use crate::data::window::kinds::Window;
-use chladni_frf::{BlockWindow, Estimation, Forcing, FrfSet};
+use chladni_frf::{BlockWindow, Estimation, Estimator, Forcing, FrfSet};
 
 /// The options with what the set says itself where they leave it open.
 pub(crate) fn told(frf: &FrfSet, options: &FitOptions) -> FitOptions {
@@ -32,7 +32,7 @@ fn window_of(made: &Estimation) -> Option<Window> {
     if made.estimator.is_local() {
         return Some(Window::None);
     }
-    match (made.forcing?, made.window) {
+    let found = match (made.forcing?, made.window) {
         (Forcing::Continuous, BlockWindow::Hann) => Some(Window::Hann),
         (Forcing::Continuous, BlockWindow::Rectangular) => Some(Window::Rectangular),
         (Forcing::Burst { part }, BlockWindow::Rectangular) => Some(Window::Burst { part }),
@@ -45,7 +45,17 @@ fn window_of(made: &Estimation) -> Option<Window> {
         }
         (Forcing::Periodic, BlockWindow::Rectangular) => Some(Window::None),
         _ => None,
-    }
+    };
+    found.filter(|window| made.estimator == Estimator::H1 || !leaks_into_mean(*window))
+}
+
+/// True for a window under which H2 and Hv have another mean than H1, whose line shape the fit has:
+/// they divide by what leaks, too.
+fn leaks_into_mean(window: Window) -> bool {
+    !matches!(
+        window,
+        Window::None | Window::Transient | Window::Burst { .. }
+    )
 }
 
 /// Decay that the set itself says was added to every pole, 1/s. Under noise that goes on more than

@@ -116,9 +116,27 @@ fn missing_lines_and_frfs_are_left_out_as_in_memory() {
             .quality
             .findings
             .iter()
-            .any(|w| w.text.starts_with("4 lines hold no finite value")),
+            .any(|w| w.code == "lines-without-values" && w.text.starts_with("4 of ")),
         "{:?}",
         model.quality.findings
+    );
+}
+
+#[test]
+fn an_frf_with_a_long_gap_costs_its_lines_in_pieces() {
+    let mut set = set();
+    let FrfValues::F64(values) = &mut set.frf.values else {
+        panic!("double precision")
+    };
+    let nothing = Complex64::new(f64::NAN, f64::NAN);
+    let lines = values.len_of(ndarray::Axis(2));
+    values.slice_mut(s![3, 1, ..lines / 2]).fill(nothing);
+    let model = in_pieces(&blocks(&set.frf, 5)).0;
+    let mut findings = model.quality.findings.iter();
+    let lost = findings.find(|finding| finding.code == "lines-without-values");
+    assert_eq!(
+        lost.unwrap().values["lines_left_out"].as_slice(),
+        [(lines / 2) as f64]
     );
 }
 
