@@ -10,6 +10,7 @@ use chladni_io::{
     detect_format, field_shape, model_shapes, read_contents, read_model, write_contents,
     write_model, Contents, FileFormat, Shape, ShapeForm,
 };
+use chladni_render::Weights;
 use num_complex::Complex64;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -21,7 +22,7 @@ use std::path::{Path, PathBuf};
   chladni convert scan_*.uff --reference 101,102,103 -o all.h5      one file per actuator
   chladni convert model.json -o model.h5                            exact; modes.csv and model.mat for other programs
   chladni convert model.json -o shapes.unv                          mode shapes for other programs; shapes.pvd for ParaView
-  chladni convert model.json weights.json -o field.vtu              the field that the weights make")]
+  chladni convert model.json weights.json -o field.vtu              the field of each tone of the weights")]
 pub struct Args {
     /// Input files, folders of them, or patterns; several are merged into one set
     #[arg(required = true, value_name = "IN")]
@@ -49,8 +50,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if let [one, other] = files.as_slice() {
         let formats = [detect_format(one)?, detect_format(other)?];
         match formats {
-            [FileFormat::Weights, _] => return convert_field(args, &files, other, one, console),
-            [_, FileFormat::Weights] => return convert_field(args, &files, one, other, console),
+            [FileFormat::Weights, _] => return convert_fields(args, &files, other, one, console),
+            [_, FileFormat::Weights] => return convert_fields(args, &files, one, other, console),
             _ => {}
         }
     }
@@ -146,8 +147,8 @@ fn convert_model(
     ))
 }
 
-/// The field that weights make of a model.
-fn convert_field(
+/// The fields that weights make of a model, one for each of their tones.
+fn convert_fields(
     args: &Args,
     files: &[PathBuf],
     model: &Path,
@@ -156,14 +157,24 @@ fn convert_field(
 ) -> Result<Outcome> {
     let output = Output::new(&args.output, SHAPES, files, console)?;
     let (model, weights) = (read_model(model)?, read_weights(weights)?);
-    let drive: Vec<(Dof, Complex64)> = weights
+    let fields = weights.tones().zip(1..).map(|(tone, number)| {
+        let mut field = field_of(&model, tone, form_for(&args.output))?;
+        field.numbers.number = number;
+        Ok(field)
+    });
+    let fields = fields.collect::<Result<Vec<_>>>()?;
+    console.stage("writing");
+    write_shapes(args, files, &model, fields, &output, console)
+}
+
+fn field_of(model: &ModalModel, tone: &Weights, form: ShapeForm) -> Result<Shape> {
+    tone.check_unit(model.reference_unit)?;
+    let drive: Vec<(Dof, Complex64)> = tone
         .weights
         .iter()
         .map(|one| (one.reference, Complex64::new(one.re, one.im)))
         .collect();
-    let field = field_shape(&model, weights.frequency_hz, &drive, form_for(&args.output))?;
-    console.stage("writing");
-    write_shapes(args, files, &model, vec![field], &output, console)
+    field_shape(model, tone.frequency_hz, &drive, form)
 }
 
 fn write_shapes(

@@ -7,7 +7,7 @@
 use crate::usage;
 use chladni_frf::{Error, ErrorKind, Finding, TimeSign};
 
-const SETTINGS: [&str; 24] = [
+const SETTINGS: [&str; 25] = [
     "block",
     "blocks",
     "dofs",
@@ -31,6 +31,7 @@ const SETTINGS: [&str; 24] = [
     "snap_df",
     "sweep",
     "time_sign",
+    "units",
     "window",
 ];
 

@@ -216,7 +216,7 @@ impl ModePick {
         };
         let show = |n: usize| format!("mode {} at {:.3} Hz", n + 1, modes[n].frequency_hz);
         let range = match self.name {
-            ModeName::Number(number) if number <= modes.len() => number - 1..number,
+            ModeName::Number(number) if (1..=modes.len()).contains(&number) => number - 1..number,
             ModeName::Number(number) => {
                 let error = say("no such mode")
                     .found(number)

@@ -3,7 +3,7 @@
 use super::atomic::write_atomically;
 use super::mat::MatFile;
 use super::{csv, hdf5, numpy, uff, vtk, Contents};
-use chladni_frf::{Error, ErrorKind, Finding, FrfSet, Result};
+use chladni_frf::{BlockWindow, Error, ErrorKind, Estimation, Finding, Forcing, FrfSet, Result};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -120,6 +120,11 @@ fn left_out(format: &str, set: &FrfSet, contents: &Contents) -> Vec<Finding> {
         ));
     }
     lost.extend(set.variance.as_ref().map(|_| lost_variance(format)));
+    lost.extend(
+        set.estimation
+            .as_ref()
+            .and_then(|made| lost_estimation(format, made)),
+    );
     if !contents.functions.is_empty() {
         lost.push(Finding::caution(
             "not-carried",
@@ -146,6 +151,27 @@ fn lost_variance(format: &str) -> Finding {
         "not-carried",
         format!("{format} holds no variances: those of the FRFs are left out (HDF5 holds them)"),
     )
+}
+
+/// What a fit has to be told by hand then; `None` where there is nothing to tell.
+fn lost_estimation(format: &str, made: &Estimation) -> Option<Finding> {
+    let continuous = made.forcing == Some(Forcing::Continuous);
+    let (lost, advice) = match made.window {
+        _ if made.estimator.is_local() => (
+            "that no window broadens their lines".into(),
+            "`window none`".into(),
+        ),
+        BlockWindow::Exponential { rate_per_s } if !continuous => (
+            format!("the exponential window, which raises every decay by {rate_per_s} 1/s"),
+            format!("`exponential_window {rate_per_s}`"),
+        ),
+        BlockWindow::Rectangular if !continuous => return None,
+        window => (format!("the {} window", window.name()), "its window".into()),
+    };
+    let words = format!(
+        "{format} does not hold how the FRFs were estimated: {lost} (HDF5 and universal files do)"
+    );
+    Some(Finding::caution("not-carried", words).help(format!("say {advice} when you fit")))
 }
 
 fn write_table(

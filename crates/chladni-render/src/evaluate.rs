@@ -147,14 +147,7 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
         let gain = gain_of(&scene.actuators, reference, frequency_hz)?;
         column.mapv_inplace(|value| value * gain);
     }
-    if operator.unit != weights.unit() {
-        return Err(
-            Error::bad_data("the weights and the data have different units")
-                .field("weights")
-                .found(weights.unit())
-                .expected(format!("{}, the unit of the references", operator.unit)),
-        );
-    }
+    weights.check_unit(operator.unit)?;
     let drive = drive_on(&operator, weights);
     let limits = scene.limits()?;
     let zones = lay_zones(&scene, &operator);

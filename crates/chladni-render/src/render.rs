@@ -321,16 +321,7 @@ impl Rendering {
         let weights = &mut self.weights;
         for Self { weights: tone, .. } in &other_tones {
             weights.feasible &= tone.feasible;
-            let new: Vec<Finding> = tone
-                .findings
-                .iter()
-                .filter(|finding| !weights.findings.contains(finding))
-                .map(|finding| Finding {
-                    text: format!("at {} Hz: {}", tone.frequency_hz, finding.text),
-                    ..finding.clone()
-                })
-                .collect();
-            weights.findings.extend(new);
+            weights.add_findings_of(tone);
         }
         weights.other_tones = other_tones
             .iter()

@@ -99,6 +99,9 @@ impl Setup {
         let counts =
             |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
         let modes = (0..model.modes.len()).filter(counts).collect();
+        if let Some(touch) = &scene.touch {
+            touch.check_places(&operator.positions_m)?;
+        }
         let plan = |touch| TouchPlan::new(model, &operator, &zones, touch, false);
         let touch = scene.touch.as_ref().and_then(plan).map(Arc::new);
         let (nodes, between) = Default::default();

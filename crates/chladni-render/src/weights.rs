@@ -10,7 +10,7 @@ use crate::rig::Correction;
 use crate::tolerances;
 use crate::tones::is_same;
 use crate::touch::TouchIndices;
-use chladni_frf::{Dof, Error, Findings, ReferenceUnit, Result, Source};
+use chladni_frf::{Dof, Error, Finding, Findings, ReferenceUnit, Result, Source};
 use chladni_text::json_error;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -172,7 +172,7 @@ impl Weights {
     /// The reason, in words that follow "met, but", to doubt that a scene which is met in the model
     /// is met on the rig.
     pub fn reservation(&self) -> Option<String> {
-        let finding = |code: &str| self.findings.iter().find(|finding| finding.code == code);
+        let finding = |code: &str| self.own_finding(code);
         let of_model = [
             (
                 "untrusted-model",
@@ -191,6 +191,36 @@ impl Weights {
             Some(None) => "a mode lies on the drive".into(),
             None => "not on every rig".into(),
         })
+    }
+
+    /// True where every judged response keeps its limit at the first frequency; `feasible` speaks of
+    /// all of them.
+    pub fn is_met(&self) -> bool {
+        self.indices.points.min_ratio == 1.0
+    }
+
+    /// The finding `code` of the first tone itself: those of the others stand behind it, each
+    /// with its frequency.
+    pub fn own_finding(&self, code: &str) -> Option<&Finding> {
+        let others = self
+            .other_tones
+            .iter()
+            .map(|tone| prefix(tone.frequency_hz));
+        let others: Vec<String> = others.collect();
+        let is_own = |text: &str| !others.iter().any(|other| text.starts_with(other));
+        let mut findings = self.findings.iter();
+        findings.find(|finding| finding.code == code && is_own(&finding.text))
+    }
+
+    /// Takes over the findings of another tone.
+    pub(crate) fn add_findings_of(&mut self, tone: &Self) {
+        let known = |finding: &&Finding| !self.findings.contains(finding);
+        let new = tone.findings.iter().filter(known).map(|finding| Finding {
+            text: prefix(tone.frequency_hz) + &finding.text,
+            ..finding.clone()
+        });
+        let new: Vec<Finding> = new.collect();
+        self.findings.extend(new);
     }
 
     /// Reads a weights file's text.
@@ -310,6 +340,22 @@ impl Weights {
         std::iter::once(self).chain(&self.other_tones)
     }
 
+    /// Refuses weights of another unit than that of the references they are to drive.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`].
+    pub fn check_unit(&self, of_references: ReferenceUnit) -> Result<()> {
+        if self.unit() == of_references {
+            return Ok(());
+        }
+        Err(
+            Error::bad_data("the weights and the data have different units")
+                .field("weights")
+                .found(self.unit())
+                .expected(format!("{of_references}, the unit of the references")),
+        )
+    }
+
     /// Unit of the weights.
     pub fn unit(&self) -> ReferenceUnit {
         self.weights
@@ -317,6 +363,11 @@ impl Weights {
             .map(|weight| weight.unit)
             .unwrap_or_default()
     }
+}
+
+/// What findings of another tone begin with.
+fn prefix(frequency_hz: f64) -> String {
+    format!("at {frequency_hz} Hz: ")
 }
 
 /// One entry per actuator.

@@ -119,13 +119,9 @@ impl Table {
         if self.masked.is_empty() {
             return Ok(None);
         }
-        let still = |channel: &&Channel| {
-            let first = channel.samples.first();
-            channel.samples.iter().all(|sample| Some(sample) == first)
-        };
         let dead: BTreeSet<Dof> = runs
             .iter()
-            .flat_map(|run| run.references().filter(still))
+            .flat_map(|run| run.references().filter(|channel| is_still(channel)))
             .map(|channel| channel.dof)
             .collect();
         let why = match dead.first() {
@@ -146,6 +142,50 @@ impl Table {
         Ok(Some(finding.dofs(dead).help(help)))
     }
 
+    /// Takes the values of responses that are constant in every run: what removing the mean has
+    /// left of them is rounding. Returns the finding that names them.
+    ///
+    /// # Errors
+    /// No response moves.
+    fn without_still(&mut self, runs: &[Run]) -> Result<Option<Finding>> {
+        let moves = |channel: &&Channel| !is_still(channel);
+        let moving: BTreeSet<Dof> = runs
+            .iter()
+            .flat_map(|run| run.responses().filter(moves))
+            .map(|channel| channel.dof)
+            .collect();
+        let still = |row: &usize| !moving.contains(&self.responses[*row]);
+        let rows: Vec<usize> = (0..self.responses.len()).filter(still).collect();
+        let dofs: Vec<Dof> = rows.iter().map(|&row| self.responses[row]).collect();
+        let Some(first) = dofs.first() else {
+            return Ok(None);
+        };
+        let help = "look at the cable and the sensor of that channel, or leave it out";
+        if moving.is_empty() {
+            return Err(Error::bad_data("no response moves")
+                .field("responses")
+                .found("constant samples in every channel")
+                .expected("at least one response with a signal")
+                .help(help));
+        }
+        for row in rows {
+            let at = s![row, .., ..];
+            self.values
+                .slice_mut(at)
+                .fill(Complex64::new(f64::NAN, f64::NAN));
+            self.variance.slice_mut(at).fill(f64::NAN);
+            self.coherence.slice_mut(at).fill(f32::NAN);
+        }
+        let words = match dofs.len() {
+            1 => format!("the response {first} is constant: it has no FRF"),
+            count => {
+                format!("{count} responses are constant and have no FRF, the first is {first}")
+            }
+        };
+        let finding = Finding::caution("still-responses", words);
+        Ok(Some(finding.dofs(dofs).help(help)))
+    }
+
     /// The FRFs, and how they were made.
     pub(super) fn finished(
         mut self,
@@ -154,6 +194,8 @@ impl Table {
         rate_hz: f64,
     ) -> Result<Estimate> {
         self.warnings.extend(self.masked_lines(runs)?);
+        let still = self.without_still(runs)?;
+        self.warnings.extend(still);
         self.warnings.extend(clipped(runs));
         let (kind, reference_unit) = units::kind_of(runs)?;
         let estimation = Estimation {
@@ -185,6 +227,12 @@ impl Table {
             findings: self.warnings,
         })
     }
+}
+
+/// True where all samples of a channel are the same.
+fn is_still(channel: &Channel) -> bool {
+    let first = channel.samples.first();
+    channel.samples.iter().all(|sample| Some(sample) == first)
 }
 
 /// The finding of blows, or sweeps, under a Hann window.

@@ -65,12 +65,11 @@ impl Judged {
 /// Tells whether the scene is met, by how much, and what speaks against it.
 fn sentence(weights: &Weights, judged: &Judged) -> String {
     let hz = significant(weights.frequency_hz, 6);
-    let finding = |code: &str| weights.findings.iter().find(|finding| finding.code == code);
-    if finding("scene-impossible").is_some() {
+    if weights.own_finding("scene-impossible").is_some() {
         return format!("The scene is impossible at {hz} Hz: no drive can meet it.");
     }
     let [hot, cold] = judged.words();
-    if !weights.feasible {
+    if !weights.is_met() {
         return format!("The scene is not met at {hz} Hz: {hot} hot felt, {cold} cold quiet.");
     }
     let spare = weights

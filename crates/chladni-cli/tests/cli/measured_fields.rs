@@ -483,6 +483,10 @@ fn a_panel_in_volts_takes_weights_in_volts() {
     folder
         .run("render volts.json scene.toml -o w.json -q")
         .exits(0);
+    let run = folder
+        .run("convert newtons.json w.json -o field.unv")
+        .exits(65);
+    assert!(run.stderr.contains("different units"), "{}", run.stderr);
     folder
         .run("simulate volts.toml --play w.json -o field.csv --snr-db 60 -q")
         .exits(0);

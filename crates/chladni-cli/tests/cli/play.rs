@@ -241,6 +241,7 @@ fn tables_that_cannot_be_are_refused_by_name_and_line() {
             "overlap",
         ),
         ("path", spot(0.0, 0.26), "path_m"),
+        ("late", burst("").replace("0.1", "1e6"), "[[time.burst]] 1"),
     ] {
         let file = format!("{name}.toml");
         folder.write(&file, format!("{ZONES}[time]\n{table}"));

@@ -280,6 +280,13 @@ fn several_tones_are_rendered_judged_and_reported_one_by_one() {
     );
     assert_eq!(folder.text("drive.csv").lines().count(), 1 + 2 * 34);
     folder
+        .run("convert model.json weights.json -o fields.unv")
+        .exits(0);
+    let text = folder.text("fields.unv");
+    for tone in ["Velocity at 330 Hz", "Velocity at 350 Hz"] {
+        assert!(text.contains(tone), "{tone}");
+    }
+    folder
         .run("evaluate weights.json --scene chord.toml --on panel.h5 -q")
         .exits(0);
     let judged = folder

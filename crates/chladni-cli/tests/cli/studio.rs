@@ -280,6 +280,13 @@ fn files_that_the_studio_hands_over_are_those_of_the_command_line() {
         assert!(answer.starts_with(b"HTTP/1.1 200"), "{name}");
         answer[split + 4..].to_vec()
     };
+    for number in [0, 99] {
+        let question = json!({"toml": SCENE, "method": "mls", "drop": [number]});
+        let said = studio
+            .asked_about("scene", &question.to_string())
+            .to_string();
+        assert!(said.contains("no such mode"), "{said}");
+    }
     folder.write("selection.toml", "drop = [1]\n");
     folder.write("scene.toml", SCENE);
     folder

@@ -107,6 +107,10 @@ fn files_that_are_merged_keep_the_variance_of_each_pair_and_their_mean_has_less(
         lost.iter().any(|warning| warning.contains("no variances")),
         "{lost:?}"
     );
+    let made = lost
+        .iter()
+        .find(|w| w.contains("how the FRFs were estimated"));
+    assert!(made.is_some(), "{lost:?}");
 }
 
 #[test]

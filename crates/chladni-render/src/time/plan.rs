@@ -142,7 +142,8 @@ impl Plan {
     /// The chains in the order of time, with ramps of `ramp_s` of each event and its number.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`]: chains that overlap, ramps that do not fit.
+    /// [`chladni_frf::ErrorKind::BadData`]: chains that overlap or end too late, ramps that do
+    /// not fit.
     pub(crate) fn chains(&self, ramp_s: impl Fn(usize, &Event) -> f64) -> Result<Vec<Chain>> {
         let mut chains = self
             .events
@@ -151,6 +152,14 @@ impl Plan {
             .map(|(number, event)| event.with_ramps(ramp_s(number, event)))
             .collect::<Result<Vec<_>>>()?;
         chains.sort_by(|a, b| a.start_s().total_cmp(&b.start_s()));
+        if let Some(late) = chains.iter().find(|c| c.end_s() > tolerances::LATEST_END_S) {
+            return Err(Error::bad_data("an event ends too late")
+                .at_line(late.line)
+                .field(late.name.clone())
+                .found(format!("{:.4} s", late.end_s()))
+                .expected(format!("at most {} s", tolerances::LATEST_END_S))
+                .help("times are in seconds; play a part of it again and again for more"));
+        }
         for pair in chains.windows(2) {
             let (first, second) = (&pair[0], &pair[1]);
             if second.start_s() < first.end_s() - tolerances::SAME_TIME_S {

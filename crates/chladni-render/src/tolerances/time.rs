@@ -90,6 +90,10 @@ pub const SPOT_STEP_S: f64 = 1e-3;
 /// ask for.
 pub const MOST_EVENTS: usize = 10_000;
 
+/// Latest end of an event, s. A field is judged some thousand times a second: an hour takes 0.1 GB,
+/// and minutes; what lasts longer is a slip of the decimal point.
+pub const LATEST_END_S: f64 = 3600.0;
+
 /// Times nearer than this are the same, s: rounding of decimal seconds.
 pub const SAME_TIME_S: f64 = 1e-9;
 

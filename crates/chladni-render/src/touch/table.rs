@@ -1,9 +1,9 @@
 //! The table `[touch]` of a scene.
 
 use crate::finger::Finger;
-use crate::plane::Position;
+use crate::plane::{Position, Rectangle};
 use crate::tolerances;
-use chladni_frf::Result;
+use chladni_frf::{Error, Result};
 use chladni_text::toml_reader::{Keys, Table, Value};
 
 /// Fingers on the panel while the scene plays.
@@ -177,6 +177,33 @@ fn read_impedances(value: &Value, keys: Keys) -> Result<Vec<Touching>> {
 }
 
 impl Touch {
+    /// Refuses places far beyond the responses: what a finger does there is not known. The rim of a
+    /// panel, half the spacing of the responses beyond them, is not far.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`].
+    pub(crate) fn check_places(&self, responses_m: &[Position]) -> Result<()> {
+        let (TouchPlaces::Points(places), Some(scanned)) =
+            (&self.places, Rectangle::around(responses_m))
+        else {
+            return Ok(());
+        };
+        let [width_m, height_m] = [scanned.x_max - scanned.x_min, scanned.y_max - scanned.y_min];
+        let spacing_m = width_m.max(height_m) / (responses_m.len() as f64).sqrt();
+        let known = scanned.grown(spacing_m);
+        let outside = places.iter().find(|place| !known.contains(**place));
+        outside.map_or(Ok(()), |[x, y]| {
+            Err(Error::bad_data("a finger lies beyond the responses")
+                .field("touch.points_m")
+                .found(format!("[{x}, {y}]"))
+                .expected(format!(
+                    "points inside x {:.4} to {:.4} m, y {:.4} to {:.4} m",
+                    known.x_min, known.x_max, known.y_min, known.y_max
+                ))
+                .help("give places on the scanned ground, in metres"))
+        })
+    }
+
     /// The same with its fingertips by their impedance at `frequency_hz`, the softest first.
     pub(crate) fn softest_first(&self, frequency_hz: f64) -> Self {
         let mut touch = self.clone();

@@ -36,6 +36,24 @@ fn over_threshold(weights: &Weights, scene: &Scene) -> Vec<Vec<f64>> {
 }
 
 #[test]
+fn what_is_said_of_another_tone_is_not_said_of_the_first() {
+    let options = RenderOptions {
+        method: Method::PressureMatching.into(),
+        ..RenderOptions::default()
+    };
+    // a mode lies at 299.4 Hz
+    for (frequencies, of_the_first) in [("[335.0, 300.0]", false), ("[300.0, 335.0]", true)] {
+        let weights = render(truth(), &quarter(frequencies), &options)
+            .unwrap()
+            .weights;
+        let said = |finding: &&chladni_frf::Finding| finding.code == "mode-on-drive";
+        assert_eq!(weights.findings.iter().filter(said).count(), 1);
+        let own = weights.own_finding("mode-on-drive").is_some();
+        assert_eq!(own, of_the_first, "{frequencies}");
+    }
+}
+
+#[test]
 fn a_list_holds_tones_and_bands() {
     assert_eq!(frequencies(&quarter("[300.0]")), [300.0]);
     assert_eq!(

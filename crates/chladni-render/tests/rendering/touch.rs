@@ -170,6 +170,13 @@ fn the_table_is_read_and_checked() {
 }
 
 #[test]
+fn fingers_beyond_the_responses_are_refused() {
+    let far = corner(330.0, "[touch]\npoints_m = [[5.0, 5.0]]\n");
+    let error = render(truth(), &far, &RenderOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("touch.points_m"), "{error}");
+}
+
+#[test]
 fn fingertips_have_all_their_numbers_as_name_and_the_softest_is_the_one_that_gives_way() {
     let told = |impedance: &str| {
         let touch = format!("[touch]\nimpedance = {impedance}\n");

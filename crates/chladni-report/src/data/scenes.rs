@@ -10,7 +10,7 @@ use crate::figures::sweep::sweep;
 use crate::figures::weights_around_edge::weights_by_actuator;
 use crate::input::{RenderedScene, ReportInput, ShownField};
 use crate::text::{counted, fixed, plain};
-use chladni_frf::{Finding, ModalModel, ReferenceUnit};
+use chladni_frf::{ModalModel, ReferenceUnit};
 use chladni_render::{Ground, Weights};
 use num_complex::Complex64;
 use serde_json::{json, Value};
@@ -140,19 +140,12 @@ fn modal(model: &ModalModel, drive: &[Complex64], geometry: Option<&Geometry>) -
     })
 }
 
-/// Findings of one code.
-fn of_code<'a>(weights: &'a Weights, code: &'a str) -> impl Iterator<Item = &'a Finding> {
-    let findings = weights.findings.iter();
-    findings.filter(move |finding| finding.code == code)
-}
-
 /// Tells whether the scene is met, and what speaks against it.
 fn verdict(weights: &Weights) -> String {
-    let finding = |code| of_code(weights, code).next();
-    if finding("scene-impossible").is_some() {
+    if weights.own_finding("scene-impossible").is_some() {
         return "impossible: no drive can meet it".into();
     }
-    if !weights.feasible {
+    if !weights.is_met() {
         return "not met in the model: some judged response misses its limit".into();
     }
     let but = weights
@@ -170,10 +163,8 @@ fn facts(weights: &Weights) -> Vec<[String; 2]> {
         ("Method", weights.method.clone()),
         ("Scene", verdict(weights)),
     ];
-    let on_drive = of_code(weights, "mode-on-drive").map(|finding| finding.text.as_str());
-    let on_drive: Vec<&str> = on_drive.collect();
-    if !on_drive.is_empty() {
-        rows.push(("Mode on the drive", on_drive.join("; ")));
+    if let Some(on_drive) = weights.own_finding("mode-on-drive") {
+        rows.push(("Mode on the drive", on_drive.text.clone()));
     }
     if let Some(endurance) = weights.endurance {
         let share = fixed(100.0 * endurance.survival_ratio, 0);
