@@ -2,10 +2,10 @@
 
 use super::whole_record::{smooth_length, spectrum};
 use crate::limits::{
-    ACTING, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LAST_PART, LEAST_POWER, LEAST_SAMPLES,
-    LINES, LONG_LAG, LOOKED_AT, OFFSET_MOST, PIECES, SMOOTH_NEIGHBOUR,
+    ACTING, BLOCKS_APART, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LAST_PART, LEAST_POWER,
+    LEAST_SAMPLES, LINES, LONG_LAG, LOOKED_AT, OFFSET_MOST, PIECES, SMOOTH_NEIGHBOUR,
 };
-use chladni_frf::{Forcing, Run};
+use chladni_frf::{Dof, Forcing, Run};
 use chladni_linalg::fft;
 use num_complex::Complex64;
 
@@ -46,14 +46,32 @@ pub(super) fn against_local_fits(runs: &[Run]) -> Option<Forcing> {
 pub(super) fn forcing(runs: &[Run], block: usize) -> Option<Forcing> {
     let references = runs.iter().map(|run| run.references().count()).min()?;
     let of = |reference: usize| course(&blocks(runs, reference, block), block);
-    let first = (references > 0).then(|| of(0))?;
+    let first = (references > 0).then(|| of(0))??;
     let likewise = |reference: usize| match (first, of(reference)) {
-        (Forcing::Burst { part }, Forcing::Burst { part: other }) => {
+        (Forcing::Burst { part }, Some(Forcing::Burst { part: other })) => {
             (part - other).abs() <= 2.0 / BLOCK_PIECES as f64
         }
-        (_, other) => first == other,
+        (_, other) => Some(first) == other,
     };
     (1..references).all(likewise).then_some(first)
+}
+
+/// The first reference whose signal repeats, but not from block to block: its lines leak.
+pub(super) fn misses_period(runs: &[Run], block: usize) -> Option<Dof> {
+    let references = runs.iter().map(|run| run.references().count()).min()?;
+    let misses = |reference: &usize| {
+        let samples = blocks(runs, *reference, block);
+        let whole = &samples[..smooth_length(samples.len())];
+        if whole.len() < LEAST_SAMPLES || course(&samples, block).is_some() {
+            return false;
+        }
+        let mut lines = spectrum(whole);
+        lines[0] = Complex64::default();
+        repeats(lines)
+    };
+    let reference = (0..references).find(misses)?;
+    let run = runs.first()?;
+    run.references().nth(reference).map(|channel| channel.dof)
 }
 
 /// Whole blocks of one reference of all runs, one after the other.
@@ -66,13 +84,15 @@ fn blocks(runs: &[Run], reference: usize, block: usize) -> Vec<f64> {
     blocks.take(most).flatten().copied().collect()
 }
 
-fn course(samples: &[f64], block: usize) -> Forcing {
+/// `None` of a force that acts all the time, is not random, and is another in every block: what of
+/// it leaks is not known.
+fn course(samples: &[f64], block: usize) -> Option<Forcing> {
     // silence at the end of every block comes first: over many blocks it hardly shows
     let part = acting_part(samples, block);
     if part == 1.0 {
         return match is_continuous_random(samples) {
-            true => Forcing::Continuous,
-            false => Forcing::Periodic,
+            true => Some(Forcing::Continuous),
+            false => blocks_repeat(samples, block).then_some(Forcing::Periodic),
         };
     }
     let acting = (part * block as f64) as usize;
@@ -80,9 +100,21 @@ fn course(samples: &[f64], block: usize) -> Forcing {
         .chunks_exact(block)
         .flat_map(|block| &block[..acting]);
     match is_continuous_random(&bursts.copied().collect::<Vec<f64>>()) {
-        true => Forcing::Burst { part },
-        false => Forcing::Transient,
+        true => Some(Forcing::Burst { part }),
+        false => Some(Forcing::Transient),
     }
+}
+
+/// True where each block is the one before it, but for noise; of one block, too, which says nothing
+/// against it.
+fn blocks_repeat(samples: &[f64], block: usize) -> bool {
+    let before = samples.chunks_exact(block);
+    let (mut apart, mut power) = (0.0, 0.0);
+    for (a, b) in before.clone().zip(before.skip(1)) {
+        apart += a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        power += a.iter().map(|a| a * a).sum::<f64>();
+    }
+    apart <= BLOCKS_APART * power
 }
 
 /// Part of a block after which the force is silent, the mean over all blocks.
@@ -302,8 +334,15 @@ mod tests {
         );
         let constant = vec![0.7; 10 * block];
         assert_eq!(forcing(&[run(constant)], block), Some(Forcing::Periodic));
-        let periodic = noise(block, 5).repeat(10);
-        assert_eq!(forcing(&[run(periodic)], block), Some(Forcing::Periodic));
+        let periodic = run(noise(block, 5).repeat(10));
+        let runs = [periodic];
+        assert_eq!(forcing(&runs, block), Some(Forcing::Periodic));
+        assert_eq!(misses_period(&runs, block), None);
+        assert_eq!(misses_period(&runs, 2 * block), None);
+        // blocks of another length than the period
+        assert_eq!(forcing(&runs, block + 100), None);
+        assert!(misses_period(&runs, block + 100).is_some());
+        assert_eq!(misses_period(&[run(all.clone())], block), None);
         // a run of each kind is none of them
         assert_ne!(
             forcing(&[run(all), run(blows)], block),

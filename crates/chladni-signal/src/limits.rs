@@ -40,6 +40,9 @@ pub(crate) const LARGEST_NEIGHBOUR: f64 = 0.5;
 pub(crate) const SMOOTH_NEIGHBOUR: f64 = 0.87;
 /// Largest autocorrelation at long lags: near 1 for periodic signals.
 pub(crate) const LARGEST_REPEAT: f64 = 0.5;
+/// Power of the difference of neighbouring blocks, over that of a block, up to which a force repeats
+/// from block to block: 2 for noise, 0.02 for a period with noise 20 dB below it.
+pub(crate) const BLOCKS_APART: f64 = 0.2;
 /// Long lags begin at this part of the record.
 pub(crate) const LONG_LAG: usize = 64;
 /// Pieces of a block whose powers tell where a burst ends.

@@ -1,6 +1,6 @@
 //! Decisions on what the options leave open.
 
-use super::excitation::{against_local_fits, forcing, is_continuous_random};
+use super::excitation::{against_local_fits, forcing, is_continuous_random, misses_period};
 use super::lpm::wanted_lines;
 use super::whole_record::{smooth_length, Grid};
 use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
@@ -116,6 +116,21 @@ impl Setting {
             Self::Blocks(setting) => forcing(runs, setting.block),
             Self::Local(_) => against_local_fits(runs),
         }
+    }
+
+    /// The finding of blocks that do not hold whole periods of a force that repeats.
+    pub(super) fn block_not_a_period(&self, runs: &[Run]) -> Option<Finding> {
+        let Self::Blocks(setting) = self else {
+            return None;
+        };
+        let dof = misses_period(runs, setting.block)?;
+        let words = format!(
+            "the force at {dof} repeats, but not after a block of {} samples: its lines leak into \
+             each other, and damping comes out wrong",
+            setting.block
+        );
+        let finding = Finding::caution("block-not-a-period", words).dofs([dof]);
+        Some(finding.help("set `block` to the period of the force in samples, or a multiple of it"))
     }
 
     pub(super) fn warnings(&self) -> &[Finding] {

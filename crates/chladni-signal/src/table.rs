@@ -142,8 +142,8 @@ impl Table {
         Ok(Some(finding.dofs(dead).help(help)))
     }
 
-    /// Takes the values of responses that are constant in every run: what removing the mean has
-    /// left of them is rounding. Returns the finding that names them.
+    /// Leaves out responses that are constant in every run: what removing the mean has left of them
+    /// is rounding. Returns the finding that names them.
     ///
     /// # Errors
     /// No response moves.
@@ -154,13 +154,12 @@ impl Table {
             .flat_map(|run| run.responses().filter(moves))
             .map(|channel| channel.dof)
             .collect();
-        let still = |row: &usize| !moving.contains(&self.responses[*row]);
-        let rows: Vec<usize> = (0..self.responses.len()).filter(still).collect();
-        let dofs: Vec<Dof> = rows.iter().map(|&row| self.responses[row]).collect();
+        let (kept, dofs): (Vec<Dof>, Vec<Dof>) =
+            self.responses.iter().partition(|dof| moving.contains(dof));
         let Some(first) = dofs.first() else {
             return Ok(None);
         };
-        let help = "look at the cable and the sensor of that channel, or leave it out";
+        let help = "look at the cable and the sensor of that channel";
         if moving.is_empty() {
             return Err(Error::bad_data("no response moves")
                 .field("responses")
@@ -168,14 +167,11 @@ impl Table {
                 .expected("at least one response with a signal")
                 .help(help));
         }
-        for row in rows {
-            let at = s![row, .., ..];
-            self.values
-                .slice_mut(at)
-                .fill(Complex64::new(f64::NAN, f64::NAN));
-            self.variance.slice_mut(at).fill(f64::NAN);
-            self.coherence.slice_mut(at).fill(f32::NAN);
-        }
+        let rows: Vec<usize> = kept.iter().map(|&dof| self.row(dof)).collect();
+        self.values = self.values.select(Axis(0), &rows);
+        self.variance = self.variance.select(Axis(0), &rows);
+        self.coherence = self.coherence.select(Axis(0), &rows);
+        self.responses = kept;
         let words = match dofs.len() {
             1 => format!("the response {first} is constant: it has no FRF"),
             count => {
@@ -196,6 +192,7 @@ impl Table {
         self.warnings.extend(self.masked_lines(runs)?);
         let still = self.without_still(runs)?;
         self.warnings.extend(still);
+        self.warnings.extend(setting.block_not_a_period(runs));
         self.warnings.extend(clipped(runs));
         let (kind, reference_unit) = units::kind_of(runs)?;
         let estimation = Estimation {
