@@ -480,22 +480,18 @@ fn a_panel_in_volts_takes_weights_in_volts() {
         "scene.toml",
         "frequency_hz = 330.0\n[zones]\ngrid = [2, 2]\nhot = [1]\n[actuators]\nmax_voltage_v = 2.0\n",
     );
-    folder
-        .run("render volts.json scene.toml -o w.json -q")
-        .exits(0);
+    let render = "render volts.json scene.toml -o w.json -q";
+    folder.run(render).exits(0);
     let run = folder
         .run("convert newtons.json w.json -o field.unv")
         .exits(65);
     assert!(run.stderr.contains("different units"), "{}", run.stderr);
-    folder
-        .run("simulate volts.toml --play w.json -o field.csv --snr-db 60 -q")
-        .exits(0);
+    let play = "simulate volts.toml --play w.json -o field.csv --snr-db 60 -q";
+    folder.run(play).exits(0);
     let judge = "evaluate w.json --scene scene.toml --on volts.json --field field.csv --json";
     let judged = folder.run(judge).exits(0).json();
-    assert_eq!(
-        judged["agreement"]["hypotheses"][0]["kind"], "nothing",
-        "{judged}"
-    );
+    let likeliest = &judged["agreement"]["hypotheses"][0]["kind"];
+    assert_eq!(likeliest, "nothing", "{judged}");
     let run = folder
         .run("simulate newtons.toml --play w.json -o no.csv")
         .exits(65);
