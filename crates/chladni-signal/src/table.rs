@@ -173,10 +173,8 @@ impl Table {
         self.coherence = self.coherence.select(Axis(0), &rows);
         self.responses = kept;
         let words = match dofs.len() {
-            1 => format!("the response {first} is constant: it has no FRF"),
-            count => {
-                format!("{count} responses are constant and have no FRF, the first is {first}")
-            }
+            1 => format!("the response {first} is constant, and left out"),
+            count => format!("{count} responses are constant, and left out; the first is {first}"),
         };
         let finding = Finding::caution("still-responses", words);
         Ok(Some(finding.dofs(dofs).help(help)))

@@ -189,7 +189,7 @@ impl Usable {
         }
         let incomplete: Vec<Incomplete> = flawed
             .iter()
-            .filter(|frf| !whole && !frf.gaps.is_empty())
+            .filter(|own| !whole && !own.gaps.is_empty())
             .map(|own| {
                 let (response, reference) = (frf.responses[own.pair.0], frf.references[own.pair.1]);
                 Incomplete {
