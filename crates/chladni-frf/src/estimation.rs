@@ -179,6 +179,13 @@ pub struct Estimation {
 }
 
 impl Estimation {
+    /// Decay that an exponential window added to every pole, 1/s; `None` where there was none, or
+    /// the force is not known. Under noise that goes on more than that is added (theory.md, eq. F4).
+    pub fn added_decay_per_s(&self) -> Option<f64> {
+        let moved = self.forcing? != Forcing::Continuous;
+        self.window.rate_per_s().filter(|_| moved)
+    }
+
     /// True for blows, or sweeps, under a Hann window: it weighs early and late parts of a
     /// response unlike, broadens every line and sets others at 1/`gate_s` beside it.
     pub fn hann_on_blows(&self) -> bool {

@@ -153,20 +153,23 @@ fn lost_variance(format: &str) -> Finding {
     )
 }
 
-/// What a fit has to be told by hand then; `None` where there is nothing to tell.
+/// The finding of an estimation that a format does not hold, with the setting that tells a fit of it
+/// by hand; `None` where there is nothing to tell.
 fn lost_estimation(format: &str, made: &Estimation) -> Option<Finding> {
-    let continuous = made.forcing == Some(Forcing::Continuous);
-    let (lost, advice) = match made.window {
+    let leaks = made
+        .forcing
+        .is_none_or(|forcing| forcing == Forcing::Continuous);
+    let (lost, advice) = match (made.window, made.added_decay_per_s()) {
         _ if made.estimator.is_local() => (
             "that no window broadens their lines".into(),
             "`window none`".into(),
         ),
-        BlockWindow::Exponential { rate_per_s } if !continuous => (
-            format!("the exponential window, which raises every decay by {rate_per_s} 1/s"),
-            format!("`exponential_window {rate_per_s}`"),
+        (_, Some(rate)) => (
+            format!("the exponential window, which raises every decay by {rate} 1/s"),
+            format!("`exponential_window {rate}`"),
         ),
-        BlockWindow::Rectangular if !continuous => return None,
-        window => (format!("the {} window", window.name()), "its window".into()),
+        (BlockWindow::Rectangular, None) if !leaks => return None,
+        (window, None) => (format!("the {} window", window.name()), "its window".into()),
     };
     let words = format!(
         "{format} does not hold how the FRFs were estimated: {lost} (HDF5 and universal files do)"

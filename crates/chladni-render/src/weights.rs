@@ -365,7 +365,7 @@ impl Weights {
     }
 }
 
-/// What findings of another tone begin with.
+/// Beginning of the findings of another tone.
 fn prefix(frequency_hz: f64) -> String {
     format!("at {frequency_hz} Hz: ")
 }

@@ -22,7 +22,7 @@ pub(crate) fn told(frf: &FrfSet, options: &FitOptions) -> FitOptions {
         window: options.window.or(made.and_then(window_of)),
         exponential_window_per_s: options
             .exponential_window_per_s
-            .or(made.and_then(exponential_of)),
+            .or(made.and_then(Estimation::added_decay_per_s)),
         ..options.clone()
     }
 }
@@ -56,13 +56,6 @@ fn leaks_into_mean(window: Window) -> bool {
         window,
         Window::None | Window::Transient | Window::Burst { .. }
     )
-}
-
-/// Decay that the set itself says was added to every pole, 1/s. Under noise that goes on more than
-/// that is added (eq. F4), and nothing is taken off.
-fn exponential_of(made: &Estimation) -> Option<f64> {
-    let moved = made.forcing? != Forcing::Continuous;
-    made.window.rate_per_s().filter(|_| moved)
 }
 
 /// Part of each record that holds samples, s: as the set says, else the inverse of the
@@ -117,7 +110,7 @@ mod tests {
     #[test]
     fn an_exponential_window_moves_poles_whatever_the_force_but_continuous_noise() {
         let window = BlockWindow::Exponential { rate_per_s: 1.5 };
-        let of = |forcing| exponential_of(&made(window, forcing));
+        let of = |forcing| made(window, forcing).added_decay_per_s();
         for forcing in [
             Forcing::Transient,
             Forcing::Periodic,
@@ -129,7 +122,7 @@ mod tests {
         // nobody says
         assert_eq!(of(None), None);
         let plain = made(BlockWindow::Rectangular, Some(Forcing::Transient));
-        assert_eq!(exponential_of(&plain), None);
+        assert_eq!(plain.added_decay_per_s(), None);
     }
 
     #[test]

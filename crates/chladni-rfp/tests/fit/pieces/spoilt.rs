@@ -13,9 +13,7 @@ fn unequal() -> FrfSet {
     let mut set = easy(f64::INFINITY, 3);
     (set.responses, set.references) = (64, 3);
     let mut frf = set.build().unwrap().frf;
-    let FrfValues::F64(values) = &mut frf.values else {
-        panic!("synthetic sets are in double precision")
-    };
+    let values = values(&mut frf);
     let variance =
         10f64.powf(-4.5) * values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
     let mut noise = Array3::zeros(values.dim());
@@ -24,6 +22,13 @@ fn unequal() -> FrfSet {
         *value += noise * level(i, j);
     }
     frf
+}
+
+fn values(frf: &mut FrfSet) -> &mut Array3<Complex64> {
+    match &mut frf.values {
+        FrfValues::F64(values) => values,
+        FrfValues::F32(_) => panic!("synthetic sets are in double precision"),
+    }
 }
 
 fn level(i: usize, j: usize) -> f64 {
@@ -99,9 +104,7 @@ fn outlier_lines_of_measured_data_are_left_out_as_in_memory() {
 #[test]
 fn missing_lines_and_frfs_are_left_out_as_in_memory() {
     let mut set = set();
-    let FrfValues::F64(values) = &mut set.frf.values else {
-        panic!("double precision")
-    };
+    let values = values(&mut set.frf);
     let nothing = Complex64::new(f64::NAN, f64::NAN);
     values.slice_mut(s![40, 1, ..]).fill(nothing);
     values
@@ -125,9 +128,7 @@ fn missing_lines_and_frfs_are_left_out_as_in_memory() {
 #[test]
 fn an_frf_with_a_long_gap_costs_its_lines_in_pieces() {
     let mut set = set();
-    let FrfValues::F64(values) = &mut set.frf.values else {
-        panic!("double precision")
-    };
+    let values = values(&mut set.frf);
     let nothing = Complex64::new(f64::NAN, f64::NAN);
     let lines = values.len_of(ndarray::Axis(2));
     values.slice_mut(s![3, 1, ..lines / 2]).fill(nothing);
@@ -220,9 +221,7 @@ fn outlier_lines_gain_noise_and_the_wrong_time_sign_take_their_paths() {
 #[test]
 fn noise_alone_gives_no_mode() {
     let mut set = set();
-    let FrfValues::F64(values) = &mut set.frf.values else {
-        panic!("double precision")
-    };
+    let values = values(&mut set.frf);
     *values = Array3::zeros(values.dim());
     add_noise_of_variance(values, 1e-6, 9);
     let (model, _) = in_pieces(&blocks(&set.frf, 3));
