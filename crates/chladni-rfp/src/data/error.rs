@@ -5,21 +5,16 @@ use crate::data::limits;
 use crate::data::options::{FitOptions, Method};
 use chladni_frf::{Error as FileError, ErrorKind};
 use chladni_linalg::LinalgError;
-use thiserror::Error;
+use std::fmt;
 
 /// A fit that cannot be done. A fit that was done but cannot be trusted is no error: see
 /// the result's quality.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum FitError {
     /// The FRF kind is not known.
-    #[error("the FRF kind is unknown; say receptance, mobility or accelerance")]
     UnknownKind,
     /// The band does not overlap the data.
-    #[error(
-        "no line between {low_hz} and {high_hz} Hz: the data reach from {data_low_hz} to \
-             {data_high_hz} Hz"
-    )]
     BandOutsideData {
         /// Band asked for, Hz.
         low_hz: f64,
@@ -31,10 +26,6 @@ pub enum FitError {
         data_high_hz: f64,
     },
     /// Too few lines for any model.
-    #[error(
-        "{lines} usable spectral lines between {low_hz} and {high_hz} Hz cannot support \
-             {modes} mode(s): at least {needed} are needed; widen the band"
-    )]
     TooFewLines {
         /// Lines left after screening.
         lines: usize,
@@ -47,8 +38,7 @@ pub enum FitError {
         /// Lines needed.
         needed: usize,
     },
-    /// Residual terms in powers of ω are one over so narrow a band.
-    #[error("the band from {low_hz} to {high_hz} Hz is too narrow beside its frequency")]
+    /// A band over which powers of ω are too alike to tell residual terms apart.
     NarrowBand {
         /// Band, Hz.
         low_hz: f64,
@@ -56,28 +46,18 @@ pub enum FitError {
         high_hz: f64,
     },
     /// Numbers that no panel has.
-    #[error("the FRFs have a root mean square of {rms:e}")]
     Scale {
         /// In the measured kind, SI units.
         rms: f64,
     },
-    /// The length of the records follows from the distance of lines.
-    #[error(
-        "what a window does to the lines depends on the length of the records, which is the \
-             inverse of the line spacing: evenly spaced lines are needed; found {found}"
-    )]
+    /// A window whose record length the line spacing does not tell.
     WindowAxis {
         /// The obstacle.
         found: String,
     },
     /// Nothing but zeros or NaN.
-    #[error("no FRF in the set holds a finite, non-zero value in the band")]
     NoData,
     /// A method in the z plane on lines that do not lie on one even grid.
-    #[error(
-        "the lines between {low_hz} and {high_hz} Hz lie on no even grid, which the method \
-             {method} needs; take vf or aaa, or interpolate before the fit"
-    )]
     UnevenAxis {
         /// The method asked for.
         method: Method,
@@ -87,10 +67,6 @@ pub enum FitError {
         high_hz: f64,
     },
     /// A poly-reference method where no FRF matrix is whole.
-    #[error(
-        "the method {method} needs every response from every reference: {present} of {total} \
-             FRFs were measured; take lscf or vf"
-    )]
     IncompleteMatrix {
         /// The method asked for.
         method: Method,
@@ -100,11 +76,9 @@ pub enum FitError {
         total: usize,
     },
     /// The caller asked it to stop.
-    #[error("the fit was stopped before its end, as asked")]
     Cancelled,
     /// A kernel failed: our bug, not the user's.
-    #[error("internal: {0}")]
-    Kernel(#[from] LinalgError),
+    Kernel(LinalgError),
 }
 
 impl FitError {
@@ -113,121 +87,142 @@ impl FitError {
     /// option, which may stand there in dashes or as a keyword.
     pub fn told(&self, options: &FitOptions, option: impl Fn(&str) -> String) -> FileError {
         let [band, modes, method, window] = ["band", "modes", "method", "window"].map(&option);
-        match self {
-            Self::UnknownKind => {
+        let reach = match options.band_hz {
+            Some(_) => band.as_str(),
+            None => "frequency axis",
+        };
+        let (error, help) = match self {
+            Self::Cancelled => {
+                let what = "the fit was stopped before its end, as asked";
+                return FileError::new(ErrorKind::Interrupted, what);
+            }
+            Self::Kernel(error) => {
+                return FileError::new(ErrorKind::Internal, format!("internal error: {error}"));
+            }
+            Self::UnknownKind => (
                 FileError::new(ErrorKind::UnknownFrfKind, "the FRF kind is not known")
                     .field("FRF kind")
-                    .expected("receptance, mobility or accelerance")
-                    .help(format!(
-                        "say it with {} \
-                               receptance|mobility|accelerance",
-                        option("frf-kind")
-                    ))
-            }
+                    .expected("receptance, mobility or accelerance"),
+                format!(
+                    "say it with {} receptance|mobility|accelerance",
+                    option("frf-kind")
+                ),
+            ),
             Self::BandOutsideData {
                 low_hz,
                 high_hz,
                 data_low_hz,
                 data_high_hz,
-            } => FileError::bad_data("no line of the data lies in the band")
-                .field(&band)
-                .found(format!("{low_hz}:{high_hz} Hz"))
-                .expected(format!(
-                    "a band that overlaps the data, {data_low_hz} to \
-                                       {data_high_hz} Hz"
-                ))
-                .help(format!("give a {band} within the data, or leave it out")),
+            } => (
+                FileError::bad_data("no line of the data lies in the band")
+                    .field(&band)
+                    .found(format!("{low_hz}:{high_hz} Hz"))
+                    .expected(format!(
+                        "a band that overlaps the data, {data_low_hz} to {data_high_hz} Hz"
+                    )),
+                format!("give a {band} within the data, or leave it out"),
+            ),
             Self::TooFewLines {
                 lines,
                 low_hz,
                 high_hz,
                 modes: asked,
                 needed,
-            } => FileError::bad_data("too few usable spectral lines in the band")
-                .field(if options.band_hz.is_some() {
-                    &band
-                } else {
-                    "frequency axis"
-                })
-                .found(format!("{lines} lines between {low_hz} and {high_hz} Hz"))
-                .expected(format!("at least {needed} lines for {asked} modes"))
-                .help(format!("widen {band}, or ask for fewer {modes}")),
-            Self::NarrowBand { low_hz, high_hz } => {
+            } => (
+                FileError::bad_data("too few usable spectral lines in the band")
+                    .field(reach)
+                    .found(format!("{lines} lines between {low_hz} and {high_hz} Hz"))
+                    .expected(format!("at least {needed} lines for {asked} modes")),
+                format!("widen {band}, or ask for fewer {modes}"),
+            ),
+            Self::NarrowBand { low_hz, high_hz } => (
                 FileError::bad_data("the band is too narrow beside its frequency")
-                    .field(if options.band_hz.is_some() {
-                        &band
-                    } else {
-                        "frequency axis"
-                    })
+                    .field(reach)
                     .found(format!("{low_hz} to {high_hz} Hz"))
                     .expected(format!(
                         "a width of {:.3} Hz or more: residual terms in powers of the frequency \
                          are one below it",
                         limits::NARROWEST_BAND * high_hz
-                    ))
-                    .help(format!("measure or choose a wider {band}"))
-            }
+                    )),
+                format!("measure or choose a wider {band}"),
+            ),
             Self::Scale { rms } => {
                 let [least, most] = limits::SENSIBLE_RMS;
-                FileError::bad_data("numbers that no panel can have")
+                let error = FileError::bad_data("numbers that no panel can have")
                     .field("FRF values")
                     .found(format!("a root mean square of {rms:.1e}"))
-                    .expected(format!("{least:e} to {most:e} in SI units"))
-                    .help("look at the unit of the file, or scale its numbers")
+                    .expected(format!("{least:e} to {most:e} in SI units"));
+                let help = "look at the unit of the file, or scale its numbers";
+                (error, help.into())
             }
-            Self::WindowAxis { found } => FileError::bad_data(
-                "the bias of a window is undone in the time domain, which \
-                                     needs whole records",
-            )
-            .field(&window)
-            .found(found)
-            .expected("FRFs without gaps on evenly spaced lines from 0 Hz on")
-            .help(format!(
-                "export all lines, or leave {window} out: the possible bias is \
-                                   named then"
-            )),
-            Self::NoData => {
+            Self::WindowAxis { found } => (
+                FileError::bad_data(
+                    "a window changes lines by the record length, which is read from the line \
+                     spacing",
+                )
+                .field(&window)
+                .found(found)
+                .expected("evenly spaced lines"),
+                format!("export evenly spaced lines, or leave {window} out"),
+            ),
+            Self::NoData => (
                 FileError::bad_data("no FRF holds a finite, non-zero value in the band")
                     .field("FRF values")
                     .found("zeros or NaN only")
-                    .expected("measured values")
-                    .help("look at the file with `chladni info`")
-            }
+                    .expected("measured values"),
+                "look at the file with `chladni info`".into(),
+            ),
             Self::UnevenAxis {
                 method: asked,
                 low_hz,
                 high_hz,
-            } => FileError::bad_data("the lines lie on no even frequency grid")
-                .field("frequency axis")
-                .found(format!("uneven steps between {low_hz} and {high_hz} Hz"))
-                .expected(format!(
-                    "one step for all lines (some may be missing): the method \
-                                   {asked} works in the z plane"
-                ))
-                .help(format!(
-                    "take {method} auto, vf or aaa, which need no even grid"
-                )),
+            } => (
+                FileError::bad_data("the lines lie on no even frequency grid")
+                    .field("frequency axis")
+                    .found(format!("uneven steps between {low_hz} and {high_hz} Hz"))
+                    .expected(format!(
+                        "one step for all lines (some may be missing): the method {asked} works \
+                         in the z plane"
+                    )),
+                format!("take {method} auto, vf or aaa, which need no even grid"),
+            ),
             Self::IncompleteMatrix {
                 method: asked,
                 present,
                 total,
-            } => FileError::bad_data("the FRF matrix is not whole")
-                .field("FRF matrix")
-                .found(format!("{present} of {total} FRFs"))
-                .expected(format!(
-                    "every response from every reference: the method {asked} fits \
-                                   them together"
-                ))
-                .help(format!(
-                    "take {method} auto, lscf or vf, which need no whole matrix"
-                )),
-            Self::Cancelled => FileError::new(
-                ErrorKind::Interrupted,
-                "the fit was stopped before its end, as asked",
+            } => (
+                FileError::bad_data("the FRF matrix is not whole")
+                    .field("FRF matrix")
+                    .found(format!("{present} of {total} FRFs"))
+                    .expected(format!(
+                        "every response from every reference: the method {asked} fits them \
+                         together"
+                    )),
+                format!("take {method} auto, lscf or vf, which need no whole matrix"),
             ),
-            Self::Kernel(error) => {
-                FileError::new(ErrorKind::Internal, format!("internal error: {error}"))
-            }
+        };
+        error.help(help)
+    }
+}
+
+/// The same text, with options by their plain names.
+impl fmt::Display for FitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.told(&FitOptions::default(), str::to_owned).fmt(f)
+    }
+}
+
+impl std::error::Error for FitError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Kernel(error) => Some(error),
+            _ => None,
         }
+    }
+}
+
+impl From<LinalgError> for FitError {
+    fn from(error: LinalgError) -> Self {
+        Self::Kernel(error)
     }
 }
