@@ -10,7 +10,7 @@ use crate::checks::window_bias;
 use crate::data::error::FitError;
 use crate::data::layout::{DataLayout, Weighting};
 use crate::data::options::{FitOptions, Method};
-use crate::data::outliers;
+use crate::data::outliers::{self, OutlierLines};
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::screening::Screened;
 use crate::data::source::Source;
@@ -18,9 +18,10 @@ use crate::data::watch::{CancelToken, Watch};
 use crate::data::window::kinds::Window;
 use crate::data::window::told::told;
 use crate::methods::aaa::aaa;
-use crate::methods::auto::{auto, Attempt, Fit};
+use crate::methods::auto::auto;
 use crate::methods::bars::fit_by_method;
 use crate::methods::circle::circle;
+use crate::methods::fit::{Fit, Fitted, MethodRun};
 use crate::methods::found::Finder;
 use crate::methods::lean::lean;
 use crate::methods::lscf::lscf;
@@ -33,6 +34,7 @@ use crate::model::build::Shaped;
 use crate::model::exponential;
 use crate::model::identified::Identified;
 use crate::model::in_law::in_law;
+use crate::poles::whiteness::Residual;
 use crate::tolerances::OUTLIER_ROUNDS;
 use chladni_frf::{Estimator, Finding, Forcing, FrfSet, ModalModel};
 use chladni_linalg::blocked::in_pool;
@@ -197,17 +199,22 @@ pub(crate) fn walk<S: Source>(
         Some(weights) => data.weighted(Some(weights), Weights::OfResidual)?,
         None => data.clone(),
     };
-    let (mut fit, white, left) = loop {
-        match identify(&fitted, options, sought(&fitted), watch)? {
-            Attempt::Outliers(places) => fitted = fitted.without(&places),
-            Attempt::Fitted(fit, white, left) => break (*fit, white, left),
+    let Fitted {
+        mut fit,
+        residual,
+        left_of_frfs,
+    } = loop {
+        match identify(&fitted, options, outlier_lines(&fitted), watch)? {
+            MethodRun::LeaveOut(lines) => fitted = fitted.without(&lines),
+            MethodRun::Fitted(found) => break *found,
         }
     };
+    let white = residual == Residual::White;
     // what is left in measured units, seen with the weights
     let seen: Vec<f64> = fitted
         .pairs
         .iter()
-        .zip(&left)
+        .zip(&left_of_frfs)
         .map(|(&pair, left)| left * fitted.weight_of(pair).powi(2))
         .collect();
     let error = fit.model.quality.relative_error;
@@ -221,7 +228,7 @@ pub(crate) fn walk<S: Source>(
             let noted = data.noted(unequal.map(|_| coherence_contradicted()));
             return walk(noted.weighted(None, Weights::OfResidual)?, options, watch);
         }
-        // weights that a residual told and that leave none of noise were none
+        // drop weights taken from a residual if the residual of the weighted fit is not white
         (Some(weighting), _) if weighting.giver.is_none() && !white => {
             return walk(fitted.weighted(None, Weights::None)?, options, watch);
         }
@@ -237,7 +244,7 @@ pub(crate) fn walk<S: Source>(
         }
         (None, None) => {}
     }
-    checked(&fitted, &seen, options, white, &mut fit.model);
+    checked(&fitted, &seen, options, residual, &mut fit.model);
     Ok(fit)
 }
 
@@ -247,12 +254,12 @@ fn checked<S: Source>(
     fitted: &S,
     seen: &[f64],
     options: &FitOptions,
-    white: bool,
+    residual: Residual,
     model: &mut ModalModel,
 ) {
     model.quality.findings.extend(outliers::words(fitted));
     let noise = noise_variance(fitted, seen, model.quality.relative_error);
-    examine(fitted, fitted.values(), options, white, noise, model);
+    examine(fitted, fitted.values(), options, residual, noise, model);
     if fitted.values().is_none() {
         model.quality.findings.push(not_checked());
     }
@@ -290,31 +297,34 @@ fn not_checked() -> Finding {
     .help("fit some blocks by themselves to see")
 }
 
-/// True where outlier lines may end a run: not for ever, and not under weights that a run
-/// without them has told.
-fn sought(data: &DataLayout) -> bool {
-    let told = |weighting: &Weighting| weighting.giver.is_none();
-    data.outlier_rounds < OUTLIER_ROUNDS && !data.weighting.as_ref().is_some_and(told)
+/// Outlier lines are left out at most [`OUTLIER_ROUNDS`] times, and never after FRFs were
+/// weighted by a residual.
+fn outlier_lines(data: &DataLayout) -> OutlierLines {
+    let by_residual = |weighting: &Weighting| weighting.giver.is_none();
+    match data.outlier_rounds < OUTLIER_ROUNDS && !data.weighting.as_ref().is_some_and(by_residual)
+    {
+        true => OutlierLines::LeaveOut,
+        false => OutlierLines::Keep,
+    }
 }
 
-/// Runs the method asked for; the default one where single FRFs are not at hand. Outlier
-/// lines end a run only where they are `sought`.
+/// Runs the method asked for; the default one where single FRFs are not at hand.
 fn identify<S: Source>(
     data: &S,
     options: &FitOptions,
-    sought: bool,
+    outlier_lines: OutlierLines,
     watch: &Watch,
-) -> Result<Attempt, S::Stop> {
+) -> Result<MethodRun, S::Stop> {
     let Some(values) = data.values() else {
-        return auto(data, options, sought, watch);
+        return auto(data, options, outlier_lines, watch);
     };
-    let by = |method: Finder| -> Result<Attempt, S::Stop> {
+    let by = |method: Finder| -> Result<MethodRun, S::Stop> {
         let (model, stabilization) = fit_by_method(values, options, method, watch)?;
-        Ok(Attempt::whole(model, stabilization))
+        Ok(MethodRun::whole(model, stabilization))
     };
     match options.method {
-        Method::Auto => auto(data, options, sought, watch),
-        Method::Lean => Ok(Attempt::whole(fit_lean(values, options, watch)?, None)),
+        Method::Auto => auto(data, options, outlier_lines, watch),
+        Method::Lean => Ok(MethodRun::whole(fit_lean(values, options, watch)?, None)),
         Method::Vf => by(vf),
         Method::Lscf => by(lscf),
         Method::Plscf => by(plscf),

@@ -50,7 +50,7 @@ pub use data::options::{Effort, FitOptions, Method, RfpOptions, RfpWeight, Shape
 pub use data::watch::CancelToken;
 pub use data::window::kinds::Window;
 pub use driver::{fit, fit_watched};
-pub use methods::auto::Fit;
+pub use methods::fit::Fit;
 pub use methods::found::{OrderPole, Stability, Stabilization};
 pub use methods::lscf::stabilization;
 pub use model::moved_poles::{poles_of, MovedPoles};

@@ -2,7 +2,7 @@
 //!
 //! Elsewhere: what windows leak (`data/window/leakage.rs`), FRFs far noisier
 //! than the others (`data/noisy_frfs.rs`), lines that no neighbour supports
-//! (`data/outliers.rs`), the wrong time sign (`poles/chain.rs`), padded records
+//! (`data/outliers.rs`), the wrong time sign (`poles/sketched.rs`), padded records
 //! (`measured/impulse.rs`), missing values (`data/screening.rs`).
 
 use crate::checks::case::{Case, Checked};
@@ -12,6 +12,7 @@ use crate::checks::{
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
+use crate::poles::whiteness::Residual;
 use chladni_frf::{ModalModel, Severity, Trust};
 use rayon::prelude::*;
 
@@ -34,13 +35,12 @@ const CHECKS: [fn(&Case) -> Option<Checked>; 13] = [
 
 /// Runs all checks; what they find joins the model's findings.
 ///
-/// * `white`: whether the residual is
-/// * `noise_variance`: of one work value, where it is
+/// * `noise_variance`: of one work value, where the residual is white
 pub(crate) fn examine(
     data: &DataLayout,
     values: Option<&Screened>,
     options: &FitOptions,
-    white: bool,
+    residual: Residual,
     noise_variance: f64,
     model: &mut ModalModel,
 ) {
@@ -49,7 +49,7 @@ pub(crate) fn examine(
         values,
         model,
         options,
-        white,
+        white: residual == Residual::White,
         noise_variance,
     };
     let found: Vec<Checked> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();

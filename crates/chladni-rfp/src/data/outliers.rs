@@ -11,6 +11,15 @@ use crate::data::limits;
 use crate::data::peaks::running_median;
 use chladni_frf::Finding;
 
+/// The treatment of outlier lines in a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum OutlierLines {
+    /// A run that finds some ends, and the next one is made without them.
+    LeaveOut,
+    /// A run uses all lines that it is given.
+    Keep,
+}
+
 /// The lines whose residual energy `left` stands alone above what it is around them;
 /// `fitted` is the energy of the model.
 pub(crate) fn single_lines(left: &[f64], fitted: &[f64]) -> Vec<usize> {

@@ -5,59 +5,38 @@ use super::limits::MOSTLY_LEFT;
 use crate::damping::law::FIRST;
 use crate::damping::structural::POWERS;
 use crate::data::options::FitOptions;
-use crate::data::outliers::single_lines;
+use crate::data::outliers::{single_lines, OutlierLines};
 use crate::data::products::Projected;
 use crate::data::source::{By, Source, Way};
 use crate::data::watch::Watch;
 use crate::measured::path::measured_path;
-use crate::methods::found::Stabilization;
+use crate::methods::fit::{Fit, Fitted, MethodRun};
 use crate::model::build::Shaped;
 use crate::model::decide::decide;
 use crate::model::in_law::in_law;
-use crate::model::outlier_lines::outlier_lines;
+use crate::model::outlier_lines::outliers_of;
 use crate::poles::chain::{fast_chain, Chain, Outcome};
 use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
 use crate::poles::prune::unphysical;
 use crate::poles::refine::{refine, Projection};
 use crate::poles::sketched::Doubt;
+use crate::poles::whiteness::Residual;
 use chladni_frf::{Damping, Finding, ModalModel, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::Array1;
 use num_complex::Complex64;
 
-/// A fit with its history.
-#[derive(Debug, Clone)]
-#[must_use]
-#[non_exhaustive]
-pub struct Fit {
-    /// The model, ready to be saved.
-    pub model: ModalModel,
-    /// Orders tried: (poles, residual variance relative to the data's mean square), in
-    /// order.
-    pub history: Vec<(usize, f64)>,
-    /// Poles by order, where the method looks at several.
-    pub stabilization: Option<Stabilization>,
+/// The result of the search for poles.
+enum PoleSearch {
+    /// Poles, and the columns that they were found on.
+    Found(Box<PoleEstimate>),
+    /// Outlier lines (positions among those used) to leave out before the next search.
+    LeaveOut(Vec<usize>),
 }
 
-/// The result of a run of a method.
-pub(crate) enum Attempt {
-    /// A fit, whether its residual is white, and the sum of squares left of each FRF
-    /// where that tells its noise.
-    Fitted(Box<Fit>, bool, Vec<f64>),
-    /// Lines (positions among those used) that must go first.
-    Outliers(Vec<usize>),
-}
-
-impl Attempt {
-    /// A fit whose checks go by the noise that it found.
-    pub fn whole(model: ModalModel, stabilization: Option<Stabilization>) -> Self {
-        let history = Vec::new();
-        let fit = Fit {
-            model,
-            history,
-            stabilization,
-        };
-        Self::Fitted(Box::new(fit), true, Vec::new())
+impl From<PoleEstimate> for PoleSearch {
+    fn from(found: PoleEstimate) -> Self {
+        Self::Found(Box::new(found))
     }
 }
 
@@ -69,51 +48,63 @@ impl Attempt {
 pub(crate) fn auto<S: Source>(
     data: &S,
     options: &FitOptions,
-    sought: bool,
+    outlier_lines: OutlierLines,
     watch: &Watch,
-) -> Result<Attempt, S::Stop> {
+) -> Result<MethodRun, S::Stop> {
     let mut history = Vec::new();
     let found = match data.way() {
         // where the walk stopped
         Some(way) if !matches!(way.by, By::Fast { .. }) => {
-            on_way(data, way.clone(), options, sought)?
+            on_way(data, way.clone(), options, outlier_lines)?
         }
         _ => match chain(data, options, watch)? {
             Outcome::White(chain) => {
                 history.clone_from(&chain.history);
-                Ok(from_chain(*chain, options.modes, data.hz()))
+                from_chain(*chain, options.modes, data.hz()).into()
             }
-            Outcome::Ended(Doubt::Outliers(lines)) if sought => Err(lines),
+            Outcome::Ended(Doubt::Outliers(lines)) if outlier_lines == OutlierLines::LeaveOut => {
+                PoleSearch::LeaveOut(lines)
+            }
             Outcome::Ended(Doubt::Conjugated) => {
                 let way = Way {
                     law: data.law,
                     lambda: Vec::new(),
                     by: By::Conjugated,
                 };
-                on_way(data, way, options, sought)?
+                on_way(data, way, options, outlier_lines)?
             }
-            Outcome::Ended(doubt) => from_measured(data, options, sought, doubt.words(), watch)?,
+            Outcome::Ended(doubt) => {
+                from_measured(data, options, outlier_lines, doubt.words(), watch)?
+            }
         },
     };
     let found = match found {
-        Ok(found) => found,
-        Err(outliers) => return Ok(Attempt::Outliers(outliers)),
+        PoleSearch::Found(found) => *found,
+        PoleSearch::LeaveOut(lines) => return Ok(MethodRun::LeaveOut(lines)),
     };
-    let measured = found.measured;
-    let (model, left) = finished(data, found, options, watch)?;
-    let outliers = match data.values().filter(|_| sought && measured) {
-        Some(values) => outlier_lines(values, &model),
+    let residual = match found.measured {
+        true => Residual::NotWhite,
+        false => Residual::White,
+    };
+    let (model, left_of_frfs) = finished(data, found, options, watch)?;
+    let leave_out = (outlier_lines, residual) == (OutlierLines::LeaveOut, Residual::NotWhite);
+    let outliers = match data.values().filter(|_| leave_out) {
+        Some(values) => outliers_of(values, &model),
         None => Vec::new(),
     };
     if !outliers.is_empty() {
-        return Ok(Attempt::Outliers(outliers));
+        return Ok(MethodRun::LeaveOut(outliers));
     }
     let fit = Fit {
         model,
         history,
         stabilization: None,
     };
-    Ok(Attempt::Fitted(Box::new(fit), !measured, left))
+    Ok(MethodRun::Fitted(Box::new(Fitted {
+        fit,
+        residual,
+        left_of_frfs,
+    })))
 }
 
 /// The fast chain in the law asked for, in the structural one where none is; in the other
@@ -222,10 +213,10 @@ fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
 fn from_measured<S: Source>(
     data: &S,
     options: &FitOptions,
-    sought: bool,
+    outlier_lines: OutlierLines,
     evidence: String,
     watch: &Watch,
-) -> Result<Result<PoleEstimate, Vec<usize>>, S::Stop> {
+) -> Result<PoleSearch, S::Stop> {
     let found = measured_path(data, options.seed, options.asked(), watch)?;
     let Some(back) = found.back else {
         // the path ran on mixtures: residues come from one pass over all FRFs
@@ -240,9 +231,9 @@ fn from_measured<S: Source>(
                 weights: found.weights,
             },
         };
-        return on_way(data, way, options, sought);
+        return on_way(data, way, options, outlier_lines);
     };
-    Ok(Ok(PoleEstimate {
+    Ok(PoleSearch::from(PoleEstimate {
         variance: found.refined.variance(&found.work),
         refined: found.refined,
         work: found.work,
@@ -267,18 +258,18 @@ fn on_way<S: Source>(
     data: &S,
     way: Way,
     options: &FitOptions,
-    sought: bool,
-) -> Result<Result<PoleEstimate, Vec<usize>>, S::Stop> {
+    outlier_lines: OutlierLines,
+) -> Result<PoleSearch, S::Stop> {
     let (mut sketch, energy) = data.sketch(options.seed);
     sketch.weigh(way.weights());
     let q = Projection::new(&sketch, &way.lambda, &POWERS)?.q;
     drop(sketch);
     data.end_first_pass();
     let projected = data.projected(&way, q, &energy)?;
-    if data.values().is_none() && sought {
+    if data.values().is_none() && outlier_lines == OutlierLines::LeaveOut {
         let outliers = spoilt_lines(&way, &projected, &energy)?;
         if !outliers.is_empty() {
-            return Ok(Err(outliers));
+            return Ok(PoleSearch::LeaveOut(outliers));
         }
     }
     let refined = refine(&projected.work, &way.lambda, &POWERS, 0, 0.0)?;
@@ -300,7 +291,7 @@ fn on_way<S: Source>(
             vec![conjugated()],
         ),
     };
-    Ok(Ok(PoleEstimate {
+    Ok(PoleSearch::from(PoleEstimate {
         variance: refined.variance(&projected.work),
         refined,
         work: projected.work,

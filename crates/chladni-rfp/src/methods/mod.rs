@@ -31,6 +31,7 @@ pub(crate) mod circle;
 pub(crate) mod classic;
 pub(crate) mod clusters;
 pub(crate) mod equation_error;
+pub(crate) mod fit;
 pub(crate) mod forsythe;
 pub(crate) mod found;
 pub(crate) mod fraction;

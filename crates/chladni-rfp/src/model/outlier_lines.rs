@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// Positions among the lines used that are outliers under `model`; empty where there are
 /// none or too many.
-pub(crate) fn outlier_lines(data: &Screened, model: &ModalModel) -> Vec<usize> {
+pub(crate) fn outliers_of(data: &Screened, model: &ModalModel) -> Vec<usize> {
     if model.in_band_modes().next().is_none() {
         return Vec::new(); // nothing to judge by
     }

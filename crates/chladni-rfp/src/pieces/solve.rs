@@ -3,7 +3,7 @@
 use crate::data::options::FitOptions;
 use crate::data::watch::{CancelToken, Watch};
 use crate::driver::walk;
-use crate::methods::auto::Fit;
+use crate::methods::fit::Fit;
 use crate::pieces::error::PieceError;
 use crate::pieces::merged::{Merged, Stop};
 use crate::pieces::partial::Partial;

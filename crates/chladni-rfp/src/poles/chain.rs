@@ -2,7 +2,7 @@
 //! settles the order.
 //!
 //! A mode here is what white noise cannot make; whether the residual *is* white is judged
-//! at the end ([`crate::whiteness`]), and where it is not the measured-data path takes
+//! at the end ([`crate::poles::whiteness`]), and where it is not the measured-data path takes
 //! over.
 
 use crate::damping::structural::POWERS;
@@ -14,7 +14,7 @@ use crate::data::products::Projected;
 use crate::data::source::{By, Source, Way};
 use crate::data::watch::Watch;
 use crate::poles::by_hand::{self, held};
-use crate::poles::passes::{on_all_lines, Pass, Start};
+use crate::poles::passes::{on_all_lines, MissedPoles, Pass, PassStart};
 use crate::poles::refine::{refine, removable, Refined};
 use crate::poles::settle::keep_strongest;
 use crate::poles::significance::threshold;
@@ -72,7 +72,7 @@ pub(crate) fn fast_chain<S: Source>(
     let start = match data.way() {
         Some(way) if way.law == data.law => went_on(data, sketch, way)?,
         _ => match of_sketch(data, sketch, seed, asked.modes, watch)? {
-            First::Poles(start) => Start {
+            First::Poles(start) => PassStart {
                 doubt: doubt.map(str::to_owned),
                 ..*start
             },
@@ -81,12 +81,16 @@ pub(crate) fn fast_chain<S: Source>(
     };
     watch.stage("projection")?;
     data.end_first_pass();
-    let (pass, history) = start.compressed(data, &energy, asked.modes.is_none())?;
+    let missed = match asked.modes {
+        None => MissedPoles::Search,
+        Some(_) => MissedPoles::Leave,
+    };
+    let (pass, history) = start.compressed(data, &energy, missed)?;
     Ok(of_columns(data, pass, &energy, asked, history)?)
 }
 
 /// The point where the chain stopped on its `way`.
-fn went_on(data: &DataLayout, sketch: Columns, way: &Way) -> Result<Start, LinalgError> {
+fn went_on(data: &DataLayout, sketch: Columns, way: &Way) -> Result<PassStart, LinalgError> {
     let (history, extra_passes, doubt) = match &way.by {
         By::Fast {
             history,
@@ -95,7 +99,7 @@ fn went_on(data: &DataLayout, sketch: Columns, way: &Way) -> Result<Start, Linal
         } => (history.clone(), *extra_passes, doubt.clone()),
         By::Measured { .. } | By::Conjugated => Default::default(),
     };
-    Ok(Start {
+    Ok(PassStart {
         sketch,
         lambda: way.lambda.clone(),
         q: on_all_lines(data, &way.lambda)?,

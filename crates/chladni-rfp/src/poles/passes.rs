@@ -34,9 +34,18 @@ pub(crate) struct Pass {
     lost: usize,
 }
 
+/// Modes that the sketch did not show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum MissedPoles {
+    /// All FRFs are asked for them.
+    Search,
+    /// They are left.
+    Leave,
+}
+
 /// The start of the passes over all FRFs.
 #[derive(Debug)]
-pub(crate) struct Start {
+pub(crate) struct PassStart {
     /// The sketch on the lines that were looked at.
     pub sketch: Columns,
     /// Poles, as sharp as it shows them.
@@ -54,10 +63,10 @@ pub(crate) struct Start {
 /// Numbers of poles that were tried, each with its residual variance.
 pub(crate) type Tried = Vec<(usize, f64)>;
 
-impl Start {
-    /// Compresses all FRFs, settles the order on the compressed columns and, where poles
-    /// are `sought`, asks all FRFs for those that the sketch did not show; with what was
-    /// tried. `energy`: of each line over all FRFs.
+impl PassStart {
+    /// Compresses all FRFs, settles the order on the compressed columns and, if asked to,
+    /// searches all FRFs for poles that the sketch did not show; with the orders tried.
+    /// `energy`: of each line over all FRFs.
     ///
     /// # Errors
     /// A kernel that fails; a pass that others must make.
@@ -65,11 +74,14 @@ impl Start {
         mut self,
         data: &S,
         energy: &Array1<f64>,
-        sought: bool,
+        missed: MissedPoles,
     ) -> Result<(Pass, Tried), S::Stop> {
         let mut best = self.pass(data, energy)?;
         let mut tried = Vec::new();
-        let most = if sought { data.effort.extra_passes } else { 0 };
+        let most = match missed {
+            MissedPoles::Search => data.effort.extra_passes,
+            MissedPoles::Leave => 0,
+        };
         while self.extra_passes < most {
             self.extra_passes += 1;
             if let Some((pole, vague)) = best.missed(data, data.values(), &tried) {
@@ -87,7 +99,7 @@ impl Start {
                 {
                     continue;
                 }
-                // a pass of others is dear: none for the poles that these columns are of
+                // a pass by other machines is expensive: do not ask for one with the same poles
                 if data.values().is_none() && same(&more, &self.lambda) {
                     break;
                 }

@@ -10,13 +10,13 @@ use crate::data::peaks::{fourth_difference_noise, peaks, thinned};
 use crate::data::watch::Watch;
 use crate::poles::first_look::first_look;
 use crate::poles::limits;
-use crate::poles::passes::{basis_of, Start};
+use crate::poles::passes::{basis_of, PassStart};
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
 use crate::poles::prune::is_spike;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::settle::settle;
 use crate::poles::significance::threshold;
-use crate::poles::start::{self, pool_size, started};
+use crate::poles::start::{pool_size, started, Start};
 use crate::poles::whiteness::{judge_columns, Whiteness};
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
@@ -47,7 +47,7 @@ impl Doubt {
 /// The result of the sketch alone.
 pub(crate) enum First {
     /// Poles to project on.
-    Poles(Box<Start>),
+    Poles(Box<PassStart>),
     /// A result that needs no projection.
     Ended(Doubt),
 }
@@ -80,7 +80,7 @@ pub(crate) fn of_sketch(
     if let Some(evidence) = first_look(&sketch, &peaks, seed, hz)? {
         return ended(Doubt::NotWhite(evidence));
     }
-    let pool = Pool {
+    let pool = PooledPoles {
         mixed: mixtures(&sketch, tol::POOL_MIXTURES, seed),
         iterations: data.effort.pool_iterations,
         sketch,
@@ -107,7 +107,7 @@ pub(crate) fn of_sketch(
 }
 
 /// A sketch, and what pools of poles start from.
-struct Pool {
+struct PooledPoles {
     sketch: Columns,
     /// Few mixtures of its columns.
     mixed: Columns,
@@ -121,9 +121,9 @@ struct Pool {
     hz: f64,
 }
 
-impl Pool {
+impl PooledPoles {
     /// Poles of a pool of `size` that noise cannot make.
-    fn started(&self, size: usize) -> Result<start::Start, LinalgError> {
+    fn started(&self, size: usize) -> Result<Start, LinalgError> {
         started(
             &self.sketch,
             &self.mixed,
@@ -143,9 +143,9 @@ impl Pool {
     /// `start`; and how white the residual is.
     fn large_enough(
         &self,
-        start: start::Start,
+        start: Start,
         asked: Option<usize>,
-    ) -> Result<(start::Start, Whiteness), LinalgError> {
+    ) -> Result<(Start, Whiteness), LinalgError> {
         let first = self.judged(&start.refined);
         if first.misfit_share > limits::MISFIT_SHARE && asked.is_none() {
             // many modes hide behind few peaks, or few FRFs
@@ -176,7 +176,7 @@ impl Pool {
     fn settled(
         self,
         data: &DataLayout,
-        start: start::Start,
+        start: Start,
         mut history: Vec<(usize, f64)>,
     ) -> Result<First, FitError> {
         let (mut refined, mut variance) = (start.refined, start.variance);
@@ -200,7 +200,7 @@ impl Pool {
             data.effort.likelihood_steps,
             tol::FINE_STEP,
         )?;
-        Ok(First::Poles(Box::new(Start {
+        Ok(First::Poles(Box::new(PassStart {
             q: basis_of(data, &refined)?,
             sketch: self.sketch,
             lambda: refined.lambda,

@@ -34,6 +34,15 @@ pub(crate) struct Whiteness {
     pub shapeless: bool,
 }
 
+/// The residual of a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Residual {
+    /// White noise within its chance spread.
+    White,
+    /// Noise of another kind, or misfit.
+    NotWhite,
+}
+
 /// One look: what was seen, and the most that white noise and tolerated misfit show.
 struct Look {
     seen: f64,
