@@ -21,7 +21,7 @@ use crate::methods::aaa::aaa;
 use crate::methods::auto::auto;
 use crate::methods::bars::fit_by_method;
 use crate::methods::circle::circle;
-use crate::methods::fit::{Fit, Fitted, MethodRun};
+use crate::methods::fit::{Fit, FitToCheck, MethodRun};
 use crate::methods::found::Finder;
 use crate::methods::lean::lean;
 use crate::methods::lscf::lscf;
@@ -199,7 +199,7 @@ pub(crate) fn walk<S: Source>(
         Some(weights) => data.weighted(Some(weights), Weights::OfResidual)?,
         None => data.clone(),
     };
-    let Fitted {
+    let FitToCheck {
         mut fit,
         residual,
         left_of_frfs,

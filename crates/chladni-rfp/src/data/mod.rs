@@ -4,6 +4,7 @@
 pub(crate) mod columns;
 pub(crate) mod error;
 pub(crate) mod given_noise;
+pub(crate) mod grade;
 mod incomplete;
 pub(crate) mod information;
 pub(crate) mod layout;

@@ -7,11 +7,12 @@
 
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
+use crate::data::grade::Grade;
 use crate::data::layout::DataLayout;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::products::Projected;
 use crate::data::screening::Screened;
-use chladni_frf::{Damping, Finding, Reason, Trust};
+use chladni_frf::{Damping, Finding};
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -117,7 +118,7 @@ pub(crate) enum By {
         /// E|δλ|² of each pole.
         spread: Vec<f64>,
         #[serde(with = "as_json")]
-        grades: Vec<(Trust, Vec<Reason>)>,
+        grades: Vec<Grade>,
         #[serde(with = "as_json")]
         findings: Vec<Finding>,
         /// 1/σ of each line used, of unit mean square; empty where they count alike.

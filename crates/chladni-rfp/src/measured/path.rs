@@ -5,6 +5,7 @@ use super::limits::{COLUMNS_MOST, EXPLAINS, LOUD_AT_PEAKS, PEAK_WIDTHS, PEAK_WIN
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
+use crate::data::grade::Grade;
 use crate::data::layout::DataLayout;
 use crate::data::options::Asked;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
@@ -19,7 +20,6 @@ use crate::measured::impulse::{padding_factor, windowed};
 use crate::measured::record::{noise_window, Record};
 use crate::measured::search::{Finished, Search};
 use crate::poles::estimate::more_than_asked;
-use crate::poles::pole::Grade;
 use crate::poles::refine::{refine, refine_inside, Refined};
 use crate::poles::sections::{split, Section};
 use crate::tolerances as tol;
@@ -150,7 +150,7 @@ fn on_columns(
         work,
         back,
         variance,
-        grades: graded.into_iter().map(|g| g.0).collect(),
+        grades: graded.into_iter().map(|own| own.grade).collect(),
         warnings,
     })
 }
@@ -324,7 +324,7 @@ fn standing(searches: &[Search], record: &Record) -> Result<Vec<(Complex64, Trus
         .collect::<Result<Vec<_>, LinalgError>>()?;
     let (evidence, _) = join(record.work, &finished);
     let grades = grade_all(&evidence, record);
-    let of_pole = |(e, graded): (&Evidence, Graded)| (e.lambda, graded.0 .0);
+    let of_pole = |(e, graded): (&Evidence, Graded)| (e.lambda, graded.grade.trust);
     Ok(evidence.iter().zip(grades).map(of_pole).collect())
 }
 
@@ -371,9 +371,9 @@ fn unexplained<'a>(
                     .max(pole.im.min(PEAK_WIDTHS * peak.lambda.im))
     };
     let accepted = move |peak: &Peak| {
-        evidence.iter().zip(graded).any(|(e, (grade, _))| {
-            let stands = grade.0 != Trust::Rejected || e.origin == Origin::LeftOut;
-            stands && explains(peak, e.lambda)
+        evidence.iter().zip(graded).any(|(e, own)| {
+            let accepted = own.grade.trust != Trust::Rejected || e.origin == Origin::LeftOut;
+            accepted && explains(peak, e.lambda)
         })
     };
     seen.iter()
@@ -405,7 +405,7 @@ fn damping_doubts(evidence: &[Evidence], graded: &[Graded], hz: f64) -> Vec<Find
         evidence
             .iter()
             .zip(graded)
-            .filter(|(_, (grade, doubt))| grade.0 != Trust::Rejected && *doubt == Some(kind))
+            .filter(|(_, own)| own.grade.trust != Trust::Rejected && own.doubt == Some(kind))
             .map(|(e, _)| e.lambda.re.max(0.0).sqrt() * hz)
             .collect()
     };

@@ -10,7 +10,7 @@ use crate::data::products::Projected;
 use crate::data::source::{By, Source, Way};
 use crate::data::watch::Watch;
 use crate::measured::path::measured_path;
-use crate::methods::fit::{Fit, Fitted, MethodRun};
+use crate::methods::fit::{Fit, FitToCheck, MethodRun};
 use crate::model::build::Shaped;
 use crate::model::decide::decide;
 use crate::model::in_law::in_law;
@@ -100,7 +100,7 @@ pub(crate) fn auto<S: Source>(
         history,
         stabilization: None,
     };
-    Ok(MethodRun::Fitted(Box::new(Fitted {
+    Ok(MethodRun::Fitted(Box::new(FitToCheck {
         fit,
         residual,
         left_of_frfs,
@@ -329,7 +329,7 @@ fn spoilt_lines(
         .lambda
         .iter()
         .zip(grades)
-        .filter(|(pole, grade)| grade.0 != Trust::Rejected && !unphysical(work, **pole))
+        .filter(|(pole, grade)| grade.trust != Trust::Rejected && !unphysical(work, **pole))
         .map(|(pole, _)| *pole)
         .collect();
     if !sound.iter().any(|pole| work.in_band(*pole)) {

@@ -12,6 +12,7 @@ use crate::damping::places::lambda_of_s;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
+use crate::data::grade::Grade;
 use crate::data::information::covariance;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
@@ -23,7 +24,6 @@ use crate::model::build::Shaped;
 use crate::model::identified::{Identified, LawOpen};
 use crate::poles::estimate;
 use crate::poles::limits::UNCERTAIN;
-use crate::poles::pole::Grade;
 use crate::poles::pole::Pole;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::significance::threshold;
@@ -157,7 +157,7 @@ fn graded(
     let poles = (0..lambda.len())
         .map(|n| {
             let pole = UncertainPole::alike(damping, found.poles[n], lambda[n], spread[n]);
-            let mut pole = Pole::new(pole, (Trust::Sure, Vec::new()));
+            let mut pole = Pole::new(pole, Grade::SURE);
             if let Some(own) = &found.deviation {
                 pole.omega_std = pole.omega_std.max(own[n][0]);
                 pole.loss_factor_std = pole.loss_factor_std.max(own[n][1]);
@@ -181,14 +181,13 @@ fn grade(pole: &Pole, insignificant: bool) -> Grade {
             "explains no more of the data than noise would",
         ));
     }
-    (
-        if reasons.is_empty() {
-            Trust::Sure
-        } else {
-            Trust::Weak
+    Grade {
+        trust: match reasons.is_empty() {
+            true => Trust::Sure,
+            false => Trust::Weak,
         },
         reasons,
-    )
+    }
 }
 
 /// E|δλ|² per pole: the inverse information at this variance, and the square of the way

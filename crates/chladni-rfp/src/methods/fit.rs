@@ -19,7 +19,7 @@ pub struct Fit {
 }
 
 /// A fit with what the checks of its data need.
-pub(crate) struct Fitted {
+pub(crate) struct FitToCheck {
     pub fit: Fit,
     pub residual: Residual,
     /// Sum of squares left of each FRF; empty where that does not tell its noise.
@@ -29,7 +29,7 @@ pub(crate) struct Fitted {
 /// The result of one run of a method.
 pub(crate) enum MethodRun {
     /// A fit.
-    Fitted(Box<Fitted>),
+    Fitted(Box<FitToCheck>),
     /// Outlier lines (positions among those used) to leave out before the next run.
     LeaveOut(Vec<usize>),
 }
@@ -42,7 +42,7 @@ impl MethodRun {
             history: Vec::new(),
             stabilization,
         };
-        Self::Fitted(Box::new(Fitted {
+        Self::Fitted(Box::new(FitToCheck {
             fit,
             residual: Residual::White,
             left_of_frfs: Vec::new(),

@@ -211,7 +211,7 @@ impl Shaped {
         modes.extend(
             poles
                 .iter()
-                .filter(|pole| pole.grade.0 == Trust::Rejected && expressible(*damping, pole))
+                .filter(|pole| pole.grade.trust == Trust::Rejected && expressible(*damping, pole))
                 .map(|pole| rejected_mode(data, pole)),
         );
         modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));

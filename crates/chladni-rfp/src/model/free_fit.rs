@@ -36,7 +36,7 @@ impl FreeFit {
     /// On the lines and FRFs of `data`; takes the poles that the model can hold.
     pub fn new(data: &DataLayout, identified: &mut Identified) -> Result<Self, LinalgError> {
         let damping = identified.damping;
-        let holds = |pole: &Pole| pole.grade.0 != Trust::Rejected && expressible(damping, pole);
+        let holds = |pole: &Pole| pole.grade.trust != Trust::Rejected && expressible(damping, pole);
         let found = std::mem::take(&mut identified.poles);
         let (mut poles, others): (Vec<Pole>, Vec<Pole>) = found.into_iter().partition(holds);
         identified.poles = others;

@@ -2,6 +2,7 @@
 
 use crate::damping::places::{lambda_of_value, value_of};
 use crate::data::columns::Columns;
+use crate::data::grade::Grade;
 use crate::model::identified::{Identified, LawOpen};
 use crate::model::residues::linear;
 use crate::poles::pole::Pole;
@@ -28,7 +29,10 @@ impl GivenPoles {
             loss_factor: mode.loss_factor,
             omega_std: TAU * mode.frequency_std_hz / omega_max,
             loss_factor_std: mode.loss_factor_std,
-            grade: (mode.trust, mode.reasons.0.clone()),
+            grade: Grade {
+                trust: mode.trust,
+                reasons: mode.reasons.0.clone(),
+            },
             given: None,
         };
         let mut poles: Vec<Pole> = model

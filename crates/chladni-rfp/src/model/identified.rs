@@ -4,8 +4,8 @@ use crate::damping::bars::UncertainPole;
 use crate::damping::places::value_in;
 use crate::damping::verdict::shift;
 use crate::data::columns::Columns;
+use crate::data::grade::Grade;
 use crate::poles::estimate::{uncertainty_grade, PoleEstimate};
-use crate::poles::pole::Grade;
 use crate::poles::pole::Pole;
 use crate::shapes::structure::Structured;
 use chladni_frf::{Damping, Finding, Reason, Trust};
@@ -93,7 +93,7 @@ impl Identified {
         let no_gain = Reason::new("no-gain", "explains no more of the data than noise would");
         // as wide as it is uncertain
         let spreads: Vec<f64> = idle.iter().map(|pole| 2.0 * pole.im * pole.im).collect();
-        let rejected = (Trust::Rejected, vec![no_gain]);
+        let rejected = Grade::rejected(no_gain);
         let rejected = idle
             .iter()
             .zip(&spreads)
@@ -119,7 +119,7 @@ impl Identified {
     /// in error bars.
     pub fn shift_by_other_law(&self) -> f64 {
         let sure = self.poles.iter().filter(|pole| {
-            pole.grade.0 == Trust::Sure && self.work.in_band((pole.omega * pole.omega).into())
+            pole.grade.trust == Trust::Sure && self.work.in_band((pole.omega * pole.omega).into())
         });
         let shifts = sure.map(|pole| {
             shift(
@@ -148,7 +148,7 @@ impl Identified {
         }
         for lambda in structured.added {
             let broad = UncertainPole::of_lambda(lambda, [lambda.im.powi(2); 2]);
-            let mut pole = Pole::new(broad, (Trust::Sure, vec![]));
+            let mut pole = Pole::new(broad, Grade::SURE);
             pole.move_to(lambda, self.damping);
             self.poles.push(pole);
         }
@@ -166,7 +166,7 @@ impl Identified {
                     .total_cmp(&(b.lambda() - found.lambda).norm())
             });
             if let Some(nearest) = nearest.filter(|pole| {
-                pole.grade.0 != Trust::Sure
+                pole.grade.trust != Trust::Sure
                     && (pole.lambda() - found.lambda).norm() < found.lambda.im
             }) {
                 pole.grade = nearest.grade.clone();

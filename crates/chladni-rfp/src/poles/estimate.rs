@@ -3,8 +3,8 @@
 
 use super::limits::{FAINT, FAINT_OVER_USUAL, UNCERTAIN};
 use crate::data::columns::Columns;
+use crate::data::grade::Grade;
 use crate::data::information::covariance;
-use crate::poles::pole::Grade;
 use crate::poles::refine::Refined;
 use chladni_frf::{Finding, Reason, Trust};
 use ndarray::Array2;
@@ -23,8 +23,8 @@ pub(crate) struct PoleEstimate {
     pub variance: f64,
     /// E|δλ|² per pole.
     pub spread: Vec<f64>,
-    /// True where that and the grades come from the residual, which is no noise; else
-    /// from the information matrix.
+    /// True if spreads and grades come from the measured-data path (residual not white),
+    /// false if they come from the information matrix.
     pub measured: bool,
     /// Grades.
     pub grades: Vec<Grade>,
@@ -46,7 +46,7 @@ impl PoleEstimate {
             .lambda
             .iter()
             .zip(&self.grades)
-            .filter(|(pole, grade)| grade.0 == Trust::Sure && self.work.in_band(**pole));
+            .filter(|(pole, grade)| grade.trust == Trust::Sure && self.work.in_band(**pole));
         sure.map(|(pole, _)| pole.im / pole.re).fold(0.0, f64::max)
     }
 }
@@ -56,7 +56,7 @@ pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<G
     let inverse = covariance(refined.information(work).view());
     let grade_of = |(&pole, &spread): (&Complex64, &f64)| match work.in_band(pole) {
         true => uncertainty_grade(pole, [0.5 * spread; 2]),
-        false => (Trust::Sure, Vec::new()),
+        false => Grade::SURE,
     };
     let spread: Vec<f64> = inverse
         .diag()
@@ -73,8 +73,8 @@ pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<G
     let usual = inside.get(inside.len() / 2).copied().unwrap_or(f64::MAX);
     for (n, grade) in grades.iter_mut().enumerate() {
         let faint = relative(n) > FAINT.max(FAINT_OVER_USUAL * usual);
-        if faint && work.in_band(refined.lambda[n]) && grade.0 == Trust::Sure {
-            *grade = (Trust::Weak, vec![Reason::new("faint", FAINT_SENTENCE)]);
+        if faint && work.in_band(refined.lambda[n]) && grade.trust == Trust::Sure {
+            *grade = Grade::weak(Reason::new("faint", FAINT_SENTENCE));
         }
     }
     (grades, spread)
@@ -82,7 +82,7 @@ pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<G
 
 /// True of a mode that is much less certain than all others.
 pub(crate) fn is_faint(grade: &Grade) -> bool {
-    grade.1.iter().any(|reason| reason.code == "faint")
+    grade.reasons.iter().any(|reason| reason.code == "faint")
 }
 
 /// The finding where the data show more modes than were asked for; `hz`: of x = 1.
@@ -123,11 +123,11 @@ pub(crate) fn fewer_modes(asked: usize, found: usize, why: &str) -> Finding {
 pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade {
     let deviation = (variance[0] + variance[1]).max(0.0).sqrt();
     if deviation.is_infinite() {
-        (Trust::Weak, vec![Reason::new("not-told-apart", NOT_TOLD)])
+        Grade::weak(Reason::new("not-told-apart", NOT_TOLD))
     } else if deviation > UNCERTAIN * lambda.im {
-        (Trust::Weak, vec![uncertain(deviation / lambda.im)])
+        Grade::weak(uncertain(deviation / lambda.im))
     } else {
-        (Trust::Sure, Vec::new())
+        Grade::SURE
     }
 }
 

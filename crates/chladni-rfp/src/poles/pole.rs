@@ -3,13 +3,11 @@
 use crate::damping::bars::UncertainPole;
 use crate::damping::law;
 use crate::damping::places::value_in;
+use crate::data::grade::Grade;
 use crate::poles::limits;
-use chladni_frf::{Damping, Reason, Trust};
+use chladni_frf::Damping;
 use ndarray::Array2;
 use num_complex::Complex64;
-
-/// Grade of one pole with its reasons.
-pub(crate) type Grade = (Trust, Vec<Reason>);
 
 /// Shapes and participations of some poles that are given: (row, response) and (row,
 /// reference).

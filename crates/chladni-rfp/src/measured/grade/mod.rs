@@ -5,10 +5,10 @@ mod limits;
 mod rules;
 mod usual;
 
+use crate::data::grade::Grade;
 use crate::measured::candidates::Origin;
 use crate::measured::evidence::Evidence;
 use crate::measured::record::Record;
-use crate::poles::pole::Grade;
 use crate::tolerances as tol;
 use chladni_frf::{Reason, Trust};
 pub(crate) use damping_doubt::DampingDoubt;
@@ -16,8 +16,18 @@ use limits::*;
 use rules::{Seen, RULES};
 use usual::Usual;
 
-/// A grade with the doubt about damping, if there is one.
-pub(crate) type Graded = (Grade, Option<DampingDoubt>);
+/// The grade of a pole, and the doubt about its damping if there is one.
+#[derive(Debug, Clone)]
+pub(crate) struct Graded {
+    pub grade: Grade,
+    pub doubt: Option<DampingDoubt>,
+}
+
+impl From<Grade> for Graded {
+    fn from(grade: Grade) -> Self {
+        Self { grade, doubt: None }
+    }
+}
 
 /// Grades every pole of `all` (in order of frequency); poles outside the band pass
 /// ungraded.
@@ -30,17 +40,24 @@ pub(crate) fn grade_all(all: &[Evidence], record: &Record) -> Vec<Graded> {
         .map(|q| grade(&inside, q, Usual::default()))
         .collect();
     for _ in 0..ROUNDS {
-        let sure: Vec<bool> = graded.iter().map(|own| own.0 .0 == Trust::Sure).collect();
+        let is_sure = |own: &Graded| own.grade.trust == Trust::Sure;
+        let sure: Vec<bool> = graded.iter().map(is_sure).collect();
         graded = (0..inside.len())
             .map(|q| grade(&inside, q, Usual::beside(q, &inside, &sure)))
             .collect();
     }
     let mut graded = graded.into_iter();
+    let ungraded = Graded::from(Grade {
+        trust: Trust::Weak,
+        reasons: Vec::new(),
+    });
+    let next = |e: &Evidence| match e.in_band() {
+        true => graded.next(),
+        false => None,
+    };
     all.iter()
-        .map(|e| {
-            if e.in_band() { graded.next() } else { None }
-                .unwrap_or(((Trust::Weak, Vec::new()), None))
-        })
+        .map(next)
+        .map(|own| own.unwrap_or_else(|| ungraded.clone()))
         .collect()
 }
 
@@ -49,11 +66,11 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
     let own = &all[q];
     if own.lambda.im > tol::BACKGROUND_LOSS * own.lambda.re {
         let reason = Reason::new("background", "background: broader than any mode");
-        return ((Trust::Rejected, vec![reason]), None);
+        return Grade::rejected(reason).into();
     }
     if own.origin == Origin::LeftOut {
         let reason = Reason::new("left-out", "more modes were found than were asked for");
-        return ((Trust::Rejected, vec![reason]), None);
+        return Grade::rejected(reason).into();
     }
     let others: Vec<&Evidence> = all[..q].iter().chain(&all[q + 1..]).collect();
     let seen = Seen {
@@ -79,7 +96,10 @@ fn grade(all: &[Evidence], q: usize, frfs: usize, windowed: bool, usual: Usual) 
     } else {
         Trust::Weak
     };
-    ((trust, reasons), DampingDoubt::of(own))
+    Graded {
+        grade: Grade { trust, reasons },
+        doubt: DampingDoubt::of(own),
+    }
 }
 
 #[cfg(test)]
@@ -125,12 +145,12 @@ mod tests {
             loss: Some(0.007),
             stand: Some(Complex64::new(5.0, 0.0)),
         };
-        grade(&all, 0, frfs, windowed, usual).0
+        grade(&all, 0, frfs, windowed, usual).grade
     }
 
     #[test]
     fn each_doubt_is_named_and_nothing_else() {
-        let (trust, reasons) = graded(|_| (), 3, false, &[]);
+        let Grade { trust, reasons } = graded(|_| (), 3, false, &[]);
         assert_eq!((trust, reasons.len()), (Trust::Sure, 0));
         type Doubt = (&'static str, fn(&mut Evidence));
         let doubts: [Doubt; 18] = [
@@ -172,7 +192,7 @@ mod tests {
             }),
         ];
         for (words, change) in doubts {
-            let (trust, reasons) = graded(change, 3, false, &[]);
+            let Grade { trust, reasons } = graded(change, 3, false, &[]);
             assert_eq!(trust, Trust::Weak, "{words}: {reasons:?}");
             assert!(
                 reasons.len() == 1 && reasons[0].contains(words),
@@ -188,27 +208,27 @@ mod tests {
             ..good(0.3 + 0.001 * lines)
         };
         let narrow = |e: &mut Evidence| (e.lambda.im, e.half_width_lines) = (0.0009, 0.9);
-        let (trust, reasons) = graded(narrow, 3, false, &[stronger(3.0)]);
+        let Grade { trust, reasons } = graded(narrow, 3, false, &[stronger(3.0)]);
         assert!(
             trust == Trust::Weak && reasons[0].contains("side lobe of the stronger peak"),
             "{reasons:?}"
         );
         assert_eq!(
-            graded(narrow, 3, false, &[stronger(9.0)]).0,
+            graded(narrow, 3, false, &[stronger(9.0)]).trust,
             Trust::Sure,
             "too far for a side lobe"
         );
         assert_eq!(
-            graded(|_| (), 3, false, &[stronger(3.0)]).0,
+            graded(|_| (), 3, false, &[stronger(3.0)]).trust,
             Trust::Sure,
             "too broad for a side lobe"
         );
-        let (trust, reasons) = graded(|_| (), 3, true, &[stronger(3.0)]);
+        let Grade { trust, reasons } = graded(|_| (), 3, true, &[stronger(3.0)]);
         assert!(
             trust == Trust::Weak && reasons[0].contains("windowed"),
             "{reasons:?}"
         );
-        let (trust, reasons) = graded(|_| (), 1, false, &[good(0.303)]);
+        let Grade { trust, reasons } = graded(|_| (), 1, false, &[good(0.303)]);
         assert!(
             trust == Trust::Weak && reasons[0].contains("half of a close pair"),
             "{reasons:?}"
@@ -218,13 +238,13 @@ mod tests {
     #[test]
     fn what_chance_explains_of_correlated_noise_is_no_mode() {
         let over_noise = |times: f64| graded(|e| e.over_noise = Some(times), 3, false, &[]);
-        let (trust, reasons) = over_noise(0.5);
+        let Grade { trust, reasons } = over_noise(0.5);
         assert_eq!(trust, Trust::Rejected);
         assert!(
             reasons.len() == 1 && reasons[0].contains("noise alone"),
             "{reasons:?}"
         );
-        assert_eq!(over_noise(2.0), (Trust::Sure, Vec::new()));
+        assert_eq!(over_noise(2.0), Grade::SURE);
     }
 
     #[test]
@@ -236,9 +256,9 @@ mod tests {
             spoilt(e);
             e.stands_out_db = 15.0;
         };
-        assert_eq!(graded(hidden, 3, false, &[]).0, Trust::Rejected);
-        assert_eq!(graded(spoilt, 3, false, &[]).0, Trust::Weak);
-        let (trust, reasons) = graded(|e| e.lambda.im = 0.2, 3, false, &[]);
+        assert_eq!(graded(hidden, 3, false, &[]).trust, Trust::Rejected);
+        assert_eq!(graded(spoilt, 3, false, &[]).trust, Trust::Weak);
+        let Grade { trust, reasons } = graded(|e| e.lambda.im = 0.2, 3, false, &[]);
         assert!(trust == Trust::Rejected && reasons[0].contains("background"));
     }
 }
