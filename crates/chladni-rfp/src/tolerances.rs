@@ -1,6 +1,22 @@
 //! Constants that several rooms share, with meaning, unit, origin, and what happens at other
 //! values. Those of one room are in its `limits.rs`.
 
+/// The end of a refinement of poles.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Precision {
+    /// Most steps.
+    pub steps: usize,
+    /// Part of a half-bandwidth: a smaller step is the last.
+    pub tolerance: f64,
+}
+
+impl Precision {
+    /// The same tolerance, after at most so many steps.
+    pub fn within(self, steps: usize) -> Self {
+        Self { steps, ..self }
+    }
+}
+
 /// Refinement steps that tell how far the poles of another method stand from the
 /// likeliest ones: the first are the longest.
 pub(crate) const STEPS_AHEAD: usize = 4;
@@ -23,15 +39,22 @@ pub(crate) const VOTE_ITERATIONS: usize = 6;
 pub(crate) const LM_START: f64 = 1e-3;
 /// Damping at which no step can help any more.
 pub(crate) const LM_GIVE_UP: f64 = 1e8;
-/// Steps of a refinement before the order is decided: enough to sort modes from noise.
-pub(crate) const REFINE_ROUGH: usize = 6;
-/// Steps of the final refinement; convergence stops it earlier.
-pub(crate) const REFINE_FINE: usize = 30;
-/// A step smaller than this part of a half-bandwidth ends a rough refinement.
-pub(crate) const ROUGH_STEP: f64 = 1e-3;
-/// The same for the final one. With quadratic convergence the error left is the square of
-/// it.
-pub(crate) const FINE_STEP: f64 = 1e-7;
+/// Refinement before the order is decided: enough to sort modes from noise.
+pub(crate) const ROUGH: Precision = Precision {
+    steps: 6,
+    tolerance: 1e-3,
+};
+/// The final refinement; convergence ends it before its last step. That is quadratic, so
+/// the error left is the square of the tolerance.
+pub(crate) const FINE: Precision = Precision {
+    steps: 30,
+    tolerance: 1e-7,
+};
+/// Poles stay where they are.
+pub(crate) const NO_STEP: Precision = Precision {
+    steps: 0,
+    tolerance: 0.0,
+};
 /// A pole narrower than this part of the line spacing is one line's error, not a
 /// resonance.
 pub(crate) const SPIKE_SPACINGS: f64 = 0.2;

@@ -63,7 +63,7 @@ fn scatter(case: &Case, mode: &Mode) -> Option<f64> {
     let (mut places, mut noise, mut total) = (Vec::new(), 0.0, 0.0);
     for (column, &(strength, _)) in frfs.iter().enumerate() {
         let single = local.with_columns(own.slice(ndarray::s![.., column..column + 1]).to_owned());
-        let Ok(fit) = refine(&single, &[lambda], &[0], tol::REFINE_FINE, tol::ROUGH_STEP) else {
+        let Ok(fit) = refine(&single, &[lambda], &[0], tol::ROUGH.within(tol::FINE.steps)) else {
             continue;
         };
         let weight = strength * strength;

@@ -174,7 +174,7 @@ fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
             first += set.len();
             let single = local.with_columns(own.select(Axis(1), &columns));
             let start = starts(&single, &poles, few)?;
-            moving += refine(&single, &start, &[0], tol::REFINE_FINE, tol::ROUGH_STEP)?
+            moving += refine(&single, &start, &[0], tol::ROUGH.within(tol::FINE.steps))?
                 .projection
                 .sse;
         }

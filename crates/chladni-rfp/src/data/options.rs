@@ -205,7 +205,7 @@ impl Default for Effort {
             sketch_columns: limits::SKETCH_COLUMNS,
             pool_iterations: tol::POOL_ITERATIONS,
             extra_passes: limits::EXTRA_PASSES,
-            likelihood_steps: tol::REFINE_FINE,
+            likelihood_steps: tol::FINE.steps,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::limits::EXPLAINS;
 use crate::data::columns::Columns;
 use crate::poles::refine::{refine, Refined};
+use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -69,7 +70,7 @@ impl Candidates {
         );
         let poles: Vec<Complex64> = kept.iter().map(|k| k.0).collect();
         self.origin = kept.into_iter().map(|k| k.1).collect();
-        self.refined = refine(work, &poles, &self.refined.powers, 0, 0.0)?;
+        self.refined = refine(work, &poles, &self.refined.powers, tol::NO_STEP)?;
         Ok(())
     }
 

@@ -161,7 +161,7 @@ mod tests {
         let loudest = (10..LINES - 10).max_by(|a, b| energy(a).total_cmp(&energy(b)));
         let x = work.x[loudest.unwrap()];
         let start = start.unwrap_or(Complex64::new(x, 2.0 * work.spacing(x)));
-        let refined = refine(work, &[start], &POWERS, tol::REFINE_FINE, tol::FINE_STEP).unwrap();
+        let refined = refine(work, &[start], &POWERS, tol::FINE).unwrap();
         over_chance(work, &refined, 0, &errors(DECAY).unwrap())
             .unwrap()
             .unwrap()

@@ -77,8 +77,7 @@ impl Neighbourhood {
             &self.local,
             poles,
             &POWERS,
-            2 * tol::REFINE_ROUGH,
-            tol::ROUGH_STEP,
+            tol::ROUGH.within(2 * tol::ROUGH.steps),
         )
     }
 

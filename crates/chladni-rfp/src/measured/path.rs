@@ -134,8 +134,8 @@ fn on_columns(
     let lambda: Vec<Complex64> = evidence.iter().map(|e| e.lambda).collect();
     // poles of resolved modes are those of their own lines, unless errors are largest there
     let refined = match record.leaks {
-        true => refine_inside(&work, &lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?,
-        false => refine(&work, &lambda, &POWERS, 0, tol::FINE_STEP)?,
+        true => refine_inside(&work, &lambda, &POWERS, tol::FINE)?,
+        false => refine(&work, &lambda, &POWERS, tol::NO_STEP)?,
     };
     let variance = evidence
         .iter()

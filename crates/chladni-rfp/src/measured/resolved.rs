@@ -44,7 +44,8 @@ pub(crate) fn refine_resolved(
         );
         let columns = own + residual.slice(s![window, ..]);
         let local = local.with_columns(columns);
-        let Ok(single) = refine(&local, &[pole], &[0, 1], tol::REFINE_FINE, tol::ROUGH_STEP) else {
+        let Ok(single) = refine(&local, &[pole], &[0, 1], tol::ROUGH.within(tol::FINE.steps))
+        else {
             continue;
         };
         let moved = single.lambda[0];
@@ -55,7 +56,7 @@ pub(crate) fn refine_resolved(
         }
     }
     Ok((
-        refine(weighted, &lambda, &refined.powers, 0, tol::FINE_STEP)?,
+        refine(weighted, &lambda, &refined.powers, tol::NO_STEP)?,
         local_variance,
     ))
 }

@@ -77,8 +77,7 @@ impl<'a> Search<'a> {
             &weighted,
             &start,
             &POWERS,
-            2 * tol::REFINE_ROUGH,
-            tol::ROUGH_STEP,
+            tol::ROUGH.within(2 * tol::ROUGH.steps),
         )?;
         let candidates = Candidates { refined, origin };
         let mut search = Self {
@@ -130,8 +129,7 @@ impl<'a> Search<'a> {
                 &self.weighted,
                 &self.candidates.refined.lambda,
                 &POWERS,
-                2 * tol::REFINE_ROUGH,
-                tol::ROUGH_STEP,
+                tol::ROUGH.within(2 * tol::ROUGH.steps),
             )?;
         }
         Ok(())
@@ -320,8 +318,7 @@ impl<'a> Search<'a> {
             &self.weighted,
             &self.candidates.refined.lambda,
             &POWERS,
-            tol::REFINE_FINE,
-            tol::FINE_STEP,
+            tol::FINE,
         )?;
         let mut local = vec![None; self.candidates.refined.lambda.len()];
         if !self.record.needs_all_lines() {

@@ -60,8 +60,7 @@ pub(crate) fn own_poles(
             &local.with_columns(column),
             &[Complex64::new(centre.re, width)],
             &[0],
-            TWINS_STEPS,
-            tol::ROUGH_STEP,
+            tol::ROUGH.within(TWINS_STEPS),
         )?;
         own.push(single.lambda[0]);
         own_residual += single.projection.sse;

@@ -21,6 +21,7 @@ use crate::poles::prune::unphysical;
 use crate::poles::refine::{refine, Projection};
 use crate::poles::sketched::Doubt;
 use crate::poles::whiteness::Residual;
+use crate::tolerances as tol;
 use chladni_frf::{Damping, Finding, ModalModel, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::Array1;
@@ -272,7 +273,7 @@ fn on_way<S: Source>(
             return Ok(PoleSearch::LeaveOut(outliers));
         }
     }
-    let refined = refine(&projected.work, &way.lambda, &POWERS, 0, 0.0)?;
+    let refined = refine(&projected.work, &way.lambda, &POWERS, tol::NO_STEP)?;
     let consistent = way.by != By::Conjugated;
     let (spread, grades, path, warnings) = match way.by {
         By::Measured {

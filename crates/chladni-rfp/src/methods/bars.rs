@@ -112,7 +112,7 @@ fn mostly_unexplained(relative_error: f64) -> Finding {
 /// but maximum likelihood has its line shape.
 fn off_window(work: &Columns, found: &mut MethodPoles) -> Result<(), LinalgError> {
     let lambda: Vec<Complex64> = found.poles.iter().map(|s| -s * s).collect();
-    let refined = refine(work, &lambda, &POWERS, tol::REFINE_FINE, tol::FINE_STEP)?;
+    let refined = refine(work, &lambda, &POWERS, tol::FINE)?;
     let poles = refined.lambda.iter().map(|l| Complex64::i() * l.sqrt());
     found.poles = poles.collect();
     Ok(())
@@ -150,7 +150,7 @@ fn graded(
         .collect();
     let sse = Projection::new(work, &lambda, &POWERS)?.sse;
     let variance = columns.variance(survey.data, sse, lambda.len() + POWERS.len());
-    let ahead = refine(work, &lambda, &POWERS, tol::STEPS_AHEAD, tol::ROUGH_STEP)?;
+    let ahead = refine(work, &lambda, &POWERS, tol::ROUGH.within(tol::STEPS_AHEAD))?;
     let spread = spread(work, &ahead, &lambda, variance);
     let rises = rises(sketch, &lambda)?;
     let limit = threshold(sketch.columns(), sketch.lines()) * variance_left(sketch, &lambda)?;

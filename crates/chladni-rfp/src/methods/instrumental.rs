@@ -248,9 +248,15 @@ mod tests {
     use crate::data::screening::Screened;
     use crate::methods::synthetic::even;
     use crate::poles::refine::refined_poles;
+    use crate::tolerances::Precision;
     use chladni_frf::Damping;
     use chladni_plate::SyntheticSet;
     use std::f64::consts::TAU;
+
+    const LAST_DIGITS: Precision = Precision {
+        steps: 50,
+        tolerance: 1e-11,
+    };
 
     fn noisy(damping: Damping) -> SyntheticSet {
         even(12, 40.0, damping, 1)
@@ -277,7 +283,7 @@ mod tests {
         let data = Screened::new(&set.frf, &FitOptions::default()).unwrap();
         let work = data.work();
         let start = start(&set, data.omega_max);
-        let likeliest = refined_poles(&work, &start, &POWERS, 50, 1e-11).unwrap();
+        let likeliest = refined_poles(&work, &start, &POWERS, LAST_DIGITS).unwrap();
         let lines = Lines::new(Plane::new(Damping::Structural, &work.x), &work);
         for (steps, most) in [(Steps::Instrumental, 8), (Steps::GaussNewton, 12)] {
             let found = improved(&lines, &start, steps, most).unwrap().lambda;
@@ -308,7 +314,7 @@ mod tests {
         let data = Screened::new(&set.frf, &FitOptions::default()).unwrap();
         let work = data.work().in_law(Damping::Viscous);
         let start = start(&set, data.omega_max);
-        let likeliest = refined_poles(&work, &start, &POWERS, 50, 1e-11).unwrap();
+        let likeliest = refined_poles(&work, &start, &POWERS, LAST_DIGITS).unwrap();
         let lines = Lines::new(Plane::new(Damping::Viscous, &work.x), &work);
         for (steps, most) in [(Steps::Instrumental, 8), (Steps::GaussNewton, 12)] {
             let found = improved(&lines, &start, steps, most).unwrap().lambda;

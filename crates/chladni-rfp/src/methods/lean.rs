@@ -98,7 +98,7 @@ fn of_sketch(
     };
     let work = thinned.as_ref().unwrap_or(sketch);
     narrow(work, &mut start, modes);
-    let rough = refined_poles(work, &start, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+    let rough = refined_poles(work, &start, &POWERS, tol::ROUGH)?;
     Ok(match inside(work, &rough) > modes {
         // what only leaned on a neighbour that stood beside its place
         true => select(work, &rough, modes..=usize::MAX)?.0,
@@ -198,8 +198,7 @@ fn fine(
             work,
             &lambda,
             &POWERS,
-            options.effort.likelihood_steps,
-            tol::FINE_STEP,
+            tol::FINE.within(options.effort.likelihood_steps),
         )?;
         let rises = refined.significance()?;
         let limit = noise_takes(work, refined.projection.sse, refined.unknowns(), frfs);

@@ -77,7 +77,7 @@ fn without_crutches(
     let limit = threshold(work.columns(), work.lines()) * variance;
     let mut needed = Vec::new();
     loop {
-        let moved = refine(work, &lambda, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?;
+        let moved = refine(work, &lambda, &POWERS, tol::ROUGH)?;
         match crutch(work, &moved, limit, |pole| work.in_band(pole), &mut needed)? {
             Some((q, _)) => lambda.remove(q),
             None => return Ok(lambda),

@@ -34,10 +34,9 @@ pub(crate) fn in_law(
     let start: Vec<Complex64> = there.iter().map(|(_, pole)| *pole).collect();
     let work = found.work.in_law(law);
     let before = found.refined.projection.sse;
-    let steps = tol::REFINE_FINE;
     let mut refined = match work.leakage.is_some() && frfs.is_none() {
-        true => refine_inside(&work, &start, &POWERS, steps, tol::FINE_STEP)?,
-        false => refine(&work, &start, &POWERS, steps, tol::FINE_STEP)?,
+        true => refine_inside(&work, &start, &POWERS, tol::FINE)?,
+        false => refine(&work, &start, &POWERS, tol::FINE)?,
     };
     let Some(frfs) = frfs else {
         let of = |n: usize| (found.grades[n].clone(), found.spread[n]);
@@ -54,7 +53,7 @@ pub(crate) fn in_law(
     let rise = |sse: f64| (sse - before) / freedom;
     let mut variance = found.variance;
     settle(&work, &mut refined, &mut variance, frfs, &mut Vec::new())?;
-    refined = refine(&work, &refined.lambda, &POWERS, steps, tol::FINE_STEP)?;
+    refined = refine(&work, &refined.lambda, &POWERS, tol::FINE)?;
     let variance = (found.variance + rise(refined.projection.sse)).max(f64::MIN_POSITIVE);
     let (grades, spread) = graded(&refined, &work, variance);
     Ok(PoleEstimate {

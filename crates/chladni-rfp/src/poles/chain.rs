@@ -179,8 +179,7 @@ fn add(data: &DataLayout, pass: &mut Pass, asked: Asked) -> Result<Vec<Complex64
             work,
             &all,
             &POWERS,
-            data.effort.likelihood_steps,
-            tol::FINE_STEP,
+            tol::FINE.within(data.effort.likelihood_steps),
         )
     };
     let with = refined(&starts)?;

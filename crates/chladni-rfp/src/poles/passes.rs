@@ -88,8 +88,7 @@ impl PassStart {
                 tried.push(pole);
                 let mut more = best.refined.lambda.clone();
                 more.push(pole);
-                let steps = tol::REFINE_ROUGH;
-                let more = refined_poles(&self.sketch, &more, &POWERS, steps, tol::ROUGH_STEP)?;
+                let more = refined_poles(&self.sketch, &more, &POWERS, tol::ROUGH)?;
                 let there = [pole, *more.last().expect("one was added")];
                 if vague
                     && !best
@@ -160,13 +159,13 @@ impl Pass {
         history: &mut Vec<(usize, f64)>,
     ) -> Result<Self, LinalgError> {
         let work = &projected.work;
-        let steps = data.effort.likelihood_steps;
-        let mut refined = refine(work, start, &POWERS, steps, tol::FINE_STEP)?;
+        let precision = tol::FINE.within(data.effort.likelihood_steps);
+        let mut refined = refine(work, start, &POWERS, precision)?;
         let mut variance = full_variance(data, &projected, &refined);
         let before = history.len();
         let scanned = settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
         if history.len() > before {
-            refined = refine(work, &refined.lambda, &POWERS, steps, tol::FINE_STEP)?;
+            refined = refine(work, &refined.lambda, &POWERS, precision)?;
             variance = full_variance(data, &projected, &refined);
         }
         let lost = start.len().saturating_sub(refined.lambda.len());

@@ -82,7 +82,7 @@ fn thinned(work: &Columns, lambda: &[Complex64], powers: &[i32], limit: f64) -> 
             break;
         };
         descent.steps = limits::THINNING_STEPS;
-        let ended = descent.go(&mut point, tol::ROUGH_STEP);
+        let ended = descent.go(&mut point, tol::ROUGH.tolerance);
         let Ok(removable) = point.plain.removable() else {
             break;
         };
@@ -126,9 +126,8 @@ pub(crate) fn crutch(
         }
         let mut fewer = refined.lambda.clone();
         fewer.remove(q);
-        let roughly = (tol::REFINE_ROUGH, tol::ROUGH_STEP);
         let most = refined.projection.sse + limit;
-        match refine_below(work, &fewer, &refined.powers, roughly, most)? {
+        match refine_below(work, &fewer, &refined.powers, tol::ROUGH, most)? {
             Some(fewer) => return Ok(Some((q, fewer))),
             None => needed.push(pole),
         }

@@ -18,7 +18,7 @@ use crate::poles::descent::{Descent, Point};
 use crate::poles::limits;
 use crate::poles::normal::{Normal, Plain};
 use crate::poles::removal::Removable;
-use crate::tolerances as tol;
+use crate::tolerances::{self as tol, Precision};
 use chladni_linalg::blocked::{blocked_matmul_h, projected};
 use chladni_linalg::{matmul, solve_upper, LinalgError};
 use ndarray::{Array1, Array2};
@@ -184,18 +184,16 @@ impl Point for Exact {
     }
 }
 
-/// Refines `start` until the largest step is `tolerance` of a half-bandwidth, at most
-/// `iterations` steps: by normal equations as far as they go, then on an orthonormal
-/// basis.
+/// Refines `start` to this precision: by normal equations as far as they go, then on an
+/// orthonormal basis.
 pub(crate) fn refine(
     work: &Columns,
     start: &[Complex64],
     powers: &[i32],
-    iterations: usize,
-    tolerance: f64,
+    precision: Precision,
 ) -> Result<Refined, LinalgError> {
-    let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
-    on_orthonormal_basis(descent, last, tolerance)
+    let (descent, last) = by_normal_equations(work, start, powers, precision);
+    on_orthonormal_basis(descent, last, precision)
 }
 
 /// The same for the poles of the band; those outside, which stand for background, keep their
@@ -204,16 +202,15 @@ pub(crate) fn refine_inside(
     work: &Columns,
     start: &[Complex64],
     powers: &[i32],
-    iterations: usize,
-    tolerance: f64,
+    precision: Precision,
 ) -> Result<Refined, LinalgError> {
-    let moved = refined_poles(work, start, powers, iterations, tolerance)?;
+    let moved = refined_poles(work, start, powers, precision)?;
     let place = |(old, new): (&Complex64, &Complex64)| match work.in_band(*old) {
         true => *new,
         false => *old,
     };
     let places: Vec<Complex64> = start.iter().zip(&moved).map(place).collect();
-    refine(work, &places, powers, 0, tolerance)
+    refine(work, &places, powers, tol::NO_STEP)
 }
 
 /// The poles alone.
@@ -221,14 +218,13 @@ pub(crate) fn refined_poles(
     work: &Columns,
     start: &[Complex64],
     powers: &[i32],
-    iterations: usize,
-    tolerance: f64,
+    precision: Precision,
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
+    let (descent, last) = by_normal_equations(work, start, powers, precision);
     if last.is_some() || descent.steps == 0 {
         return Ok(descent.lambda);
     }
-    Ok(on_orthonormal_basis(descent, last, tolerance)?.lambda)
+    Ok(on_orthonormal_basis(descent, last, precision)?.lambda)
 }
 
 /// The poles and the sum of squares that they leave.
@@ -236,14 +232,13 @@ pub(crate) fn refined_sum(
     work: &Columns,
     start: &[Complex64],
     powers: &[i32],
-    iterations: usize,
-    tolerance: f64,
+    precision: Precision,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
-    let (descent, last) = by_normal_equations(work, start, powers, iterations, tolerance);
+    let (descent, last) = by_normal_equations(work, start, powers, precision);
     if let Some(point) = last {
         return Ok((descent.lambda, point.sse()));
     }
-    let refined = on_orthonormal_basis(descent, None, tolerance)?;
+    let refined = on_orthonormal_basis(descent, None, precision)?;
     Ok((refined.lambda, refined.projection.sse))
 }
 
@@ -252,29 +247,29 @@ fn by_normal_equations<'a>(
     work: &'a Columns,
     start: &[Complex64],
     powers: &'a [i32],
-    iterations: usize,
-    tolerance: f64,
+    precision: Precision,
 ) -> (Descent<'a>, Option<Normal>) {
-    let mut descent = Descent::new(work, start, powers, iterations);
+    let mut descent = Descent::new(work, start, powers, precision.steps);
     let point = if descent.steps > 0 {
         descent.here::<Normal>()
     } else {
         None
     };
-    let last = point.and_then(|mut point| descent.go(&mut point, tolerance).then_some(point));
+    let last =
+        point.and_then(|mut point| descent.go(&mut point, precision.tolerance).then_some(point));
     (descent, last)
 }
 
 fn on_orthonormal_basis(
     mut descent: Descent,
     last: Option<Normal>,
-    tolerance: f64,
+    precision: Precision,
 ) -> Result<Refined, LinalgError> {
     let Descent { work, powers, .. } = descent;
     let information = last.map(|point| point.system(work, &descent.lambda).0);
     let mut point = Exact::new(work, &descent.lambda, powers)?;
     if information.is_none() {
-        descent.go(&mut point, tolerance);
+        descent.go(&mut point, precision.tolerance);
     }
     let Exact {
         projection,
@@ -298,10 +293,10 @@ pub(crate) fn refine_below(
     work: &Columns,
     start: &[Complex64],
     powers: &[i32],
-    (iterations, tolerance): (usize, f64),
+    precision: Precision,
     most: f64,
 ) -> Result<Option<Refined>, LinalgError> {
-    let mut descent = Descent::new(work, start, powers, iterations);
+    let mut descent = Descent::new(work, start, powers, precision.steps);
     let mut point = descent.here::<Normal>();
     if let Some(point) = &point {
         let in_sight = limits::GAIN_OVER_PROMISE * descent.promised(point);
@@ -309,12 +304,12 @@ pub(crate) fn refine_below(
             return Ok(None);
         }
     }
-    let last = point.take_if(|point| descent.go(point, tolerance));
+    let last = point.take_if(|point| descent.go(point, precision.tolerance));
     // what is needed beside the sum of squares costs as much as a step
     if last.as_ref().is_some_and(|point| point.sse() >= most) {
         return Ok(None);
     }
-    let refined = on_orthonormal_basis(descent, last, tolerance)?;
+    let refined = on_orthonormal_basis(descent, last, precision)?;
     Ok((refined.projection.sse < most).then_some(refined))
 }
 
@@ -393,9 +388,8 @@ mod tests {
         let poles = [Complex64::new(0.3, 0.01), Complex64::new(0.6, 0.02)];
         let work = two_resonances(poles);
         let near = poles.map(|pole| pole + 0.1 * pole.im);
-        let roughly = (tol::REFINE_ROUGH, tol::ROUGH_STEP);
-        let best = refine(&work, &near, &POWERS, roughly.0, roughly.1).unwrap();
-        let descent = Descent::new(&work, &near, &POWERS, roughly.0);
+        let best = refine(&work, &near, &POWERS, tol::ROUGH).unwrap();
+        let descent = Descent::new(&work, &near, &POWERS, tol::ROUGH.steps);
         let point = descent.here::<Normal>().unwrap();
         let (left, falls) = (best.projection.sse, point.sse() - best.projection.sse);
         let promised = descent.promised(&point);
@@ -403,7 +397,8 @@ mod tests {
             (0.8..1.25).contains(&(falls / promised)),
             "{falls} of {promised}"
         );
-        let below = |start: &[Complex64]| refine_below(&work, start, &POWERS, roughly, 1.1 * left);
+        let below =
+            |start: &[Complex64]| refine_below(&work, start, &POWERS, tol::ROUGH, 1.1 * left);
         assert!(below(&near).unwrap().is_some());
         assert!(below(&near[..1]).unwrap().is_none());
     }
@@ -416,8 +411,9 @@ mod tests {
         let work = two_resonances(poles);
         for (start, steps) in [(poles, 30), (poles, 0), (twins, 3)] {
             let near = start.map(|pole| pole + 0.1 * pole.im);
-            let (lambda, sum) = refined_sum(&work, &near, &POWERS, steps, tol::FINE_STEP).unwrap();
-            let whole = refine(&work, &near, &POWERS, steps, tol::FINE_STEP).unwrap();
+            let (lambda, sum) =
+                refined_sum(&work, &near, &POWERS, tol::FINE.within(steps)).unwrap();
+            let whole = refine(&work, &near, &POWERS, tol::FINE.within(steps)).unwrap();
             assert_eq!(lambda, whole.lambda);
             assert!((sum / whole.projection.sse - 1.0).abs() < 1e-8, "{steps}");
         }

@@ -51,8 +51,7 @@ pub(crate) fn settle(
             work,
             &more,
             &refined.powers,
-            2 * tol::REFINE_ROUGH,
-            tol::ROUGH_STEP,
+            tol::ROUGH.within(2 * tol::ROUGH.steps),
         )?;
         let gain = refined.projection.sse - candidate.projection.sse;
         let new = *candidate.lambda.last().expect("one was added");
@@ -150,13 +149,7 @@ fn dispensable(
             .collect();
         return Ok(Some((
             gone,
-            refine(
-                work,
-                &kept,
-                &refined.powers,
-                tol::REFINE_ROUGH,
-                tol::ROUGH_STEP,
-            )?,
+            refine(work, &kept, &refined.powers, tol::ROUGH)?,
         )));
     }
     Ok(crutch(work, refined, limit, |_| true, needed)?.map(|(q, fewer)| (vec![lambda[q]], fewer)))
@@ -184,13 +177,7 @@ pub(crate) fn keep_strongest(
             .expect("more than `modes`");
         let mut fewer = refined.lambda.clone();
         dropped.push(fewer.remove(weakest));
-        *refined = refine(
-            work,
-            &fewer,
-            &refined.powers,
-            tol::REFINE_FINE,
-            tol::FINE_STEP,
-        )?;
+        *refined = refine(work, &fewer, &refined.powers, tol::FINE)?;
     }
 }
 
@@ -218,7 +205,7 @@ mod tests {
         let start: Vec<Complex64> = [0.1, 0.3, 0.5, 0.7]
             .map(|x| Complex64::new(x, 0.02))
             .to_vec();
-        let mut refined = refine(&work, &start, &POWERS, 0, tol::FINE_STEP).unwrap();
+        let mut refined = refine(&work, &start, &POWERS, tol::NO_STEP).unwrap();
         let (mut variance, mut history) = (1e-9, Vec::new());
         settle(&work, &mut refined, &mut variance, 40, &mut history).unwrap();
         assert!(!history.is_empty() && refined.unknowns() < lines);

@@ -197,8 +197,7 @@ impl PooledPoles {
             &self.sketch,
             &refined.lambda,
             &POWERS,
-            data.effort.likelihood_steps,
-            tol::FINE_STEP,
+            tol::FINE.within(data.effort.likelihood_steps),
         )?;
         Ok(First::Poles(Box::new(PassStart {
             q: basis_of(data, &refined)?,

@@ -51,7 +51,7 @@ pub(crate) fn started(
     let variance = pool_variance(sketch, &all);
     let kept = prune(sketch, all, &stable, &POWERS, variance);
     Ok(Start {
-        refined: refine(sketch, &kept, &POWERS, tol::REFINE_ROUGH, tol::ROUGH_STEP)?,
+        refined: refine(sketch, &kept, &POWERS, tol::ROUGH)?,
         variance,
     })
 }

@@ -78,7 +78,7 @@ impl<'a> Rest<'a> {
     /// After at most so many steps of refinement.
     fn refined(&self, poles: &[Complex64], steps: usize) -> Result<Around, LinalgError> {
         let work = &self.work;
-        let found = refined_sum(work, poles, self.powers, steps, tol::FINE_STEP)?;
+        let found = refined_sum(work, poles, self.powers, tol::FINE.within(steps))?;
         let (poles, sse) = saved::refined(work, found, self.powers, steps)?;
         Ok(Around {
             sse: sse + self.beside,
@@ -89,7 +89,7 @@ impl<'a> Rest<'a> {
     /// The same to the end; `None` where poles come into the band, fuse, or become such as
     /// no model file has.
     fn settled(&self, poles: &[Complex64]) -> Option<Around> {
-        let around = self.refined(poles, tol::REFINE_FINE).ok()?;
+        let around = self.refined(poles, tol::FINE.steps).ok()?;
         let poles = &around.poles;
         let most = loss_bound(self.work.law);
         let stays = |pole: &Complex64| {

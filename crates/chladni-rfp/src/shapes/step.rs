@@ -38,7 +38,7 @@ impl Enough {
         let step = match self {
             Self::SumOfSquares(least) if drop < least => limits::STRUCTURED_ROUGH_STEP,
             Self::Fine | Self::SumOfSquares(_) => limits::STRUCTURED_FINE_STEP,
-            Self::Rough => tol::ROUGH_STEP,
+            Self::Rough => tol::ROUGH.tolerance,
         };
         largest < step
     }
@@ -253,7 +253,7 @@ impl State {
         // the sum of squares is a difference of large numbers: near the end its rounding
         // must not refuse good steps
         let rounding = tol::STEP_ROUNDING * target.energy;
-        for _ in 0..tol::REFINE_FINE {
+        for _ in 0..tol::FINE.steps {
             let factored = clusters.take().map_or_else(|| self.factored(damping), Ok);
             match factored.and_then(|clusters| Ok((self.stepped(target, &clusters)?, clusters))) {
                 Ok(((next, largest), kept)) if next.sse <= self.sse + rounding => {
