@@ -41,7 +41,7 @@ pub(crate) fn resonance(law: Damping, pole: Complex64, x: f64) -> Complex64 {
 }
 
 /// The column that a residue of a pole multiplies where FRFs leak, with its derivative.
-pub(crate) struct Leaking<'a> {
+pub(crate) struct LeakingColumn<'a> {
     law: Damping,
     leakage: &'a Leakage,
     /// Above the real axis.
@@ -51,7 +51,7 @@ pub(crate) struct Leaking<'a> {
     of_receptance: LeakingPole,
 }
 
-impl<'a> Leaking<'a> {
+impl<'a> LeakingColumn<'a> {
     pub fn new(law: Damping, leakage: &'a Leakage, pole: Complex64) -> Self {
         let mirrored = pole.im < 0.0;
         let pole = if mirrored { pole.conj() } else { pole };
@@ -119,7 +119,7 @@ mod tests {
         for law in [Damping::Structural, Damping::Viscous] {
             for (re, im) in [(0.3, 0.5), (0.3, 0.6), (0.3, 0.7), (0.3, -0.6)] {
                 let pole = Complex64::new(re, im);
-                let leaking = Leaking::new(law, &leakage, pole);
+                let leaking = LeakingColumn::new(law, &leakage, pole);
                 for x in [0.05, 0.3, 0.9] {
                     let plain = resonance(law, pole, x);
                     let [value, slope] = leaking.at(x);
@@ -187,7 +187,7 @@ mod tests {
                     "{law:?} {kind} {line}: {added} for {expected}"
                 );
                 // the column in the kind is the plain one and that
-                let column = Leaking::new(law, &leakage, lambda).at(y * y)[0];
+                let column = LeakingColumn::new(law, &leakage, lambda).at(y * y)[0];
                 let plain = resonance(law, lambda, y * y);
                 let of_kind = added / Complex64::new(0.0, y).powi(kind);
                 assert!(
@@ -220,7 +220,7 @@ mod tests {
                     (Damping::Viscous, Complex64::I),
                 ] {
                     let step = 1e-7;
-                    let at = |lambda, y: f64| Leaking::new(law, &leakage, lambda).at(y * y);
+                    let at = |lambda, y: f64| LeakingColumn::new(law, &leakage, lambda).at(y * y);
                     let lines = (285..315).map(|line| f64::from(line) / 500.0);
                     let (mut off, mut size) = (0.0f64, 0.0f64);
                     for y in lines {

@@ -1,7 +1,7 @@
 //! Columns of poles written line by line: plain ones and their derivatives, in the law of the
 //! lines, with what leaks where records leak.
 
-use crate::damping::columns::Leaking;
+use crate::damping::columns::LeakingColumn;
 use crate::damping::limits::LANES;
 use crate::data::columns::Columns;
 use chladni_frf::Damping;
@@ -18,7 +18,7 @@ pub(super) fn fill(
     derivative: Option<&mut [Complex64]>,
 ) -> [Complex64; 2] {
     if let Some(leakage) = &work.leakage {
-        let leaking = Leaking::new(work.law, leakage, pole);
+        let leaking = LeakingColumn::new(work.law, leakage, pole);
         let of_lines = work.x.iter().zip(&work.g);
         let of_lines = of_lines.map(|(&x, &g)| leaking.at(x).map(|v| v * g));
         let values = column.iter_mut().zip(of_lines);

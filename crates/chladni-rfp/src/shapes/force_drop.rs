@@ -10,7 +10,7 @@ use crate::damping::columns::leaking_pole;
 use crate::data::window::kernel::Force;
 use crate::data::window::leakage::Leakage;
 use crate::shapes::influence::{square, Influence};
-use crate::shapes::leaked::Leaking;
+use crate::shapes::leakage_into_lines::LeakageIntoLines;
 use crate::shapes::limits;
 use chladni_frf::Finding;
 use chladni_linalg::{matmul, matmul_h};
@@ -246,7 +246,7 @@ impl Influence<'_> {
     pub fn moments_of_drop(
         &self,
         (n, near): (usize, &[usize]),
-        (places, leaking): (&[usize], &Leaking),
+        (places, leaking): (&[usize], &LeakageIntoLines),
         drop: &ForceDrop,
     ) -> Vec<(Array2<Complex64>, Complex64)> {
         let Some(leakage) = self.continuous() else {

@@ -4,10 +4,11 @@
 //! Leakage is a sum over poles of what each leaks, times its residue, the same in all FRFs of
 //! one force: a few forms of the force, of which every shape takes its part.
 
-use crate::damping::columns::{leaking_pole, resonance, Leaking as Leaks};
-use crate::data::window::band::{Band, Form, Leak};
+use crate::damping::columns::{leaking_pole, resonance, LeakingColumn};
+use crate::data::window::band::Form;
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::{Influence, PairNoise};
+use crate::shapes::leakage_into_lines::LeakageIntoLines;
 use crate::shapes::limits;
 use chladni_linalg::matmul;
 use ndarray::{s, Array2, Axis};
@@ -33,41 +34,7 @@ pub(super) struct LeakageShare {
     pub own: f64,
 }
 
-/// Leakage of some poles into some lines.
-pub(super) struct Leaking<'a> {
-    pub band: Band<'a>,
-    /// Of each pole.
-    pub leaks: Vec<Leak>,
-    /// Its column over 1/(jω − s) on each line.
-    pub units: Vec<Vec<Complex64>>,
-}
-
 impl Influence<'_> {
-    /// Leakage of `poles` into `lines` about the mode n; `None` where nothing leaks.
-    pub fn leaking(&self, n: usize, poles: &[usize], lines: &[usize]) -> Option<Leaking<'_>> {
-        let (work, middle) = (self.found.work, self.middle(n));
-        let y: Vec<f64> = lines.iter().map(|&k| work.x[k].sqrt()).collect();
-        let s: Vec<Complex64> = poles
-            .iter()
-            .map(|&m| leaking_pole(work.law, self.lambda[m]).s)
-            .collect();
-        let slowest = s.iter().map(|s| -s.re).fold(f64::MAX, f64::min);
-        let cycles = y.iter().map(|y| self.errors.cycles(y - middle)).collect();
-        let band = self.errors.band(cycles, slowest)?;
-        let offset = |s: &Complex64| s - Complex64::new(0.0, middle);
-        let leaks = s.iter().map(|s| band.leak(offset(s))).collect();
-        // the column of a pole over 1/(jω − s), with the weight of the line
-        let unit = |(&m, s): (&usize, &Complex64)| -> Vec<Complex64> {
-            let at = |(&k, &y): (&usize, &f64)| {
-                let plain = resonance(work.law, self.lambda[m], work.x[k]);
-                work.g[k] * plain * (Complex64::new(0.0, y) - s)
-            };
-            lines.iter().zip(&y).map(at).collect()
-        };
-        let units = poles.iter().zip(&s).map(unit).collect();
-        Some(Leaking { band, leaks, units })
-    }
-
     /// 1/M as the residual about modes tells it: less what noise of the force makes there, and
     /// with it. The fit takes a part of that noise along, which part is not known: the first is
     /// too small by it.
@@ -125,14 +92,6 @@ impl Influence<'_> {
         let inside = (0..self.lambda.len()).filter(|&n| work.in_band(self.lambda[n]));
         let parts: Vec<f64> = inside.filter_map(of_mode).collect();
         parts.iter().sum::<f64>() / parts.len().max(1) as f64
-    }
-
-    /// Variance of what the first pole leaks into a line, for one block.
-    pub fn leaked_on(&self, leaking: &Leaking, place: usize) -> f64 {
-        let mut row = vec![Complex64::ZERO; leaking.units[0].len()];
-        row[place] = leaking.units[0][place];
-        let form = leaking.band.form(std::iter::once((row, &leaking.leaks[0])));
-        leaking.band.covariance(&[form])[[0, 0]].re
     }
 
     /// Moments for the mode n where leakage has this `share` of its variance in one block, and
@@ -210,8 +169,8 @@ impl Influence<'_> {
         products: &Array2<Complex64>,
     ) -> Array2<Complex64> {
         let (work, count) = (self.found.work, self.lambda.len());
-        let leaking: Vec<Option<Leaks>> = near.iter().map(|&a| self.leaks_of(a)).collect();
-        let column = |(&a, leaking): (&usize, &Option<Leaks>), k: usize| {
+        let leaking: Vec<Option<LeakingColumn>> = near.iter().map(|&a| self.leaks_of(a)).collect();
+        let column = |(&a, leaking): (&usize, &Option<LeakingColumn>), k: usize| {
             let x = work.x[k];
             let plain = || resonance(work.law, self.lambda[a], x);
             work.g[k] * leaking.as_ref().map_or_else(plain, |own| own.at(x)[0])
@@ -250,10 +209,10 @@ impl Influence<'_> {
     }
 
     /// The column of a pole where FRFs leak.
-    fn leaks_of(&self, a: usize) -> Option<Leaks<'_>> {
+    fn leaks_of(&self, a: usize) -> Option<LeakingColumn<'_>> {
         let work = self.found.work;
         let leakage = work.leakage.as_deref()?;
-        Some(Leaks::new(work.law, leakage, self.lambda[a]))
+        Some(LeakingColumn::new(work.law, leakage, self.lambda[a]))
     }
 
     /// Errors of the residue of n by what each pole leaks, and of the poles; `products`: of
@@ -262,7 +221,7 @@ impl Influence<'_> {
         &self,
         (n, near): (usize, &[usize]),
         lines: &[usize],
-        leaking: &Leaking,
+        leaking: &LeakageIntoLines,
         products: &Array2<Complex64>,
     ) -> Vec<Form> {
         let count = self.lambda.len();

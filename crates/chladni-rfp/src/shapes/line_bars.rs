@@ -15,50 +15,73 @@ use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Standard deviations of a shape: of each response, and of its scale.
-type ShapeDeviations = (Vec<f64>, f64);
+/// The error bars of one term from one model of the errors.
+struct LineBars {
+    /// Variances of Re λ and Im λ.
+    pole: [f64; 2],
+    /// Standard deviation of each response.
+    shape: Vec<f64>,
+    /// Standard deviation of the scale.
+    scale: f64,
+}
 
-/// The error bars of a term.
+/// The bar that stays, of the one at hand and the new one.
+#[derive(Clone, Copy)]
+enum Keep {
+    /// The larger one: all FRFs share noise of a force.
+    Larger,
+    /// The bar at hand where it is [`limits::BARS_CONTRADICT`] times the new one: it is that of
+    /// a residual of blows, which is not white and does not tell.
+    LargerIfContradicted,
+    /// The new one.
+    New,
+}
+
+/// The error bars of a term, and how they join those at hand.
 pub(crate) struct TermBars {
     term: usize,
     owner: usize,
-    /// Variances of Re λ and Im λ.
-    pole: [f64; 2],
-    shape: ShapeDeviations,
+    new: LineBars,
     /// The same for independent errors, where the bars at hand are those of another
     /// estimator and only the ratio counts.
-    white: Option<([f64; 2], ShapeDeviations)>,
-    /// Factor from which on the larger bar at hand, that of a residual which is not white, stays. 1:
-    /// all FRFs share noise of a force. [`limits::BARS_CONTRADICT`]: blows, which do not tell. ∞: the
-    /// new bar holds.
-    larger_from: f64,
+    white: Option<LineBars>,
+    keep: Keep,
 }
 
 impl TermBars {
     /// Puts these in place of the bars of independent lines.
     pub fn put(self, poles: &mut [Pole], bars: &mut ShapeBars) {
-        let pole = &mut poles[self.owner];
+        let Self {
+            term,
+            owner,
+            new,
+            white,
+            keep,
+        } = self;
+        let white = white.as_ref();
+        let pole = &mut poles[owner];
         let per_unit = [0.5 / pole.omega, pole.omega.powi(-2)];
         let sizes = [&mut pole.omega_std, &mut pole.loss_factor_std];
         for (side, size) in sizes.into_iter().enumerate() {
-            let white = self.white.as_ref().map(|white| white.0[side].sqrt());
-            let white = white.map(|v| v * per_unit[side]);
-            self.replace(size, self.pole[side].sqrt() * per_unit[side], white);
+            let of = |bars: &LineBars| bars.pole[side].sqrt() * per_unit[side];
+            keep.replace(size, of(&new), white.map(of));
         }
-        for (i, &new) in self.shape.0.iter().enumerate() {
-            let white = self.white.as_ref().map(|white| white.1 .0[i]);
-            self.replace(&mut bars.shape[[self.term, i]], new, white);
+        for (i, &of_response) in new.shape.iter().enumerate() {
+            let white = white.map(|white| white.shape[i]);
+            keep.replace(&mut bars.shape[[term, i]], of_response, white);
         }
-        let white = self.white.as_ref().map(|white| white.1 .1);
-        self.replace(&mut bars.scale[self.term], self.shape.1, white);
+        keep.replace(&mut bars.scale[term], new.scale, white.map(|w| w.scale));
     }
+}
 
+impl Keep {
     /// A bar that is known stays where the new one is not.
-    fn replace(&self, bar: &mut f64, new: f64, white: Option<f64>) {
-        let value = match white {
-            Some(white) => *bar * (new / white).max(1.0),
-            None if *bar > self.larger_from * new => *bar,
-            None => new,
+    fn replace(self, bar: &mut f64, new: f64, white: Option<f64>) {
+        let value = match (white, self) {
+            (Some(white), _) => *bar * (new / white).max(1.0),
+            (None, Self::Larger) if *bar > new => *bar,
+            (None, Self::LargerIfContradicted) if *bar > limits::BARS_CONTRADICT * new => *bar,
+            (None, _) => new,
         };
         if bar.is_finite() && value.is_finite() {
             *bar = value;
@@ -66,7 +89,7 @@ impl TermBars {
     }
 }
 
-/// Error bars of the modes of the band, and what the residual says of the force.
+/// Error bars of the modes of the band, and the forces that the residual leaves possible.
 ///
 /// # Errors
 /// A kernel that fails.
@@ -84,57 +107,41 @@ pub(crate) fn line_bars(
     let independent = |cycles: f64| f64::from(u8::from(cycles == 0.0)).into();
     let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
     let white = influence.noise_products(independent, &vec![mean; variances.len()]);
-    // a force that drops at resonances leaks more than one of even spectrum, and one of
-    // several that act at once into the FRFs of the others, too
-    let told = errors.blocks().map(|blocks| 1.0 / blocks);
-    let believed = |[less, whole]: [f64; 2]| match told {
-        Some(told) if less < limits::LEAKS_AS_TOLD * told => told,
-        Some(_) => less,
-        None => whole,
-    };
-    let drop = influence.force_drop(believed(influence.share_of_leakage(None)));
-    // noise of a force that drops is loudest where leakage is
-    let all = believed(influence.share_of_leakage(drop.as_ref()));
-    let own = match found.data.references.len() {
-        1 => all,
-        _ => told.map_or(all, |told| all.min(told)),
-    };
-    let share = LeakageShare { all, own };
+    let (share, force_drop) = influence.leakage_share();
     // what the median line leaks makes good for what is not known: how many blocks there were, or
     // how loud noise is where a force drops
-    let drops = drop.as_ref().is_some_and(ForceDrop::may_be);
-    let noise = match drops || told.is_none() {
+    let drops = force_drop.as_ref().is_some_and(ForceDrop::may_be);
+    let noise = match drops || errors.blocks().is_none() {
         true => &influence.seen,
         false => &influence.noise,
     };
-    let shares = influence.shared.by_force;
+    let by_force = influence.shared.by_force;
+    let keep = match by_force {
+        true => Keep::Larger,
+        false if found.measured && errors.of_blows() => Keep::LargerIfContradicted,
+        false => Keep::New,
+    };
     let of_term = |term: usize| {
         let owner = found.shapes.owner[term];
-        let told = influence.moments(
+        let moments = influence.moments(
             owner,
             (&correlated, noise),
             share,
-            &influence.shared_near(owner, drop.as_ref()),
-            drop.as_ref(),
+            &influence.shared_near(owner, force_drop.as_ref()),
+            force_drop.as_ref(),
         );
         let other = found.poles[owner].given.as_ref();
-        let white = other.filter(|_| !shares).map(|_| {
+        let white = other.filter(|_| !by_force).map(|_| {
             let white = (&white, &influence.seen);
             let moments = influence.moments(owner, white, LeakageShare::default(), &[], None);
-            let shape = influence.term(term, &moments, white);
-            (moments.pole, shape)
+            influence.bars(term, &moments, white)
         });
         TermBars {
             term,
             owner,
-            shape: influence.term(term, &told, (&correlated, noise)),
-            pole: told.pole,
+            new: influence.bars(term, &moments, (&correlated, noise)),
             white,
-            larger_from: match shares {
-                true => 1.0,
-                false if found.measured && errors.of_blows() => limits::BARS_CONTRADICT,
-                false => f64::INFINITY,
-            },
+            keep,
         }
     };
     let inside = |term: &usize| {
@@ -143,10 +150,31 @@ pub(crate) fn line_bars(
             .in_band(influence.lambda[found.shapes.owner[*term]])
     };
     let terms: Vec<usize> = (0..found.shapes.owner.len()).filter(inside).collect();
-    Ok((terms.into_par_iter().map(of_term).collect(), drop))
+    Ok((terms.into_par_iter().map(of_term).collect(), force_drop))
 }
 
 impl Influence<'_> {
+    /// Variance of leakage over that in one block, and the forces that the residual leaves
+    /// possible. A force that drops at resonances leaks more than one of even spectrum, and one
+    /// of several that act at once into the FRFs of the others, too: so the residual is asked
+    /// before the number of blocks.
+    fn leakage_share(&self) -> (LeakageShare, Option<ForceDrop>) {
+        let of_blocks = self.errors.blocks().map(|blocks| 1.0 / blocks);
+        let believed = |[less, whole]: [f64; 2]| match of_blocks {
+            Some(share) if less < limits::LEAKS_AS_TOLD * share => share,
+            Some(_) => less,
+            None => whole,
+        };
+        let force_drop = self.force_drop(believed(self.share_of_leakage(None)));
+        // noise of a force that drops is loudest where leakage is
+        let all = believed(self.share_of_leakage(force_drop.as_ref()));
+        let own = match self.found.data.references.len() {
+            1 => all,
+            _ => of_blocks.map_or(all, |share| all.min(share)),
+        };
+        (LeakageShare { all, own }, force_drop)
+    }
+
     /// The parts of `moments` in Σ coefficient·δR_n over pairs, for each force.
     fn parts(
         &self,
@@ -196,13 +224,13 @@ impl Influence<'_> {
         self.found.data.pairs.iter().map(of_pair).collect()
     }
 
-    /// Deviations of the shape of a term, and that of its scale.
-    fn term(
+    /// The error bars of a term.
+    fn bars(
         &self,
         term: usize,
         moments: &Moments,
         (noise, own): (&Array2<Complex64>, &PairNoise),
-    ) -> (Vec<f64>, f64) {
+    ) -> LineBars {
         let Found {
             data,
             poles,
@@ -252,9 +280,10 @@ impl Influence<'_> {
             let all = spread(&parts) + own_noise * noise + x[i].norm_sqr() * beyond_first_order;
             scale.factor.norm() * all.max(0.0).sqrt()
         };
-        (
-            (0..x.len()).map(of_response).collect(),
-            scale_variance.sqrt(),
-        )
+        LineBars {
+            pole: moments.pole,
+            shape: (0..x.len()).map(of_response).collect(),
+            scale: scale_variance.sqrt(),
+        }
     }
 }

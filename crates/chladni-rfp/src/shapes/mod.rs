@@ -13,6 +13,7 @@ pub(crate) mod found;
 pub(crate) mod growth;
 pub(crate) mod influence;
 mod inverse_root;
+mod leakage_into_lines;
 mod leaked;
 mod levels;
 mod limits;
