@@ -188,7 +188,7 @@ pub fn tall_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>, LinalgError> {
 }
 
 /// Real and imaginary part of each line in turn; no copy of a matrix by columns.
-pub fn stacked(b: &Array2<Complex64>) -> CowArray<'_, f64, Ix2> {
+pub fn interleaved(b: &Array2<Complex64>) -> CowArray<'_, f64, Ix2> {
     let size = (2 * b.nrows(), b.ncols());
     let by_columns = b.t().to_slice().map(bytemuck::cast_slice);
     if let Some(parts) = by_columns.and_then(|parts| ArrayView2::from_shape(size.f(), parts).ok()) {
@@ -206,7 +206,7 @@ pub fn stacked(b: &Array2<Complex64>) -> CowArray<'_, f64, Ix2> {
 
 /// a·b for complex a and real b, as a real product of twice the rows.
 pub fn blocked_matmul_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2<Complex64> {
-    let parts = stacked(a);
+    let parts = interleaved(a);
     let mut out: Array2<Complex64> = Array2::zeros((a.nrows(), b.ncols()).f());
     let values = out.as_slice_memory_order_mut().unwrap_or_default();
     let size = (2 * a.nrows(), b.ncols());

@@ -11,7 +11,7 @@
 use crate::damping::law::is_rational;
 use crate::damping::limits;
 use crate::damping::places::viscous_pole_of;
-use crate::damping::viscous::viscous_basis;
+use crate::damping::viscous::{halves, viscous_basis};
 use crate::data::columns::Columns;
 use crate::data::information::{answer, coefficients};
 use chladni_linalg::blocked::{projected, tall_qr};
@@ -37,7 +37,7 @@ pub(crate) fn refined(
         return Ok(found);
     }
     let poles = found.0;
-    let data = stacked(&work.b);
+    let data = halves(&work.b);
     let mut here = Point::at(work, &data, poles, powers)?;
     let mut damping = limits::SAVED_DAMPING;
     for _ in 0..most {
@@ -57,15 +57,6 @@ pub(crate) fn refined(
         }
     }
     Ok((here.poles, here.sse))
-}
-
-/// Real parts over imaginary parts.
-fn stacked(b: &Array2<Complex64>) -> Array2<f64> {
-    let lines = b.nrows();
-    let mut out = Array2::zeros((2 * lines, b.ncols()).f());
-    out.slice_mut(s![..lines, ..]).assign(&b.mapv(|v| v.re));
-    out.slice_mut(s![lines.., ..]).assign(&b.mapv(|v| v.im));
-    out
 }
 
 /// The linear part at some poles.

@@ -21,10 +21,10 @@ pub(crate) fn synthesis(
     match damping {
         Damping::Structural => real_basis(&basis(&axis, poles, powers)),
         Damping::Viscous => {
-            let stacked = viscous_basis(&axis, poles, powers);
+            let halves = viscous_basis(&axis, poles, powers);
             let lines = axis.lines();
-            Array2::from_shape_fn(stacked.dim().f(), |(row, c)| {
-                stacked[[row / 2 + lines * (row % 2), c]]
+            Array2::from_shape_fn(halves.dim().f(), |(row, c)| {
+                halves[[row / 2 + lines * (row % 2), c]]
             })
         }
     }

@@ -2,15 +2,15 @@
 //! poles s and s* with residues r and r*, over the reals.
 //!
 //! α = Σ [r/(jω − s) + r*/(jω − s*)] is linear in Re r and Im r only over the reals, so
-//! lines are stacked (real parts, then imaginary parts) and each mode has two real
+//! lines come in halves (real parts, then imaginary parts) and each mode has two real
 //! columns. Frequencies are in units of ω_max: y = ω/ω_max = √x.
 
 use crate::damping::columns::inverse;
 use crate::data::columns::Columns;
-use ndarray::{Array2, ShapeBuilder};
+use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
 
-fn stack_into(out: &mut Array2<f64>, column: usize, values: impl Iterator<Item = Complex64>) {
+fn in_halves_into(out: &mut Array2<f64>, column: usize, values: impl Iterator<Item = Complex64>) {
     let lines = out.nrows() / 2;
     let mut column = out.column_mut(column);
     let (re, im) = column
@@ -22,7 +22,16 @@ fn stack_into(out: &mut Array2<f64>, column: usize, values: impl Iterator<Item =
     }
 }
 
-/// Stacked basis: per mode g·(u + v) and jg·(u − v) with u = 1/(jy − s), v = 1/(jy − s*);
+/// Real parts of lines over imaginary parts, as those of [`viscous_basis`].
+pub(crate) fn halves(b: &Array2<Complex64>) -> Array2<f64> {
+    let lines = b.nrows();
+    let mut out = Array2::zeros((2 * lines, b.ncols()).f());
+    out.slice_mut(s![..lines, ..]).assign(&b.mapv(|v| v.re));
+    out.slice_mut(s![lines.., ..]).assign(&b.mapv(|v| v.im));
+    out
+}
+
+/// Basis in halves: per mode g·(u + v) and jg·(u − v) with u = 1/(jy − s), v = 1/(jy − s*);
 /// then residual terms.
 pub(crate) fn viscous_basis(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Array2<f64> {
     let mut a = Array2::zeros((2 * work.lines(), 2 * (poles.len() + powers.len())).f());
@@ -41,8 +50,8 @@ pub(crate) fn viscous_basis(work: &Columns, poles: &[Complex64], powers: &[i32])
                 }
             })
         };
-        stack_into(&mut a, 2 * n, uv().map(|(u, v)| u + v));
-        stack_into(&mut a, 2 * n + 1, uv().map(|(u, v)| j * (u - v)));
+        in_halves_into(&mut a, 2 * n, uv().map(|(u, v)| u + v));
+        in_halves_into(&mut a, 2 * n + 1, uv().map(|(u, v)| j * (u - v)));
     }
     for (p, &power) in powers.iter().enumerate() {
         let column = 2 * (poles.len() + p);
@@ -52,8 +61,8 @@ pub(crate) fn viscous_basis(work: &Columns, poles: &[Complex64], powers: &[i32])
                 .zip(&work.g)
                 .map(move |(&x, &g)| Complex64::new(g * x.powi(power), 0.0))
         };
-        stack_into(&mut a, column, term());
-        stack_into(&mut a, column + 1, term().map(|v| j * v));
+        in_halves_into(&mut a, column, term());
+        in_halves_into(&mut a, column + 1, term().map(|v| j * v));
     }
     a
 }

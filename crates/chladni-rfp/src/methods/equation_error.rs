@@ -11,7 +11,7 @@
 //! φ is orthonormal on the lines, θ on the lines with weight mean|Y_l|²
 //! ([`super::forsythe`]), and the leading coefficient of D is one, as in 1982. The
 //! unknown numerators are eliminated: with P the columns φ and T_l the columns Y_l θ, A_l
-//! = (I − PPᵀ)T_l and D solves the stacked A d ≈ 0. A is factored by QR, then SVD; it is
+//! = (I − PPᵀ)T_l and D solves A d ≈ 0 of all FRFs. A is factored by QR, then SVD; it is
 //! never squared.
 //!
 //! *Equation error, not output error.* The residual is the measured one times |D|, which
@@ -91,7 +91,7 @@ impl BandEquations {
         )?;
         let ones = vec![Complex64::new(1.0, 0.0); y.len()];
         Ok(Self {
-            numerator: stacked(&basis.half, &ones),
+            numerator: columns_in_halves(&basis.half, &ones),
             y,
             order,
         })
@@ -179,7 +179,7 @@ impl BandEquations {
                 }
             })
             .collect();
-        let t = stacked(&theta.half, &ratio);
+        let t = columns_in_halves(&theta.half, &ratio);
         let inside = matmul(
             self.numerator.view(),
             matmul_h(self.numerator.view(), t.view()).view(),
@@ -201,7 +201,7 @@ pub(crate) fn largest_order(lines: usize, omega_power: usize) -> usize {
 }
 
 /// Columns factor·jᵏ·p_k with real parts over imaginary parts.
-fn stacked(half: &Array2<f64>, factor: &[Complex64]) -> Array2<f64> {
+fn columns_in_halves(half: &Array2<f64>, factor: &[Complex64]) -> Array2<f64> {
     let lines = half.nrows();
     let mut out = Array2::zeros((2 * lines, half.ncols()).f());
     for (k, column) in half.columns().into_iter().enumerate() {

@@ -5,15 +5,15 @@
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::model::limits;
-use chladni_linalg::blocked::{blocked_matmul_h, stacked};
+use chladni_linalg::blocked::{blocked_matmul_h, interleaved};
 use chladni_linalg::matmul;
 use ndarray::{s, Array2, ShapeBuilder};
 use rayon::prelude::*;
 
 /// A model laid over the columns that it was found on.
 pub(crate) struct Laid<'a> {
-    /// The columns that the coefficients multiply, over the reals: real over imaginary
-    /// parts of lines.
+    /// The columns that the coefficients multiply, over the reals: real and imaginary part
+    /// of each line in turn.
     pub basis: &'a Array2<f64>,
     /// Adds the coefficients of one FRF (position among the pairs).
     pub coefficients: &'a (dyn Fn(usize, &mut [f64]) + Sync),
@@ -76,7 +76,7 @@ fn sums(model: &Laid, data: &DataLayout) -> Option<Vec<(f64, f64)>> {
     let basis = model.basis;
     let (gram, against) = (
         blocked_matmul_h(basis.view(), basis.view()),
-        blocked_matmul_h(basis.view(), stacked(&work.b).view()),
+        blocked_matmul_h(basis.view(), interleaved(&work.b).view()),
     );
     let unit = data.factor().norm_sqr();
     let starts: Vec<usize> = (0..data.pairs.len())

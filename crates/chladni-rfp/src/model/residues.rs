@@ -3,14 +3,14 @@
 
 use crate::damping::law::is_rational;
 use crate::damping::structural::basis;
-use crate::damping::viscous::viscous_basis;
+use crate::damping::viscous::{halves, viscous_basis};
 use crate::data::columns::Columns;
 use crate::data::information;
 use crate::poles::normal::{Parted, Plain};
 use crate::poles::refine::Projection;
 use crate::shapes::residues::schur_weight;
 use chladni_frf::Damping;
-use chladni_linalg::blocked::blocked_matmul;
+use chladni_linalg::blocked::{blocked_matmul, interleaved};
 use chladni_linalg::{lstsq, matmul, matmul_h, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -73,9 +73,7 @@ fn real(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, L
     let (n, p) = (poles.len(), powers.len());
     let a = viscous_basis(work, poles, powers);
     let lines = work.lines();
-    let mut b = Array2::zeros((2 * lines, work.columns()).f());
-    b.slice_mut(s![..lines, ..]).assign(&work.b.mapv(|v| v.re));
-    b.slice_mut(s![lines.., ..]).assign(&work.b.mapv(|v| v.im));
+    let b = halves(&work.b);
     // poles outside the band that have fused share their residue
     let solution = lstsq(a.view(), b.view()).or_else(|_| {
         let gram = matmul_h(a.view(), a.view());
@@ -131,15 +129,7 @@ impl Answer {
         match self {
             Self::Complex(answer) => *terms -= &blocked_matmul(answer.view(), change.view()),
             Self::Real(answer) => {
-                let (n, m) = change.dim();
-                let stacked = Array2::from_shape_fn((2 * n, m).f(), |(i, c)| {
-                    if i % 2 == 0 {
-                        change[[i / 2, c]].re
-                    } else {
-                        change[[i / 2, c]].im
-                    }
-                });
-                let shift = blocked_matmul(answer.view(), stacked.view());
+                let shift = blocked_matmul(answer.view(), interleaved(change).view());
                 for ((i, c), value) in terms.indexed_iter_mut() {
                     *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);
                 }
