@@ -8,7 +8,7 @@
 
 use super::{measured_and_fitted, MeasuredPanel, SceneCase, ScenePanel, Served, SCENE_CASES};
 use crate::countdown::Countdown;
-use chladni_frf::{ComplexVector, ModalModel, Mode, Result, Trust};
+use chladni_frf::{ComplexVector, ModalModel, Mode, Result};
 use chladni_render::{
     evaluate, render, Evaluation, Method, MethodChoice, ModalSteps, On, PointIndices,
     RenderOptions, Scene, Weights,
@@ -249,10 +249,7 @@ fn all_counted(mut model: ModalModel) -> ModalModel {
 /// field, and are none to the two steps.
 fn lowest_modes(model: &ModalModel, count: usize) -> ModalModel {
     let mut model = model.clone();
-    let counted = model
-        .modes
-        .iter_mut()
-        .filter(|mode| mode.in_band && mode.trust != Trust::Rejected);
+    let counted = model.modes.iter_mut().filter(|mode| mode.counts());
     counted.skip(count).for_each(|mode| mode.in_band = false);
     model
 }

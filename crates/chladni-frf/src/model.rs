@@ -178,6 +178,12 @@ pub struct Mode {
 }
 
 impl Mode {
+    /// True for a mode of the band that was not rejected: tables number these, and all
+    /// other modes are residual terms.
+    pub fn counts(&self) -> bool {
+        self.in_band && self.trust != Trust::Rejected
+    }
+
     /// `shape_std` of a response without the error of the scale: what is left of it in
     /// FRFs, where the participation has the scale's inverse.
     pub fn shape_std_at_known_scale(&self, response: usize) -> f64 {
@@ -383,11 +389,9 @@ impl ModalModel {
         part
     }
 
-    /// Modes inside the band (`sure` and `weak`); the others are residual terms.
+    /// Modes that count ([`Mode::counts`]).
     pub fn in_band_modes(&self) -> impl Iterator<Item = &Mode> {
-        self.modes
-            .iter()
-            .filter(|mode| mode.in_band && mode.trust != Trust::Rejected)
+        self.modes.iter().filter(|mode| mode.counts())
     }
 
     /// Gives the findings the numbers of the modes that they are about.

@@ -144,7 +144,7 @@ impl Selection {
         let mut number = 0;
         let mut dropped = Vec::new();
         left.modes.retain(|mode| {
-            let counts = mode.in_band && mode.trust != Trust::Rejected;
+            let counts = mode.counts();
             number += usize::from(counts);
             let stays = !counts || named[number - 1] == self.keep;
             if !stays {

@@ -206,7 +206,7 @@ fn every_mode(model: &ModalModel) -> String {
     const HEADER: [&str; 5] = ["mode", "f, Hz ± 95 %", "ζ, % ± 95 %", "", "reasons"];
     let mut number = 0;
     let row = |mode: &Mode| {
-        let counts = mode.in_band && mode.trust != Trust::Rejected;
+        let counts = mode.counts();
         number += usize::from(counts);
         let one = Numbered {
             number,

@@ -18,7 +18,7 @@ use crate::panel::Panel;
 use crate::point_mass::PointMass;
 use crate::point_spring::PointSpring;
 use crate::tolerances;
-use chladni_frf::{Error, Finding, ModalModel, Mode, Result, Scaling, Trust};
+use chladni_frf::{Error, Finding, ModalModel, Mode, Result, Scaling};
 use places::Places;
 use routes::{Routes, Scales};
 
@@ -168,8 +168,7 @@ fn usual_ratio(model: &ModalModel, scales: &[Option<Scales>], route: ScaleRoute)
 
 /// Numbers of the modes that count.
 fn counted(model: &ModalModel) -> impl Iterator<Item = usize> + '_ {
-    let counts = |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
-    (0..model.modes.len()).filter(counts)
+    (0..model.modes.len()).filter(|&n| model.modes[n].counts())
 }
 
 /// Multiplies the shape, and divides the participation.

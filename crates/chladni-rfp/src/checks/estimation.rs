@@ -2,7 +2,6 @@
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
-use crate::checks::window_bias::stands;
 use chladni_frf::{Finding, Mode, Reason};
 
 /// Blows under a Hann window: it weighs a response by sin²(πt/T), so each mode has lines of the
@@ -11,7 +10,7 @@ pub(crate) fn of_blows(case: &Case) -> Option<Checked> {
     let reach_hz = limits::BESIDE_LINES / case.data.hann_on_blows_s?;
     let modes = || {
         let all = case.model.modes.iter().enumerate();
-        all.filter(|(_, mode)| stands(mode))
+        all.filter(|(_, mode)| mode.counts())
     };
     let reason = Reason::new(
         "windowed-side-lobe",
@@ -47,7 +46,7 @@ pub(crate) fn of_local_fits(case: &Case) -> Option<Checked> {
     );
     let modes = case.model.modes.iter().enumerate();
     let weak = modes
-        .filter(|(_, mode)| stands(mode))
+        .filter(|(_, mode)| mode.counts())
         .map(|(n, _)| (n, reason.clone()))
         .collect();
     let words = "the FRFs were made by local fits, and the force was no noise through the whole \

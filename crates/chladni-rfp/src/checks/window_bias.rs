@@ -11,7 +11,7 @@ use crate::data::layout::DataLayout;
 use crate::data::window::kinds::Window;
 use crate::data::window::leakage::Leakage;
 use crate::model::modes::widen_scale;
-use chladni_frf::{Finding, ModalModel, Mode, Scaling, Trust};
+use chladni_frf::{Finding, ModalModel, Mode, Scaling};
 use std::f64::consts::PI;
 
 /// The check where the window is known: its effect is in the columns, as long as the
@@ -196,7 +196,7 @@ pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout, window: Window) {
         .modes
         .iter_mut()
         .zip(twins)
-        .filter(|(mode, _)| stands(mode))
+        .filter(|(mode, _)| mode.counts())
     {
         let doubt = excess(&leakage, mode);
         widen(mode, scaling, doubt, limits::SCALE_OF_DAMPING * doubt);
@@ -219,11 +219,6 @@ fn widen(mode: &mut Mode, scaling: Scaling, of_loss: f64, of_scale: f64) {
         return;
     }
     widen_scale(mode, |std, size| std.hypot(of_scale * size));
-}
-
-/// True for a mode of the band that was not rejected.
-pub(super) fn stands(mode: &Mode) -> bool {
-    mode.in_band && mode.trust != Trust::Rejected
 }
 
 /// Effect of a window on records as long as the lines tell; decays are in 1/s.
@@ -286,7 +281,7 @@ impl FoundWindow {
         let others = self.others.iter().filter_map(|w| leakage_of(*w, data));
         let others: Vec<Leakage> = others.collect();
         let scaling = model.scaling;
-        for mode in model.modes.iter_mut().filter(|mode| stands(mode)) {
+        for mode in model.modes.iter_mut().filter(|mode| mode.counts()) {
             let decay = PI * mode.loss_factor * mode.frequency_hz;
             let seen = decay * (1.0 + own.broadening(decay));
             let off = |other: &Leakage| (other.unbroadened(seen) / decay - 1.0).abs();

@@ -158,10 +158,7 @@ impl Shaped {
         findings.append(&mut self.identified.warnings);
         findings.extend(self.findings(data, &modes));
         if !findings.iter().any(|finding| finding.code == "fewer-modes") {
-            let found = modes
-                .iter()
-                .filter(|m| m.in_band && m.trust != Trust::Rejected);
-            let found = found.count();
+            let found = modes.iter().filter(|mode| mode.counts()).count();
             let asked = options.modes.filter(|asked| found < *asked);
             findings.extend(asked.map(|asked| fewer_modes(asked, found, "")));
         }

@@ -226,10 +226,7 @@ pub(crate) fn unscaled(unit: ReferenceUnit) -> Finding {
 
 /// The finding of a band without a mode, or without a sure one.
 pub(crate) fn few_modes(modes: &[Mode]) -> Option<Finding> {
-    let mut inside = modes
-        .iter()
-        .filter(|m| m.in_band && m.trust != Trust::Rejected)
-        .peekable();
+    let mut inside = modes.iter().filter(|mode| mode.counts()).peekable();
     if inside.peek().is_none() {
         return Some(
             Finding::fault("no-mode", "no mode stands out of the noise in this band")

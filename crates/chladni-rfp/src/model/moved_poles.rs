@@ -8,7 +8,7 @@
 use super::limits;
 use crate::damping::law::per_residue;
 use chladni_frf::{
-    Damping, Dof, Error, Finding, FrfSet, FrfValues, ModalModel, Mode, Result, Severity, Trust,
+    Damping, Dof, Error, Finding, FrfSet, FrfValues, ModalModel, Mode, Result, Severity,
 };
 use ndarray::{Array1, Array2, Array3};
 use num_complex::Complex64;
@@ -72,8 +72,9 @@ pub fn poles_of(model: &ModalModel, frf: &FrfSet) -> Result<MovedPoles> {
 
 /// Modes of the band that count.
 fn counted(model: &ModalModel) -> Vec<usize> {
-    let counts = |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
-    (0..model.modes.len()).filter(counts).collect()
+    (0..model.modes.len())
+        .filter(|&n| model.modes[n].counts())
+        .collect()
 }
 
 /// The FRFs on the lines of the band, and the model at their DOFs.
