@@ -13,7 +13,7 @@
 //! the poles, and the bound is that of free residues. Where ψ and L are known to be real,
 //! Re λ_n and Im λ_n are unknowns of their own, with the columns y_λn and jy_λn, real
 //! parts are taken of all products, and Cov(θ) = σ²/2 [...]⁻¹ (theory.md, eq. 34 and 35).
-//! Derived from the Jacobian of the model; checked against it in `tests/cramer_rao.rs`.
+//! Derived from the Jacobian of the model; checked against it in `tests/panel/cramer_rao.rs`.
 
 use crate::cramer_rao::{bound, gram, inverse_root, outside, CramerRao, Lines, PoleVariance};
 use chladni_frf::{Error, ModalModel, Mode, Result};

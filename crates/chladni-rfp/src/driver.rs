@@ -16,7 +16,7 @@ use crate::data::screening::Screened;
 use crate::data::source::Source;
 use crate::data::watch::{CancelToken, Watch};
 use crate::data::window::kinds::Window;
-use crate::data::window::told::told;
+use crate::data::window::of_set::with_set;
 use crate::methods::aaa::aaa;
 use crate::methods::auto::auto;
 use crate::methods::bars::fit_by_method;
@@ -82,11 +82,11 @@ pub fn fit_watched(
         cancel,
     };
     in_pool(|| {
-        let options = told(frf, options);
+        let options = with_set(frf, options);
         let data = Screened::new(frf, &options)?;
         let fit = walk(data.clone(), &options, &watch)?;
         match options.window.filter(|window| *window != Window::None) {
-            Some(window) => with_window_told(data, fit, window, options, &watch),
+            Some(window) => with_known_window(data, fit, window, options, &watch),
             None if window_bias::is_open(&fit.model) => {
                 with_window_found(frf, fit, options, &watch)
             }
@@ -95,12 +95,12 @@ pub fn fit_watched(
     })
 }
 
-/// The fit under the window that was told, with a caution where line shapes doubt that window and a
+/// The fit under the window that is known, with a caution where line shapes doubt that window and a
 /// fit without it leaves far less.
 ///
 /// # Errors
 /// Those of [`fit`].
-fn with_window_told(
+fn with_known_window(
     data: Screened,
     mut fit: Fit,
     window: Window,

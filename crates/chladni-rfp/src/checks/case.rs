@@ -40,7 +40,8 @@ impl From<Finding> for Checked {
 }
 
 impl<'a> Case<'a> {
-    /// Of a fit whose residual is not white.
+    /// Of a fit whose window is in question. Its residual counts as not white, whatever it is:
+    /// misfit of line shapes is what is looked for.
     pub(crate) fn of_fit(
         data: &'a Screened<'a>,
         model: &'a ModalModel,

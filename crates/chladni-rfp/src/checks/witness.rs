@@ -19,7 +19,7 @@ use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::peaks::running_median;
 use crate::data::screening::Screened;
-use crate::data::window::told::told;
+use crate::data::window::of_set::with_set;
 use chladni_frf::{FrfSet, ModalModel};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
@@ -58,7 +58,7 @@ pub fn error_witness(
     options: &FitOptions,
     model: &ModalModel,
 ) -> Result<Option<Witness>, FitError> {
-    let options = told(frf, options);
+    let options = with_set(frf, options);
     let screened = Screened::new(frf, &options)?;
     Ok(witness(&Case::of_fit(&screened, model, &options)))
 }

@@ -13,7 +13,7 @@ use crate::damping::places::in_plane_of;
 use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
 use crate::data::information::answer;
-use crate::data::sums::{inner, sum_of_squares};
+use crate::data::inner_products::{inner, sum_of_squares};
 use crate::tolerances as tol;
 use chladni_frf::Damping;
 use chladni_linalg::blocked::{blocked_matmul_h, projected, range};

@@ -6,7 +6,7 @@
 //! receptance back into the measured kind, so that residuals are those of the measurement
 //! and white noise stays white.
 
-use crate::data::sums::sum_of_squares;
+use crate::data::inner_products::sum_of_squares;
 use crate::data::window::leakage::Leakage;
 use chladni_frf::Damping;
 use ndarray::{Array1, Array2, ShapeBuilder};

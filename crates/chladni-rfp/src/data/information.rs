@@ -16,7 +16,7 @@ pub(crate) fn covariance<T: Scalar>(information: ArrayView2<T>) -> Array2<T> {
     inverse_hermitian(information)
         .ok()
         .filter(|inverse| inverse.iter().all(Scalar::is_finite_value))
-        .or_else(|| Some(Told::by(information).ok()?.covariance()))
+        .or_else(|| Some(Informed::by(information).ok()?.covariance()))
         .unwrap_or_else(|| Array2::from_diag_elem(information.nrows(), T::of_real(f64::INFINITY)))
 }
 
@@ -33,7 +33,7 @@ pub(crate) fn answer<T: Scalar>(
     match solved.filter(|answer| answer.iter().all(Scalar::is_finite_value)) {
         Some(answer) => Ok(answer),
         None => {
-            let root = Told::by(matrix)?.root;
+            let root = Informed::by(matrix)?.root;
             Ok(matmul_h(root.view(), matmul(root.view(), right).view()))
         }
     }
@@ -54,15 +54,15 @@ pub(crate) fn coefficients<T: Scalar>(
     }
 }
 
-/// The information in a matrix.
-struct Told<T> {
+/// The directions that an information matrix tells.
+struct Informed<T> {
     /// (direction, unknown): the inverse on these directions is rootᴴ·root.
     root: Array2<T>,
     /// False for unknowns with a part in other directions.
     known: Vec<bool>,
 }
 
-impl<T: Scalar> Told<T> {
+impl<T: Scalar> Informed<T> {
     /// By the eigenvectors of the matrix brought to a unit diagonal.
     fn by(matrix: ArrayView2<T>) -> Result<Self, LinalgError> {
         let n = matrix.nrows();

@@ -145,7 +145,7 @@ impl DataLayout {
             line_hz.first().copied().unwrap_or(0.0),
             line_hz.last().copied().unwrap_or(0.0),
         );
-        let mut head = Self {
+        let mut layout = Self {
             responses: Arc::default(),
             references: Arc::default(),
             nodes: Arc::default(),
@@ -178,14 +178,14 @@ impl DataLayout {
             dropped_hz: Vec::new(),
             outlier_rounds: 0,
         };
-        let ratio: Vec<f64> = head
+        let ratio: Vec<f64> = layout
             .line_hz
             .iter()
-            .map(|f| TAU * f / head.omega_max)
+            .map(|f| TAU * f / layout.omega_max)
             .collect();
-        head.x = ratio.iter().map(|r| r * r).collect();
-        head.g = ratio.iter().map(|r| r.powi(kind.omega_power())).collect();
-        head
+        layout.x = ratio.iter().map(|r| r * r).collect();
+        layout.g = ratio.iter().map(|r| r.powi(kind.omega_power())).collect();
+        layout
     }
 
     /// Records under `window`, as `made` or, where that is not known, of the inverse of the

@@ -192,9 +192,9 @@ impl Source for Screened<'_> {
     }
 
     fn without(&self, places: &[usize]) -> Self {
-        let (head, kept) = self.head.without(places);
+        let (layout, kept) = self.layout.without(places);
         Self {
-            head,
+            layout,
             first_pass: self.first_pass.select(&kept),
             ..*self
         }
@@ -202,7 +202,7 @@ impl Source for Screened<'_> {
 
     fn in_law(&self, law: Damping) -> Self {
         let mut other = self.clone();
-        other.head.law = law;
+        other.layout.law = law;
         other
     }
 
@@ -216,23 +216,29 @@ impl Source for Screened<'_> {
         left: Weights,
     ) -> Result<Self, FitError> {
         let mut other = self.clone();
-        let head = &mut other.head;
-        head.weights_left = left;
-        let rms = head.measured_rms();
-        if weights.is_none() && head.weighting.is_none() {
+        let layout = &mut other.layout;
+        layout.weights_left = left;
+        let rms = layout.measured_rms();
+        if weights.is_none() && layout.weighting.is_none() {
             return Ok(other);
         }
-        head.weighting = weights.map(|(weights, giver)| Weighting {
+        layout.weighting = weights.map(|(weights, giver)| Weighting {
             weights,
             rms,
             giver,
         });
         let weighted = |&pair: &(usize, usize)| {
-            energy(&self.frf.values, pair, &head.lines, head.weight_of(pair)).0
+            energy(
+                &self.frf.values,
+                pair,
+                &layout.lines,
+                layout.weight_of(pair),
+            )
+            .0
         };
-        head.energy = head.pairs.par_iter().map(weighted).collect();
-        head.rms = match head.weighting {
-            Some(_) => head.mean_square().sqrt(),
+        layout.energy = layout.pairs.par_iter().map(weighted).collect();
+        layout.rms = match layout.weighting {
+            Some(_) => layout.mean_square().sqrt(),
             None => rms,
         };
         other.first_pass = FirstPass::default();
@@ -241,7 +247,7 @@ impl Source for Screened<'_> {
 
     fn noted(&self, finding: Option<Finding>) -> Self {
         let mut other = self.clone();
-        other.head.warnings.extend(finding);
+        other.layout.warnings.extend(finding);
         other
     }
 

@@ -9,7 +9,7 @@ use crate::data::noisy_frfs::far_noisier;
 use crate::data::options::{FitOptions, Method};
 use crate::data::reading::{energy, visit, Usable};
 use crate::data::sketch::{Mixing, Sums};
-use crate::data::window::told::record_s;
+use crate::data::window::of_set::record_s;
 use chladni_frf::{Dof, Finding, FrfSet};
 use ndarray::{Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
@@ -21,7 +21,7 @@ use std::sync::{Arc, RwLock};
 /// data.
 #[derive(Debug, Clone)]
 pub(crate) struct Screened<'a> {
-    pub head: DataLayout,
+    pub layout: DataLayout,
     /// The data as they were measured; they are weighted as they are read.
     pub frf: &'a FrfSet,
     /// The first pass, where it is made already.
@@ -63,7 +63,7 @@ impl FirstPass {
 impl Deref for Screened<'_> {
     type Target = DataLayout;
     fn deref(&self) -> &DataLayout {
-        &self.head
+        &self.layout
     }
 }
 
@@ -116,7 +116,7 @@ impl<'a> Screened<'a> {
         }
         enough(lines.len(), [low, high], options.modes)?;
         let of_lines = line_variance(frf, &pairs, &lines);
-        let mut head = DataLayout {
+        let mut layout = DataLayout {
             pairs: pairs.into(),
             warnings,
             ..DataLayout::new(frf, kind, lines, [low, high], options.effort)
@@ -128,23 +128,23 @@ impl<'a> Screened<'a> {
                 )
                 .with_line_variance(of_lines)
         };
-        head.energy = energies(frf, &head, bad.contains(&true), &sum_of_pair).into();
-        head.rms = head.mean_square().sqrt();
-        sensible(head.rms)?;
+        layout.energy = energies(frf, &layout, bad.contains(&true), &sum_of_pair).into();
+        layout.rms = layout.mean_square().sqrt();
+        sensible(layout.rms)?;
         let sums = sums
-            .filter(|sums| sums.frf_energy.len() == head.pairs.len())
+            .filter(|sums| sums.frf_energy.len() == layout.pairs.len())
             .map(|sums| (options.seed, sums));
         Ok(Self {
-            head,
+            layout,
             frf,
             first_pass: FirstPass::new(sums),
         })
     }
 
     /// Lines, pairs and scale that were chosen elsewhere, in a part of the data.
-    pub fn part(frf: &'a FrfSet, head: DataLayout) -> Self {
+    pub fn part(frf: &'a FrfSet, layout: DataLayout) -> Self {
         Self {
-            head,
+            layout,
             frf,
             first_pass: FirstPass::default(),
         }
@@ -207,14 +207,16 @@ fn drop_bad(lines: &mut Vec<usize>, bad: &[bool], lost: usize) -> Option<Finding
 
 /// Energy of each FRF used, as the look at all lines told it (`sum_of_pair`) unless some
 /// lines are left out.
-fn energies(frf: &FrfSet, head: &DataLayout, left_out: bool, sum_of_pair: &[f64]) -> Vec<f64> {
+fn energies(frf: &FrfSet, layout: &DataLayout, left_out: bool, sum_of_pair: &[f64]) -> Vec<f64> {
     if left_out {
-        head.pairs
+        layout
+            .pairs
             .par_iter()
-            .map(|&pair| energy(&frf.values, pair, &head.lines, 1.0).0)
+            .map(|&pair| energy(&frf.values, pair, &layout.lines, 1.0).0)
             .collect()
     } else {
-        head.pairs
+        layout
+            .pairs
             .iter()
             .map(|&(i, j)| sum_of_pair[i * frf.references.len() + j])
             .collect()

@@ -47,9 +47,9 @@ pub(crate) struct Evidence {
     /// Largest residue over the next, dB; `None` where they are too few to say, or of
     /// mixtures.
     pub alone_db: Option<f64>,
-    /// Σr²/Σ|r|² of its residues r: twice the angle at which they stand, and the root of
-    /// their modal phase collinearity. `None` where they do not belong to one shape.
-    pub stand: Option<Complex64>,
+    /// Σr²/Σ|r|² of its residues r: the angle is twice their mean phase, the modulus the root
+    /// of their modal phase collinearity. `None` where they do not belong to one shape.
+    pub mean_phase: Option<Complex64>,
 }
 
 impl Evidence {
@@ -116,9 +116,9 @@ pub(crate) fn look(
         edge: (lambda.re - low).min(high - lambda.re) / lambda.im,
         level_db,
         alone_db: residues.as_deref().map(alone_db),
-        stand: residues
+        mean_phase: residues
             .filter(|_| record.one_reference)
-            .map(|residues| stand(&residues)),
+            .map(|residues| mean_phase(&residues)),
     }
 }
 
@@ -132,7 +132,7 @@ fn alone_db(residues: &[Complex64]) -> f64 {
     10.0 * (squares[0] / squares[1].max(tol::TINY)).log10()
 }
 
-fn stand(residues: &[Complex64]) -> Complex64 {
+fn mean_phase(residues: &[Complex64]) -> Complex64 {
     residues.iter().map(|r| r * r).sum::<Complex64>() / squares(residues.iter()).max(tol::TINY)
 }
 

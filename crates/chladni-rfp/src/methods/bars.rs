@@ -3,7 +3,7 @@
 //!
 //! A method other than maximum likelihood has a bias that its own scatter does not show.
 //! The bars here add what it would still have to move (theory.md, eq. 43): the scatter of
-//! an efficient estimator at this residual, and the first steps of [`crate::refine`] from
+//! an efficient estimator at this residual, and the first steps of [`crate::poles::refine`] from
 //! the method's poles, which are not taken.
 
 use super::limits::{MOST_LEFT, SAME_POLE};

@@ -18,7 +18,7 @@
 //! is small at the resonances and large between and beyond them: the fit looks where the
 //! modes are not. Noise enters A too, so the estimate is biased, and collecting more
 //! lines or FRFs does not remove the bias. A well-conditioned basis changes nothing of
-//! this; pole pairs to spare ([`super::SPARE_PAIRS`]) change much, since they take the
+//! this; pole pairs to spare ([`super::limits::SPARE_PAIRS`]) change much, since they take the
 //! noise on themselves.
 //!
 //! The covariance is the linearised one with each residual standing for its own variance

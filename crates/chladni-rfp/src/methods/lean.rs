@@ -1,6 +1,6 @@
 //! The fast chain with the order given: relaxed vector fitting on few mixtures of the
 //! sketch, then maximum likelihood on the compressed columns of all FRFs
-//! ([`crate::order`] without its loop).
+//! ([`crate::poles::chain`] without its loop).
 //!
 //! The number of modes is what was asked for, else what is significant of a pool for as
 //! many modes as there are visible peaks; poles to spare are taken out before the

@@ -59,7 +59,7 @@ pub(crate) fn rfp(
     let run = |law| Search::new(survey, columns, options, law).run();
     let mut found = run(options.damping.unwrap_or(FIRST))?;
     if options.damping.is_none() {
-        match told(survey, columns, &found.poles)? {
+        match law_of_residues(survey, columns, &found.poles)? {
             Some(law) if law != found.law => found = run(law)?,
             _ => {}
         }
@@ -106,7 +106,7 @@ fn ill_conditioned(leading: f64) -> Finding {
 }
 
 /// The law that the turn of the residues tells.
-fn told(
+fn law_of_residues(
     survey: &Survey,
     columns: &Compressed,
     poles: &[Complex64],

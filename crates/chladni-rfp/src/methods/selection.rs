@@ -11,7 +11,7 @@ use crate::methods::found::negative_damping;
 use crate::methods::found::MethodPoles;
 use crate::methods::survey::Survey;
 use crate::poles::estimate::fewer_modes;
-use crate::poles::prune::{crutch, unphysical};
+use crate::poles::prune::{redundant_pole, unphysical};
 use crate::poles::refine::{refine, removable, Projection};
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
@@ -67,9 +67,9 @@ pub(crate) fn select(
     Ok((kept, variance))
 }
 
-/// The poles as the method found them, but those of the band that only prop up the
-/// others.
-fn without_crutches(
+/// The poles as the method found them, without those of the band that become redundant once
+/// the others are refined.
+fn without_redundant_poles(
     work: &Columns,
     mut lambda: Vec<Complex64>,
     variance: f64,
@@ -78,7 +78,7 @@ fn without_crutches(
     let mut needed = Vec::new();
     loop {
         let moved = refine(work, &lambda, &POWERS, tol::ROUGH)?;
-        match crutch(work, &moved, limit, |pole| work.in_band(pole), &mut needed)? {
+        match redundant_pole(work, &moved, limit, |pole| work.in_band(pole), &mut needed)? {
             Some((q, _)) => lambda.remove(q),
             None => return Ok(lambda),
         };
@@ -107,7 +107,7 @@ pub(crate) fn modes_of(
         lambda.iter().partition(|pole| pole.im > 0.0);
     let (mut chosen, variance) = select(work, &stable, wanted(options))?;
     if options.modes.is_none() {
-        chosen = without_crutches(work, chosen, variance)?;
+        chosen = without_redundant_poles(work, chosen, variance)?;
     }
     let mut warnings = Vec::new();
     let (turning, all) = (

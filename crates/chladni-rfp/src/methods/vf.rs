@@ -1,4 +1,4 @@
-//! Relaxed vector fitting alone, in the plane x = ω² ([`crate::pool`]).
+//! Relaxed vector fitting alone, in the plane x = ω² ([`crate::poles::pool`]).
 //!
 //! Poles start at the visible peaks and evenly between, move to the zeros of σ eight
 //! times, and the residues decide which of them are modes. The equation error is weighted

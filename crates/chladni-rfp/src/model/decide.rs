@@ -16,11 +16,17 @@ use chladni_linalg::LinalgError;
 use ndarray::Axis;
 use num_complex::Complex64;
 
-/// Poles of the law that the data prefer, or that is asked for, structured where that
-/// holds; with what is to be said of it. Shapes have a say, which phases of heavily
-/// overlapping modes may get wrong: where these do not decide and one shape per mode is
-/// refused, the other law holds if it bears such shapes, and where shapes are complex, it
-/// holds if they are real there and phases are true. `again`: the poles in another law.
+/// Poles in the damping law that the data prefer, or that is asked for, with one shape per
+/// mode where that serves all references; and the findings on both. Where no law is asked
+/// for:
+///
+/// 1. The phases of the residues choose the law.
+/// 2. If they do not decide and one shape per mode is refused, the other law is taken if it
+///    bears such shapes: heavily overlapping modes may have wrong phases.
+/// 3. If shapes are complex in the first law and real in the other, the other is taken, on
+///    condition that phases are true.
+///
+/// `again`: the poles in another law.
 pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     data: &DataLayout,
     found: PoleEstimate,
@@ -29,8 +35,11 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, E>,
 ) -> Result<(Identified, Vec<Finding>), E> {
     watch.stage("damping law")?;
-    let mut told = told(data, &found)?;
-    let law = options.damping.or(told.law()).unwrap_or(found.work.law);
+    let mut preferred = law_verdict(data, &found)?;
+    let law = options
+        .damping
+        .or(preferred.law())
+        .unwrap_or(found.work.law);
     let mut found = if found.work.law == law {
         found
     } else {
@@ -38,7 +47,8 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     };
     watch.stage("shapes")?;
     let mut searched = shape_search(data, &found, options)?;
-    let refused = matches!(searched, Search::Refused(_)) && !matches!(told, Verdict::Decided(_));
+    let refused =
+        matches!(searched, Search::Refused(_)) && !matches!(preferred, Verdict::Decided(_));
     let complex = borne(&searched) && !real(&searched) && options.shapes == ShapeModel::Auto;
     if (refused || complex) && options.damping.is_none() {
         let there = again(found.clone(), law.other())?;
@@ -46,7 +56,7 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         if borne(&other) && (refused || real(&other)) {
             // a phase that all FRFs share makes no shape refuse its references, but it turns
             // real shapes into complex ones and back
-            told = match refused {
+            preferred = match refused {
                 true => Verdict::Decided(law.other()),
                 false => {
                     let turn = verdict::confusing_turn(&there.work, &there.refined.lambda);
@@ -67,12 +77,12 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     let measured = found.measured;
     let mut identified = Identified::new(found);
     let shift = identified.shift_by_other_law();
-    identified.law_open = match free && told == Verdict::Undecidable {
+    identified.law_open = match free && preferred == Verdict::Undecidable {
         true if measured => LawOpen::Light,
         true if shift > limits::LAW_SHIFTS => LawOpen::White,
         _ => LawOpen::No,
     };
-    let mut warnings = Vec::from_iter(words_on_law(&told, law, real, free, shift));
+    let mut warnings = Vec::from_iter(words_on_law(&preferred, law, real, free, shift));
     warnings.extend(unlike.map(one_shape_refused));
     if let Some(structured) = refined {
         identified = identified.structured(structured);
@@ -85,13 +95,13 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
 /// * `free`: no law was asked for
 /// * `shift`: of the other law, in standard deviations
 fn words_on_law(
-    told: &Verdict,
+    preferred: &Verdict,
     law: Damping,
     real: bool,
     free: bool,
     shift: f64,
 ) -> Option<Finding> {
-    match *told {
+    match *preferred {
         Verdict::Decided(other) if other != law => Some(verdict::contradicted(law, None)),
         // phases that every mode has in common cannot contradict shapes that are real
         Verdict::IfPhasesTrue(other, degrees) if other != law && !real => {
@@ -131,7 +141,7 @@ fn real(search: &Search) -> bool {
 
 /// The verdict of the data on the law: nothing where there are no modes, or where line
 /// shapes are no pure resonances and damping is light.
-fn told(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError> {
+fn law_verdict(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError> {
     if found.measured && found.heaviest_sure() < limits::LAW_ALIKE {
         return Ok(Verdict::Undecidable);
     }

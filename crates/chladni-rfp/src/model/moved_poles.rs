@@ -67,7 +67,7 @@ pub fn poles_of(model: &ModalModel, frf: &FrfSet) -> Result<MovedPoles> {
             break;
         }
     }
-    Ok(told(model, &data, &moved, &modes, &covariance))
+    Ok(with_moved_poles(model, &data, &moved, &modes, &covariance))
 }
 
 /// Modes of the band that count.
@@ -313,14 +313,15 @@ fn bare(mode: &Mode) -> Mode {
     }
 }
 
-fn told(
+/// The model with its poles moved, their error bars, and the findings.
+fn with_moved_poles(
     model: &ModalModel,
     data: &Data,
     moved: &ModalModel,
     modes: &[usize],
     covariance: &Array2<f64>,
 ) -> MovedPoles {
-    let mut result = model.clone();
+    let mut followed = model.clone();
     let (mut weights, mut sum, mut shifts) = (0.0, 0.0, Vec::new());
     for (k, &n) in modes.iter().enumerate() {
         let [before, after] = [&model.modes[n], &moved.modes[n]];
@@ -329,7 +330,7 @@ fn told(
         sum += shift / variance;
         weights += 1.0 / variance;
         shifts.push(shift);
-        let mode = &mut result.modes[n];
+        let mode = &mut followed.modes[n];
         mode.frequency_hz = after.frequency_hz;
         mode.frequency_std_hz = after.frequency_hz * variance.sqrt();
         mode.loss_factor = after.loss_factor;
@@ -341,25 +342,25 @@ fn told(
     let own_shifts_rms = (own.sum::<f64>() / shifts.len() as f64).sqrt();
     let misfit = data.misfit(moved) / data.values() as f64;
     let relative_error = misfit.sqrt() / data.rms;
-    let mut told = MovedPoles {
-        model: result,
+    let mut result = MovedPoles {
+        model: followed,
         common_shift,
         common_shift_std: weights.recip().sqrt(),
         own_shifts_rms,
         relative_error,
     };
-    let followed = followed(&told);
-    let quality = &mut told.model.quality;
-    quality.findings.push(followed);
+    let finding = poles_followed(&result);
+    let quality = &mut result.model.quality;
+    quality.findings.push(finding);
     let changed = shapes_changed(relative_error, model.quality.relative_error);
     let is_fault = |finding: &Finding| finding.severity == Severity::Fault;
     quality.trusted &= !changed.as_ref().is_some_and(is_fault);
     quality.findings.extend(changed);
-    told
+    result
 }
 
 /// The finding of how far the poles moved.
-fn followed(moved: &MovedPoles) -> Finding {
+fn poles_followed(moved: &MovedPoles) -> Finding {
     let words = format!(
         "poles of a model, followed: natural frequencies moved by {:+.4} % together (± {:.4} %), \
          and by {:.4} % rms each",

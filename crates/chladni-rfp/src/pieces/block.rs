@@ -8,7 +8,7 @@ use crate::data::pair_weights::Giver;
 use crate::data::reading::Usable;
 use crate::data::screening::Screened;
 use crate::data::sketch::{self, Mixing};
-use crate::data::window::told::told;
+use crate::data::window::of_set::with_set;
 use crate::pieces::error::PieceError;
 use crate::pieces::partial::{named, Block, Partial, ProductSums, Run, SketchSums, Sums};
 use crate::pieces::plan::Plan;
@@ -104,7 +104,7 @@ impl Reducer {
     ) -> Result<Partial, PieceError> {
         let plan = Plan {
             reading: self.reading.clone(),
-            ..Plan::new(frf, &told(frf, &self.options))?
+            ..Plan::new(frf, &with_set(frf, &self.options))?
         };
         if let Some(poles) = &self.poles {
             poles.plan.same(&plan, &format!("block {number}"))?;
@@ -167,7 +167,7 @@ impl Reducer {
         }
         let (lines, _) = plan.lines()?;
         let (block, sketch, energy) = first_pass(frf, plan, &lines, weighting)?;
-        let all = |basis: &Basis| basis.head.lines == lines;
+        let all = |basis: &Basis| basis.layout.lines == lines;
         let energy = energy.filter(|_| self.basis.as_ref().is_some_and(all));
         // products only of the very FRFs that are in the sketch
         let both = products(energy).and_then(Result::ok);
@@ -250,7 +250,7 @@ fn first_pass(
     };
     let given = match weighting {
         Some(_) => None,
-        None => noise_told(frf, plan, lines, &sums.bad, &pairs)?,
+        None => noise_of_frfs(frf, plan, lines, &sums.bad, &pairs)?,
     };
     let block = Block {
         given,
@@ -260,7 +260,7 @@ fn first_pass(
 }
 
 /// The noise of each FRF as the data tell it on sound lines.
-fn noise_told(
+fn noise_of_frfs(
     frf: &FrfSet,
     plan: &Plan,
     lines: &[usize],
@@ -272,11 +272,11 @@ fn noise_told(
     if sound.is_empty() || pairs.is_empty() {
         return Ok(None);
     }
-    let head = DataLayout {
+    let layout = DataLayout {
         pairs: pairs.into(),
-        ..plan.head(sound, Effort::default())?
+        ..plan.layout(sound, Effort::default())?
     };
-    let told = given_noise(&Screened::part(frf, head));
+    let told = given_noise(&Screened::part(frf, layout));
     Ok(told.map(|(noise, giver)| (giver, noise)))
 }
 

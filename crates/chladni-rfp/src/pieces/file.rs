@@ -66,14 +66,14 @@ fn digest(content: &[u8]) -> String {
 
 fn to_bytes(format: &str, content: &impl Serialize) -> Vec<u8> {
     let content = postcard::to_allocvec(content).expect("plain data of known length");
-    let head = FirstLine {
+    let first_line = FirstLine {
         format: format.into(),
         version: limits::VERSION,
         created_by: CREATED_BY.into(),
         bytes: content.len(),
         sha256: digest(&content),
     };
-    let mut bytes = serde_json::to_vec(&head).expect("plain data");
+    let mut bytes = serde_json::to_vec(&first_line).expect("plain data");
     bytes.push(b'\n');
     bytes.extend(content);
     bytes
@@ -84,39 +84,43 @@ fn from_bytes<T: DeserializeOwned + Sound>(format: &str, bytes: &[u8]) -> Result
         .iter()
         .take(limits::HEAD_MOST)
         .position(|byte| *byte == b'\n');
-    let head: Option<FirstLine> = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
-    let (Some(end), Some(head)) = (end, head) else {
+    let first_line: Option<FirstLine> =
+        end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
+    let (Some(end), Some(first_line)) = (end, first_line) else {
         let expected = format!("one line of JSON with \"format\":\"{format}\"");
         return Err(Error::bad_data(format!("no {format} file"))
             .field("first line")
             .found("something else")
             .expected(expected));
     };
-    if head.format != format {
+    if first_line.format != format {
         return Err(Error::bad_data("a file of another kind")
             .field("format")
-            .found(head.format)
+            .found(first_line.format)
             .expected(format));
     }
-    if head.version != limits::VERSION {
+    if first_line.version != limits::VERSION {
         return Err(Error::bad_data("a file of another version")
             .field("version")
-            .found(format!("{} (written by {})", head.version, head.created_by))
+            .found(format!(
+                "{} (written by {})",
+                first_line.version, first_line.created_by
+            ))
             .expected(limits::VERSION)
             .help("make it anew: the versions of all machines must agree"));
     }
     let content = &bytes[end + 1..];
-    if content.len() != head.bytes {
+    if content.len() != first_line.bytes {
         return Err(Error::bad_data("the file is cut off or too long")
             .field("bytes")
             .found(content.len())
-            .expected(head.bytes));
+            .expected(first_line.bytes));
     }
-    if digest(content) != head.sha256 {
+    if digest(content) != first_line.sha256 {
         return Err(Error::bad_data("the file is damaged")
             .field("sha256")
             .found(digest(content))
-            .expected(head.sha256));
+            .expected(first_line.sha256));
     }
     let content: T = postcard::from_bytes(content).map_err(|error| {
         Error::bad_data("the content cannot be read")

@@ -5,7 +5,7 @@ use crate::data::options::FitOptions;
 use crate::data::products::{measured_basis, project};
 use crate::data::screening::Screened;
 use crate::data::source::Source;
-use crate::data::window::told::told;
+use crate::data::window::of_set::with_set;
 use crate::model::build::Shaped;
 use crate::model::given::GivenPoles;
 use crate::pieces::error::PieceError;
@@ -25,7 +25,7 @@ pub fn residues(
 ) -> Result<ModalModel, PieceError> {
     let options = FitOptions {
         band_hz: Some(model.band_hz),
-        ..told(frf, options)
+        ..with_set(frf, options)
     };
     let data = Screened::new(frf, &options)?;
     let given = GivenPoles::new(model, data.omega_max);

@@ -48,7 +48,7 @@ impl From<LinalgError> for Stop {
 /// Merged partials of all blocks.
 #[derive(Debug, Clone)]
 pub(crate) struct Merged<'a> {
-    head: DataLayout,
+    layout: DataLayout,
     plan: &'a Plan,
     modes: Option<usize>,
     /// In work units, all columns of one noise level: (line, column).
@@ -73,7 +73,7 @@ struct Made<'a> {
 impl Deref for Merged<'_> {
     type Target = DataLayout;
     fn deref(&self) -> &DataLayout {
-        &self.head
+        &self.layout
     }
 }
 
@@ -148,20 +148,22 @@ impl<'a> Merged<'a> {
         }
         enough(kept.len(), band_hz, options.modes)?;
         let used = kept.iter().map(|&k| lines[k]).collect();
-        let mut head = with_dofs(plan.head(used, options.effort)?, set);
+        let mut layout = with_dofs(plan.layout(used, options.effort)?, set);
         match asked {
-            Some(poles) => poles.tell(&mut head),
+            Some(poles) => poles.tell(&mut layout),
             None if good.len() < lines.len() => {
                 let left_out = lines.len() - good.len();
                 // whether some FRF has them was not counted
-                head.warnings.push(lines_left_out(left_out, 0, lines.len()));
+                layout
+                    .warnings
+                    .push(lines_left_out(left_out, 0, lines.len()));
             }
             None => {}
         }
         let energy: Array1<f64> = kept.iter().map(|&k| line_energy[k]).collect();
-        head.rms = (energy.sum() / (kept.len() * head.pairs.len()) as f64).sqrt();
-        sensible(head.rms)?;
-        let factor = head.factor();
+        layout.rms = (energy.sum() / (kept.len() * layout.pairs.len()) as f64).sqrt();
+        sensible(layout.rms)?;
+        let factor = layout.factor();
         let filled: Vec<usize> = (0..counts.len()).filter(|&c| counts[c] > 0).collect();
         let sums = columns.array();
         let scaled = |(k, c): (usize, usize)| {
@@ -171,7 +173,7 @@ impl<'a> Merged<'a> {
             sketch: Array2::from_shape_fn((kept.len(), filled.len()).f(), scaled),
             energy: energy * factor.norm_sqr(),
             given: set.given.clone().map(|(giver, noise)| (noise, giver)),
-            head,
+            layout,
             plan,
             modes: options.modes,
             made: None,
@@ -186,13 +188,13 @@ impl<'a> Merged<'a> {
         set: &Set,
         options: &FitOptions,
     ) -> Result<Self, PieceError> {
-        let mut head = with_dofs(poles.head(options.effort)?, set);
-        poles.tell(&mut head);
-        if head.pairs.len() != poles.frfs {
+        let mut layout = with_dofs(poles.layout(options.effort)?, set);
+        poles.tell(&mut layout);
+        if layout.pairs.len() != poles.frfs {
             return Err(
                 Error::bad_data("the second pass was not run over the FRFs of the first")
                     .field("number of FRFs")
-                    .found(head.pairs.len())
+                    .found(layout.pairs.len())
                     .expected(format!(
                         "{}, as many as the poles were found on",
                         poles.frfs
@@ -202,7 +204,7 @@ impl<'a> Merged<'a> {
             );
         }
         Ok(Self {
-            head,
+            layout,
             plan,
             modes: poles.modes,
             sketch: poles.sketch.array(),
@@ -219,7 +221,7 @@ impl<'a> Merged<'a> {
             Pass::Anew => Array2::zeros((self.lines.len(), 0)),
             Pass::Products | Pass::Pilot => self.sketch.clone(),
         };
-        let weighting = self.head.weighting.as_ref();
+        let weighting = self.layout.weighting.as_ref();
         Poles {
             plan: self.plan.clone(),
             pass,
@@ -290,7 +292,7 @@ impl Source for Merged<'_> {
                 let turned = |x: &Array2<f64>| made.products.turned(x);
                 let weights = way.weights();
                 return Ok(Projected::new(
-                    &self.head,
+                    &self.layout,
                     [t, gram],
                     turned,
                     energy,
@@ -308,9 +310,9 @@ impl Source for Merged<'_> {
     }
 
     fn without(&self, places: &[usize]) -> Self {
-        let (head, kept) = self.head.without(places);
+        let (layout, kept) = self.layout.without(places);
         Self {
-            head,
+            layout,
             sketch: self.sketch.select(Axis(0), &kept),
             energy: self.energy.select(Axis(0), &kept),
             way: None,
@@ -320,7 +322,7 @@ impl Source for Merged<'_> {
 
     fn in_law(&self, law: Damping) -> Self {
         let mut other = self.clone();
-        other.head.law = law;
+        other.layout.law = law;
         other
     }
 
@@ -334,7 +336,7 @@ impl Source for Merged<'_> {
         left: Weights,
     ) -> Result<Self, Stop> {
         let mut other = self.clone();
-        other.head.weights_left = left;
+        other.layout.weights_left = left;
         if weights.is_none() && self.weighting.is_none() {
             return Ok(other);
         }
@@ -348,7 +350,7 @@ impl Source for Merged<'_> {
 
     fn noted(&self, finding: Option<Finding>) -> Self {
         let mut other = self.clone();
-        other.head.warnings.extend(finding);
+        other.layout.warnings.extend(finding);
         other
     }
 
@@ -357,14 +359,14 @@ impl Source for Merged<'_> {
     }
 }
 
-/// The head of all FRFs.
-fn with_dofs(head: DataLayout, set: &Set) -> DataLayout {
+/// The layout of all FRFs.
+fn with_dofs(layout: DataLayout, set: &Set) -> DataLayout {
     DataLayout {
         responses: set.responses.clone(),
         references: set.references.clone(),
         nodes: set.nodes.clone(),
         pairs: set.pairs.clone(),
         energy: set.energy.clone(),
-        ..head
+        ..layout
     }
 }

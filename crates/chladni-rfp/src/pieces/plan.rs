@@ -5,7 +5,7 @@ use crate::data::layout::DataLayout;
 use crate::data::options::{Effort, FitOptions};
 use crate::data::screening::lines_in_band;
 use crate::data::window::kinds::Window;
-use crate::data::window::told::record_s;
+use crate::data::window::of_set::record_s;
 use chladni_frf::{Error, FrfKind, FrfSet, ReferenceUnit};
 use ndarray::ArrayView1;
 use serde::{Deserialize, Serialize};
@@ -54,10 +54,10 @@ impl Plan {
         lines_in_band(ArrayView1::from(&self.frequency_hz), self.band_hz)
     }
 
-    /// A head without DOFs on some lines.
-    pub fn head(&self, lines: Vec<usize>, effort: Effort) -> Result<DataLayout, FitError> {
+    /// The layout of some lines, without DOFs.
+    pub fn layout(&self, lines: Vec<usize>, effort: Effort) -> Result<DataLayout, FitError> {
         let (_, band_hz) = self.lines()?;
-        let head = DataLayout::on_lines(
+        let layout = DataLayout::on_lines(
             ArrayView1::from(&self.frequency_hz),
             self.kind,
             lines,
@@ -66,7 +66,7 @@ impl Plan {
         );
         Ok(DataLayout {
             reference_unit: self.reference_unit,
-            ..head.windowed(
+            ..layout.windowed(
                 self.window(),
                 self.exponential_window_per_s,
                 self.record_s,

@@ -210,22 +210,22 @@ impl Poles {
     }
 
     /// Adds what else is known of the data, for those of these FRFs.
-    pub(crate) fn tell(&self, head: &mut DataLayout) {
-        head.weighting = self
+    pub(crate) fn tell(&self, layout: &mut DataLayout) {
+        layout.weighting = self
             .weighting
             .as_ref()
-            .map(|weights| weights.of(&head.responses, &head.references));
-        head.weights_left = self.weights_left;
-        head.dropped_hz.clone_from(&self.dropped_hz);
-        head.outlier_rounds = self.outlier_rounds;
-        head.warnings.clone_from(&self.warnings);
+            .map(|weights| weights.of(&layout.responses, &layout.references));
+        layout.weights_left = self.weights_left;
+        layout.dropped_hz.clone_from(&self.dropped_hz);
+        layout.outlier_rounds = self.outlier_rounds;
+        layout.warnings.clone_from(&self.warnings);
     }
 
     /// Lines and scale, without DOFs.
-    pub(crate) fn head(&self, effort: Effort) -> Result<DataLayout, FitError> {
+    pub(crate) fn layout(&self, effort: Effort) -> Result<DataLayout, FitError> {
         Ok(DataLayout {
             rms: self.rms,
-            ..self.plan.head(self.lines.clone(), effort)?
+            ..self.plan.layout(self.lines.clone(), effort)?
         })
     }
 }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 /// The basis that products are made with.
 #[derive(Debug)]
 pub(crate) struct Basis {
-    pub head: DataLayout,
+    pub layout: DataLayout,
     /// Orthonormal on the lines used, as it meets measured values: (real and imaginary
     /// part of each line, unknown).
     measured: Array2<f64>,
@@ -26,23 +26,23 @@ pub(crate) struct Basis {
 impl Basis {
     /// From the poles that a pass found on its `way`.
     pub fn new(poles: &Poles, way: &Way, options: &FitOptions) -> Result<Self, PieceError> {
-        let head = DataLayout {
+        let layout = DataLayout {
             law: way.law,
-            ..poles.head(options.effort)?
+            ..poles.layout(options.effort)?
         };
-        let q = on_weighted_lines(&head, &way.lambda, way.weights())?;
-        let measured = measured_basis(&head, &q, way.weights());
-        Ok(Self { measured, head })
+        let q = on_weighted_lines(&layout, &way.lambda, way.weights())?;
+        let measured = measured_basis(&layout, &q, way.weights());
+        Ok(Self { measured, layout })
     }
 }
 
 /// The error of an FRF that was whole in the first pass and is not now.
-fn not_finite(frf: &FrfSet, head: &DataLayout, (i, j): (usize, usize)) -> Error {
-    let line = head
+fn not_finite(frf: &FrfSet, layout: &DataLayout, (i, j): (usize, usize)) -> Error {
+    let line = layout
         .lines
         .iter()
         .position(|&k| !frf.values.get(i, j, k).is_finite())
-        .map_or(f64::NAN, |k| head.line_hz[k]);
+        .map_or(f64::NAN, |k| layout.line_hz[k]);
     Error::bad_data("a value that is not finite, where all were finite when the poles were found")
         .field(format!(
             "FRF {} from {} at {line} Hz",
@@ -56,11 +56,11 @@ fn not_finite(frf: &FrfSet, head: &DataLayout, (i, j): (usize, usize)) -> Error 
 /// The first of FRFs without a value on the first line that has some on others.
 fn partly_there(
     frf: &FrfSet,
-    head: &DataLayout,
+    layout: &DataLayout,
     missing: &[(usize, usize)],
 ) -> Option<(usize, usize)> {
     missing.iter().copied().find(|&(i, j)| {
-        let mut values = head.lines.iter().map(|&k| frf.values.get(i, j, k));
+        let mut values = layout.lines.iter().map(|&k| frf.values.get(i, j, k));
         values.any(|value| value.is_finite() && value.norm() > 0.0)
     })
 }
@@ -72,7 +72,7 @@ pub(crate) fn second_pass(
     weighting: &Option<Weighting>,
     energy: Option<Vec<f64>>,
 ) -> Result<(Block, ProductSums), PieceError> {
-    let head = &basis.head;
+    let layout = &basis.layout;
     let weight = |pair: (usize, usize)| {
         let weights = weighting.as_ref().map(|weighting| &weighting.weights);
         weights.map_or(1.0, |weights| weights.of(pair))
@@ -80,19 +80,19 @@ pub(crate) fn second_pass(
     // on the lines used, an FRF is there or it is not
     let (mut pairs, missing): (Vec<_>, Vec<_>) = frf
         .all_pairs()
-        .partition(|&(i, j)| frf.values.get(i, j, head.lines[0]).is_finite());
-    let layout = DataLayout {
+        .partition(|&(i, j)| frf.values.get(i, j, layout.lines[0]).is_finite());
+    let of_block = DataLayout {
         pairs: pairs.as_slice().into(),
         weighting: weighting.clone(),
-        ..head.clone()
+        ..layout.clone()
     };
-    let mut made = products(&Screened::part(frf, layout), &basis.measured);
+    let mut made = products(&Screened::part(frf, of_block), &basis.measured);
     let mut energy = energy
         .filter(|energy| energy.len() == pairs.len())
         .unwrap_or_else(|| {
             pairs
                 .par_iter()
-                .map(|&pair| weight(pair).powi(2) * squares_of(&frf.values, pair, &head.lines))
+                .map(|&pair| weight(pair).powi(2) * squares_of(&frf.values, pair, &layout.lines))
                 .collect()
         });
     let broken = pairs
@@ -100,8 +100,8 @@ pub(crate) fn second_pass(
         .zip(&energy)
         .find(|(_, energy)| !energy.is_finite())
         .map(|(&pair, _)| pair);
-    if let Some(pair) = broken.or_else(|| partly_there(frf, head, &missing)) {
-        return Err(not_finite(frf, head, pair).into());
+    if let Some(pair) = broken.or_else(|| partly_there(frf, layout, &missing)) {
+        return Err(not_finite(frf, layout, pair).into());
     }
     // FRFs of zeros add nothing to the products; the first pass has left them out
     let used: Vec<usize> = (0..pairs.len()).filter(|&l| energy[l] > 0.0).collect();

@@ -2,13 +2,13 @@
 //! from one product CᴴB, where C holds the pole columns, the residual terms and the
 //! derivatives (theory.md, eq. 9–11 with QQᴴ = A(AᴴA)⁻¹Aᴴ).
 //!
-//! A third of the flops of [`crate::refine`]'s orthonormal basis, all of them in one
+//! A third of the flops of [`crate::poles::refine`]'s orthonormal basis, all of them in one
 //! large product. It squares the condition of the basis, and so is left where rounding
 //! comes near the residual: for data of some 100 dB, and for poles that nearly coincide.
 
 use crate::damping::gram::Cauchy;
 use crate::data::columns::Columns;
-use crate::data::sums::sum_of_squares;
+use crate::data::inner_products::sum_of_squares;
 use crate::poles::descent::Point;
 use crate::poles::limits;
 use crate::poles::removal::Removable;

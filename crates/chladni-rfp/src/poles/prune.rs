@@ -105,10 +105,10 @@ fn weakest_first(rises: &[f64]) -> Vec<usize> {
     order
 }
 
-/// A weak pole that matters only because the others do not stand quite where they should,
-/// and the fit without it: once they are free to move, the sum of squares rises by less
-/// than `limit`. Those found `needed` are not judged twice.
-pub(crate) fn crutch(
+/// A pole that becomes redundant once the other poles are refined again, and the fit without
+/// it: the sum of squares rises by less than `limit`. Those found `needed` are not judged
+/// twice.
+pub(crate) fn redundant_pole(
     work: &Columns,
     refined: &Refined,
     limit: f64,

@@ -13,7 +13,7 @@ use crate::damping::gram::Cauchy;
 use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::coefficients;
-use crate::data::sums::sum_of_squares;
+use crate::data::inner_products::sum_of_squares;
 use crate::poles::descent::{Descent, Point};
 use crate::poles::limits;
 use crate::poles::normal::{Normal, Plain};

@@ -4,7 +4,7 @@
 use crate::damping::law::is_rational;
 use crate::data::columns::Columns;
 use crate::poles::limits;
-use crate::poles::prune::{crutch, is_spike};
+use crate::poles::prune::{is_spike, redundant_pole};
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::scan::{places_beyond, scan, Scan};
 use crate::poles::significance::threshold;
@@ -126,7 +126,7 @@ fn beyond_the_band(work: &Columns, tried: &[Complex64]) -> Option<Complex64> {
 
 /// Poles that the data do not need, and the fit without them: all that stand for no mode
 /// or without which the sum of squares rises by less than `limit`, or else one
-/// [`crutch`].
+/// [`redundant_pole`].
 fn dispensable(
     work: &Columns,
     refined: &Refined,
@@ -152,7 +152,8 @@ fn dispensable(
             refine(work, &kept, &refined.powers, tol::ROUGH)?,
         )));
     }
-    Ok(crutch(work, refined, limit, |_| true, needed)?.map(|(q, fewer)| (vec![lambda[q]], fewer)))
+    Ok(redundant_pole(work, refined, limit, |_| true, needed)?
+        .map(|(q, fewer)| (vec![lambda[q]], fewer)))
 }
 
 /// Keeps the `modes` in-band poles that matter most (an order given by the user); returns

@@ -3,7 +3,7 @@
 //! Blocks of responses on all threads, sums in fixed order.
 
 use crate::data::information::answer;
-use crate::data::sums::inner;
+use crate::data::inner_products::inner;
 use crate::shapes::limits;
 use crate::shapes::residues::{ridge, Residues};
 use chladni_linalg::blocked::blocked_matmul;

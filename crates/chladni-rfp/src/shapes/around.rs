@@ -5,7 +5,7 @@ use crate::damping::law::loss_bound;
 use crate::damping::saved;
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
-use crate::data::sums::inner;
+use crate::data::inner_products::inner;
 use crate::poles::refine::{refined_sum, Projection};
 use crate::poles::scan::places_beyond;
 use crate::shapes::limits;

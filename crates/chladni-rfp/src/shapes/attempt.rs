@@ -214,7 +214,7 @@ impl<'a> Attempt<'a> {
             evidence += &format!(", {added} of {} modes seen only so", state.lambda.len());
         }
         evidence.push(')');
-        let Some(state) = self.real_where_told(state, &mut evidence)? else {
+        let Some(state) = self.with_real_shapes(state, &mut evidence)? else {
             return Ok(Search::Inapplicable);
         };
         let real = state.real;
@@ -238,7 +238,7 @@ impl<'a> Attempt<'a> {
 
     /// Real shapes where they are asked for or leave no more than chance, to the last
     /// digits; `None` where one reference has no real shape, so that nothing is gained.
-    fn real_where_told(
+    fn with_real_shapes(
         &self,
         state: State,
         evidence: &mut String,

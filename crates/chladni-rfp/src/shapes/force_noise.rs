@@ -7,7 +7,7 @@
 
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::{square, Influence, Shared};
-use crate::shapes::levels::{level_of, Told};
+use crate::shapes::levels::{level_of, LineLevel};
 use crate::shapes::limits;
 use chladni_frf::shared_power;
 use num_complex::Complex64;
@@ -28,13 +28,13 @@ impl Influence<'_> {
             return None;
         }
         let of_line = |&k: &usize| self.shared_on(k, kept[k]);
-        let told: Vec<Told> = lines.iter().flat_map(of_line).collect();
+        let levels: Vec<LineLevel> = lines.iter().flat_map(of_line).collect();
         // mixtures of the FRFs of several forces of like power share the mean of their noise
         let mixed = match self.found.scales_of_frfs {
             Some(_) => 1.0,
             None => self.forces as f64,
         };
-        let level = mixed * level_of(&told, self.errors.leaks())?;
+        let level = mixed * level_of(&levels, self.errors.leaks())?;
         let variance = (level - cut_off).max(0.0);
         (variance > 0.0).then(|| Shared {
             variances: vec![variance; work.lines()],
@@ -45,7 +45,7 @@ impl Influence<'_> {
     }
 
     /// The errors that FRFs of each force share on the line k.
-    fn shared_on(&self, k: usize, kept: f64) -> Vec<Told> {
+    fn shared_on(&self, k: usize, kept: f64) -> Vec<LineLevel> {
         let work = self.found.work;
         let fitted = |k: usize| -> Vec<Complex64> {
             let all = work
@@ -76,7 +76,7 @@ impl Influence<'_> {
                 shared_power(frfs, unit)
             };
             let power: f64 = own().map(|l| here[l].norm_sqr()).sum();
-            Some(Told {
+            Some(LineLevel {
                 seen: part(&error, kept)?,
                 slope: part(&slope, 1.0)?,
                 alone: self.noise_of_columns() / power,

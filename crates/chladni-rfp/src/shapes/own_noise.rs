@@ -5,7 +5,7 @@
 
 use crate::data::window::block_errors::BlockErrors;
 use crate::shapes::found::Found;
-use crate::shapes::levels::{level_of, Told};
+use crate::shapes::levels::{level_of, LineLevel};
 use crate::shapes::limits;
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -52,10 +52,10 @@ impl Found<'_> {
         }
         let by_chance = limits::LEVEL_SIGMAS * self.scatter(errors, beside.len());
         let apart = |(column, &seen): (usize, &f64)| {
-            let told = |&k: &usize| self.told(errors, residual, (k, column), kept[k]);
-            let told: Vec<Told> = beside.iter().map(told).collect();
+            let of_line = |&k: &usize| self.line_level(errors, residual, (k, column), kept[k]);
+            let levels: Vec<LineLevel> = beside.iter().map(of_line).collect();
             let least = limits::NOISE_OF_MEDIAN * seen;
-            match level_of(&told, true).map_or(least, |level| level.max(least)) {
+            match level_of(&levels, true).map_or(least, |level| level.max(least)) {
                 apart if apart < (1.0 - by_chance) * seen => apart,
                 _ => seen,
             }
@@ -104,18 +104,18 @@ impl Found<'_> {
 
     /// The residual and the slope of a column on line k, of whose error the residual keeps a
     /// share.
-    fn told(
+    fn line_level(
         &self,
         errors: &BlockErrors,
         residual: &Array2<Complex64>,
         (k, column): (usize, usize),
         kept: f64,
-    ) -> Told {
+    ) -> LineLevel {
         let work = self.work;
         let fitted = |k: usize| (work.b[[k, column]] - residual[[k, column]]) / self.weight(k);
         let cycles = errors.cycles(work.x[k + 1].sqrt() - work.x[k - 1].sqrt());
         let slope = (fitted(k + 1) - fitted(k - 1)) / cycles;
-        Told {
+        LineLevel {
             seen: residual[[k, column]].norm_sqr() / (kept * self.expected(k)),
             slope: slope.norm_sqr() / self.data.variance_at(work.x[k]),
             alone: 0.0,

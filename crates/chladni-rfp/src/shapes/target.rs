@@ -4,7 +4,7 @@
 use crate::damping::gram::Cauchy;
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
-use crate::data::sums::{inner, sum_of_squares};
+use crate::data::inner_products::{inner, sum_of_squares};
 use crate::shapes::alternation::add_product;
 use crate::shapes::limits;
 use crate::shapes::line_products::background;

@@ -6,4 +6,4 @@ pub(crate) mod block_errors;
 pub(crate) mod kernel;
 pub(crate) mod kinds;
 pub(crate) mod leakage;
-pub(crate) mod told;
+pub(crate) mod of_set;

@@ -128,7 +128,7 @@ mod tests {
             edge: 50.0,
             level_db: 0.0,
             alone_db: Some(3.0),
-            stand: Some(Complex64::new(0.99, 0.05)),
+            mean_phase: Some(Complex64::new(0.99, 0.05)),
         }
     }
 
@@ -143,7 +143,7 @@ mod tests {
         all.extend(neighbours.iter().cloned());
         let usual = Usual {
             loss: Some(0.007),
-            stand: Some(Complex64::new(5.0, 0.0)),
+            mean_phase: Some(Complex64::new(5.0, 0.0)),
         };
         grade(&all, 0, frfs, windowed, usual).grade
     }
@@ -184,9 +184,11 @@ mod tests {
             ("damped far more", |e| (e.lambda.im, e.misfit) = (0.02, 0.3)),
             ("one FRF alone", |e| e.alone_db = Some(25.0)),
             ("no common phase", |e| {
-                e.stand = Some(Complex64::new(0.5, 0.1))
+                e.mean_phase = Some(Complex64::new(0.5, 0.1))
             }),
-            ("degrees off", |e| e.stand = Some(Complex64::new(-0.6, 0.7))),
+            ("degrees off", |e| {
+                e.mean_phase = Some(Complex64::new(-0.6, 0.7))
+            }),
             ("no distinct peak", |e| {
                 (e.stands_out_db, e.deviation, e.misfit) = (5.0, 0.1, 0.3)
             }),

@@ -51,9 +51,9 @@ impl Seen<'_> {
             || (own.misfit < misfit_alone && own.deviation < deviation_alone)
     }
 
-    /// Degrees between its residues and where those of the sure modes stand.
+    /// Degrees between the mean phase of its residues and that of the sure modes.
     fn off_degrees(&self) -> Option<f64> {
-        let between = self.own.stand? * self.usual.stand?.conj();
+        let between = self.own.mean_phase? * self.usual.mean_phase?.conj();
         Some(0.5 * between.arg().abs().to_degrees())
     }
 }
@@ -238,7 +238,7 @@ pub(super) const RULES: [Rule; 23] = [
         "no-common-phase",
         "its points have no common phase, and no other mode is near",
         |seen| {
-            let collinearity = seen.own.stand?.norm_sqr();
+            let collinearity = seen.own.mean_phase?.norm_sqr();
             let alone = collinearity < NO_COMMON_PHASE && !seen.near(ISOLATED);
             alone.then(|| format!("MPC {collinearity:.2}"))
         },

@@ -10,8 +10,8 @@ use num_complex::Complex64;
 pub(super) struct Usual {
     /// Median loss of the sure modes nearest to the pole.
     pub loss: Option<f64>,
-    /// Twice the angle at which residues stand.
-    pub stand: Option<Complex64>,
+    /// Mean phase of residues, as [`Evidence::mean_phase`].
+    pub mean_phase: Option<Complex64>,
 }
 
 impl Usual {
@@ -26,7 +26,7 @@ impl Usual {
             .collect();
         Self {
             loss: usual_loss(&others, all[q].lambda.re),
-            stand: usual_stand(&others),
+            mean_phase: usual_phase(&others),
         }
     }
 }
@@ -41,13 +41,16 @@ fn usual_loss(others: &[&Evidence], x: f64) -> Option<f64> {
     (losses.len() >= FEWEST_NEIGHBOURS).then(|| losses[losses.len() / 2])
 }
 
-/// The usual phase of residues, each weighted by how well it is known; `None` where they
-/// are few, or stand everywhere.
-fn usual_stand(others: &[&Evidence]) -> Option<Complex64> {
+/// Mean phase of the residues of all modes, each weighted by the precision of its pole; `None`
+/// where modes are few, or their phases have no mean.
+fn usual_phase(others: &[&Evidence]) -> Option<Complex64> {
     let (mut sum, mut weights, mut squares) = (Complex64::ZERO, 0.0, 0.0);
-    for (stand, deviation) in others.iter().filter_map(|e| Some((e.stand?, e.deviation))) {
+    for (phase, deviation) in others
+        .iter()
+        .filter_map(|e| Some((e.mean_phase?, e.deviation)))
+    {
         let weight = deviation.max(BEST_KNOWN).powi(-2);
-        sum += weight * stand;
+        sum += weight * phase;
         weights += weight;
         squares += weight * weight;
     }

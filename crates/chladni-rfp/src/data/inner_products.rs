@@ -1,4 +1,4 @@
-//! Sums over all values of a matrix that lies column after column in memory: taken row by
+//! Inner products: sums over all values of a matrix that lies column after column in memory: taken row by
 //! row they last many times as long.
 
 use crate::data::reading::squares;

@@ -15,8 +15,8 @@ use crate::data::options::FitOptions;
 use crate::data::window::kinds::Window;
 use chladni_frf::{BlockWindow, Estimation, Estimator, Forcing, FrfSet};
 
-/// The options with what the set says itself where they leave it open.
-pub(crate) fn told(frf: &FrfSet, options: &FitOptions) -> FitOptions {
+/// The options, with what the set says of its windows where they leave it open.
+pub(crate) fn with_set(frf: &FrfSet, options: &FitOptions) -> FitOptions {
     let made = frf.estimation.as_ref();
     FitOptions {
         window: options.window.or(made.and_then(window_of)),
