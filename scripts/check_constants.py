@@ -7,6 +7,9 @@ pictures, `sizes.rs`. Beside the code stand only what FACTS names (codes of a fo
 of nature, random streams, the look of one picture), public constants, which the
 documentation shows, and constants of tests.
 
+A table `limits.rs` has headings: comments that name files beside it. A constant under one
+is used by one of these files.
+
     scripts/check_constants.py            # lists them; exit code 1 where there are any
 """
 
@@ -20,6 +23,7 @@ CONSTANT = re.compile(
     r"^ *(pub(?:\(\w+\))? )?const ([A-Z][A-Z0-9_]*): "
     r"(?:f64|f32|usize|u64|u32|u16|i32|Duration|\[(?:f64|usize|u32|i32);|\((?:f64|usize)|(?:std::ops::)?Range<)"
 )
+TABLED = re.compile(r"pub(?:\([^)]*\))? const ([A-Z][A-Z0-9_]*):")
 # `path:NAME` below crates/, or its beginning, and why such constants stand beside the code
 FACTS = {
     "chladni-io/src/uff/": "codes, columns and fields of universal files",
@@ -71,14 +75,35 @@ def outside(path):
             yield number, found[2]
 
 
-def main():
+def misplaced(table):
+    """(line, name) of every constant of a table that no file of its heading uses."""
+    files = []
+    for number, line in enumerate(table.read_text().splitlines(), 1):
+        if line.startswith("// "):
+            files = [table.parent / name for name in re.findall(r"[\w/]+\.rs", line)]
+        found = TABLED.match(line)
+        if found and files:
+            word = re.compile(rf"\b{found[1]}\b")
+            if not any(file.exists() and word.search(file.read_text()) for file in files):
+                yield number, found[1]
+
+
+def listed(paths, find, words):
+    """Number of the constants that `find` names in these files; prints them."""
     wrong = [
         f"{path.relative_to(ROOT)}:{number}: {name}"
-        for path in sorted((ROOT / "crates").glob("*/src/**/*.rs"))
-        for number, name in outside(path)
+        for path in sorted(paths)
+        for number, name in find(path)
     ]
-    print("\n".join(wrong))
-    print(f"{len(wrong)} constants stand outside the tables")
+    print("\n".join([*wrong, f"{len(wrong)} constants {words}"]))
+    return len(wrong)
+
+
+def main():
+    crates = ROOT / "crates"
+    wrong = listed(crates.glob("*/src/**/*.rs"), outside, "stand outside the tables")
+    tables = crates.glob("*/src/**/limits.rs")
+    wrong += listed(tables, misplaced, "stand under the heading of another file")
     return bool(wrong)
 
 

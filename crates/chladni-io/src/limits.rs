@@ -60,7 +60,7 @@ pub(crate) const LARGEST_DECIBELS: f64 = 400.0;
 /// Rows looked at to tell decimal commas from commas between numbers.
 pub(crate) const ROWS_TRIED: usize = 50;
 
-// csv/said.rs, arrays/foreign
+// csv/said.rs, arrays/foreign/frequency.rs
 
 /// Two labels of one unit give factors that differ by less, by their rounding.
 pub(crate) const SAME_UNIT: f64 = 1e-6;
@@ -70,10 +70,13 @@ pub(crate) const SAME_UNIT: f64 = 1e-6;
 /// A grid of FRFs and lines this many times larger than the rows, and above
 /// [`SPARSE_CELLS`], is refused.
 pub(crate) const LONG_SPARSE_FACTOR: usize = 16;
-/// See [`SPARSE_FACTOR`].
+/// See [`LONG_SPARSE_FACTOR`].
 pub(crate) const SPARSE_CELLS: usize = 1 << 22;
 /// Two frequencies closer than this part of their spacing are one line.
 pub(crate) const SAME_LINE: f64 = 1e-3;
+
+// csv/long_header.rs
+
 /// Lines in which the header of a long table is looked for.
 pub(crate) const HEADER_LINES: usize = 100;
 
@@ -95,7 +98,7 @@ pub(crate) const HEAD_BYTES: usize = 4096;
 /// first rows.
 pub(crate) const TABLE_HEAD_BYTES: u64 = 1 << 20;
 
-// field_file.rs
+// field_file.rs, field_file/remarks.rs
 
 /// Powers of m, kg, s, V, rad, cycle of a velocity.
 pub(crate) const VELOCITY: [i32; 6] = [1, 0, -1, 0, 0, 0];

@@ -3,6 +3,29 @@
 //!
 //! A value without an origin is judgement: nobody has calibrated it.
 
+// around.rs
+
+/// MAC of two poles that may be one mode.
+pub(super) const ONE_SHAPE: f64 = 0.9;
+/// Lines between two poles that may be one mode, broadened by a window: under Hann's they lie 1.1
+/// to 1.3 apart at two lines per bandwidth.
+pub(super) const ONE_LINE: f64 = 2.0;
+
+// correlation.rs
+
+/// α·T of exponential windows.
+pub(super) const DECAYS: [f64; 9] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0];
+/// Lengths of bursts under a Hann window, in parts of a record. Errors of bursts between two of them
+/// lie between theirs; those of 0.9 and more are those of a continuous force.
+pub(super) const PARTS: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
+/// Places of a record at which windows are taken for sums over it.
+pub(super) const RECORD_PLACES: usize = 256;
+/// Lags of lines over which errors must be uncorrelated once the likeliest correlation is
+/// taken out.
+pub(super) const LAGS_HELD: usize = 4;
+/// Part of the variance that is white in any case: no correlation is exact.
+pub(super) const ALWAYS_WHITE: f64 = 1e-3;
+
 // delay.rs
 
 /// Phase of a well-known mode, rad: real structures are not real to more than some
@@ -24,6 +47,12 @@ pub(super) const TRIAL_REACH: f64 = 0.25;
 pub(super) const TRIAL_STEP: f64 = 0.25;
 /// Most trial delays on either side: taste.
 pub(super) const TRIALS_MOST: usize = 20_000;
+
+// estimation.rs
+
+/// Lines within which poles may be one mode that a Hann window on blows has set beside itself: it
+/// does so at one line to both sides, and noise moves them.
+pub(super) const BESIDE_LINES: f64 = 2.5;
 
 // hidden.rs
 
@@ -64,15 +93,10 @@ pub(super) const STILL: f64 = 1e-4;
 /// Lines are counted once however many FRFs there are: leakage errors of one record are
 /// common to all of them.
 pub(super) const UNKNOWNS: usize = 4;
-
 /// Part of each record of a burst under Hann's window that is taken for continuous noise most
 /// often: of shorter ones errors do not show the leakage, of longer ones damping comes out less
 /// wrong (simulated tests).
 pub(super) const CUT_BURST: f64 = 0.6;
-/// Part of the power of a residual under a window that was told, over that of pure resonances, from
-/// which the data contradict the window. Of a window told rightly both leave the same noise, under
-/// a wrong one 3 to 10⁴ times as much was seen.
-pub(super) const CONTRADICTS: f64 = 2.0;
 /// Log-likelihood by which one window must beat the others.
 pub(super) const DECIDES: f64 = 12.0;
 /// Part of the decay that a window is taken to have added at most where a fit starts:
@@ -144,7 +168,6 @@ pub(super) const SPLIT_POLES_MOST: usize = 24;
 pub(super) const SPLIT_GROUPS: usize = 2;
 /// FRFs looked at: of the DOFs that show the modes best.
 pub(super) const SPLIT_FRFS_MOST: usize = 48;
-
 /// Twins stand nearer than this part of their half-bandwidth.
 pub(super) const TWIN_NEAR: f64 = 0.5;
 /// Their damping differs by less than this factor.
@@ -154,10 +177,6 @@ pub(super) const TWINS_LEAST: usize = 5;
 
 // window_bias.rs
 
-/// Lines within which poles may be one mode that a Hann window on blows has set beside itself: it
-/// does so at one line to both sides, and noise moves them.
-pub(super) const BESIDE_LINES: f64 = 2.5;
-
 /// Loss factors that a window could have raised by this much, relative, are worth a word,
 /// and wider bars: at eight lines per bandwidth under a Hann window it is 1.5 %.
 pub(super) const BIAS: f64 = 0.01;
@@ -166,11 +185,13 @@ pub(super) const BIAS_UNDONE: f64 = 0.03;
 /// Part of a loss factor that bars take a window to have added at most: they have twice the
 /// length of what would be left.
 pub(super) const DOUBT_MOST: f64 = 2.0 / 3.0;
-/// MAC of two poles that may be one mode.
-pub(super) const ONE_SHAPE: f64 = 0.9;
-/// Lines between two poles that may be one mode, broadened by a window: under Hann's they lie 1.1
-/// to 1.3 apart at two lines per bandwidth.
-pub(super) const ONE_LINE: f64 = 2.0;
+/// Part of a relative error of damping that a mass-normalised shape has, the height of the
+/// peak given: its residue, the square of the shape, is that height times the decay.
+pub(super) const SCALE_OF_DAMPING: f64 = 0.5;
+/// Part of the power of a residual under a window that was told, over that of pure resonances, from
+/// which the data contradict the window. Of a window told rightly both leave the same noise, under
+/// a wrong one 3 to 10⁴ times as much was seen.
+pub(super) const CONTRADICTS: f64 = 2.0;
 
 // witness.rs
 
@@ -178,33 +199,19 @@ pub(super) const ONE_LINE: f64 = 2.0;
 pub(super) const STRETCH: usize = 40;
 /// ... where long ones are fewer than [`STRETCHES_LEAST`].
 pub(super) const SHORT_STRETCH: usize = 20;
-
 /// Fewest stretches over all FRFs that are asked.
 pub(super) const STRETCHES_LEAST: usize = 3;
-
 /// Distance to the next mode, in bandwidths, and in lines.
 pub(super) const BESIDE: (f64, f64) = (4.0, 10.0);
-
 /// Level of a line over the lower quartile of all from which on it is not noise alone.
 pub(super) const NOISE_ONLY: f64 = 2.5;
-
 /// Lines on both sides that the level is a median of.
 pub(super) const LEVEL_AROUND: usize = 20;
-
 /// FRFs that are asked, and how many of them count as independent: one force is in all.
 pub(super) const FRFS_ASKED: (usize, usize) = (16, 4);
-
-/// α·T of exponential windows.
-pub(super) const DECAYS: [f64; 9] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0];
-
-/// Lengths of bursts under a Hann window, in parts of a record. Errors of bursts between two of them
-/// lie between theirs; those of 0.9 and more are those of a continuous force.
-pub(super) const PARTS: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
-
 /// Weights of a sixth difference: ten lines beside a mode it leaves less than a tenth of what a
 /// fourth one leaves of misfit, over noise.
 pub(super) const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-
 /// Coherence of the errors of two FRFs from which on they are taken for shared. Independent
 /// ones have 0.08 ± 0.02 over a stretch; leakage of records at 50 dB mostly 0.3 and more.
 /// At 0.2 one simulated test of 360 was read wrongly.
@@ -215,28 +222,11 @@ pub(super) const COHERENCE: (f64, f64) = (0.08, 0.3);
 /// one force and of several. Of tests simulated with two forces that drop, 4 of 500 were read as
 /// made without a window at 0, 2 of 750 at 2.
 pub(super) const APART: [f64; 2] = [2.0, 3.0];
-
-/// Places of a record at which windows are taken for sums over it.
-pub(super) const RECORD_PLACES: usize = 256;
-
-/// Lags of lines over which errors must be uncorrelated once the likeliest correlation is
-/// taken out.
-pub(super) const LAGS_HELD: usize = 4;
-
 /// Part of the log-likelihood of what correlation is left that counts against the likeliest.
 /// Under forces that drop, simulated, a wrong likeliest left 10 to 30.
 pub(super) const MISFIT_COUNTS: f64 = 0.25;
-
-/// Part of the variance that is white in any case: no correlation is exact.
-pub(super) const ALWAYS_WHITE: f64 = 1e-3;
 /// Deviation of a line from an even axis, in spacings, from which on lines are not
 /// neighbours.
 pub(super) const WITNESS_UNEVEN: f64 = 0.01;
-
-// window_bias.rs
-
 /// Log-likelihood from which on the errors of neighbouring lines say something.
 pub(super) const SAYS: f64 = 5.0;
-/// Part of a relative error of damping that a mass-normalised shape has, the height of the
-/// peak given: its residue, the square of the shape, is that height times the decay.
-pub(super) const SCALE_OF_DAMPING: f64 = 0.5;

@@ -3,16 +3,12 @@
 //!
 //! A value without an origin is judgement: nobody has calibrated it.
 
-// places.rs
+// bars.rs
 
-/// Least loss factor of a pole that is taken from one law to the other: steps are
-/// measured in half-bandwidths.
-pub(super) const LEAST_LOSS: f64 = 1e-6;
-
-// law.rs
-
-/// Largest loss factor that a step gives a viscous pole: critical damping is 2.
-pub(super) const LOSS_MOST: f64 = 1.9;
+/// Standard deviations that 95 % of errors do not exceed to one side.
+pub(super) const ONE_SIDE: f64 = 1.6449;
+/// Error bars within which 95 % of the errors of a complex number lie.
+pub(super) const COMPLEX_95: f64 = 1.7308;
 
 // filled.rs
 
@@ -24,6 +20,11 @@ pub(super) const LANES: usize = 8;
 /// Columns that a thread makes at a time: fewer take less time than to share them out.
 pub(super) const POLES_AT_A_TIME: usize = 8;
 
+// law.rs
+
+/// Largest loss factor that a step gives a viscous pole: critical damping is 2.
+pub(super) const LOSS_MOST: f64 = 1.9;
+
 // phased.rs
 
 /// Powers of y = √x beside those of x: the residual terms of the viscous law that the
@@ -32,8 +33,6 @@ pub(super) const ODD_POWERS: [i32; 4] = [-3, 1, 3, 5];
 /// Steps at most. Complex shapes, which one angle for each mode does not fit, take many: with 20,
 /// hard structure 40135 of the benches ended where its laws differ by what the search had left.
 pub(super) const STEPS: usize = 200;
-/// Searches at most that start again from the poles of the other law; two have sufficed.
-pub(super) const RESTARTS: usize = 4;
 /// Promised decrease of the sum of squares by a step, in units of the noise variance,
 /// below which it is not made: a thousandth of what decides.
 pub(super) const PROMISED: f64 = 1e-2;
@@ -48,17 +47,29 @@ pub(super) const PHASED_STEP: f64 = 0.5;
 /// See [`PHASED_STEP`].
 pub(super) const PHASED_LOSS_KEPT: f64 = 0.2;
 
+// places.rs
+
+/// Least loss factor of a pole that is taken from one law to the other: steps are
+/// measured in half-bandwidths.
+pub(super) const LEAST_LOSS: f64 = 1e-6;
+
 // plane.rs
 
 /// Numerator terms beyond the degree of the denominator: residual terms from 1/x to x².
 pub(super) const RESIDUAL_TERMS: usize = 3;
 
-// bars.rs
+// saved.rs
 
-/// Standard deviations that 95 % of errors do not exceed to one side.
-pub(super) const ONE_SIDE: f64 = 1.6449;
-/// Error bars within which 95 % of the errors of a complex number lie.
-pub(super) const COMPLEX_95: f64 = 1.7308;
+/// Levenberg-Marquardt damping at the start, and its change by a step that fails or serves.
+pub(super) const SAVED_DAMPING: f64 = 1e-3;
+/// See above.
+pub(super) const SAVED_DAMPING_UP: f64 = 10.0;
+/// Relative gain of a step below which the next would gain nothing.
+pub(super) const SAVED_SETTLED: f64 = 1e-9;
+/// Half-widths of a pole over which derivatives are differences.
+pub(super) const SAVED_DIFFERENCE: f64 = 1e-4;
+/// Part of itself that a frequency or a decay loses at most by a step; it may double.
+pub(super) const SAVED_LOSS_BY_STEP: f64 = 0.5;
 
 // verdict.rs
 
@@ -80,16 +91,5 @@ pub(super) const FORM_LEAST: f64 = -1.0;
 pub(super) const ANGLES_EXPLAINED: f64 = 4.0;
 /// Loss factor from which on a pole of the band is background.
 pub(super) const BROAD: f64 = 0.3;
-
-// saved.rs
-
-/// Levenberg-Marquardt damping at the start, and its change by a step that fails or serves.
-pub(super) const SAVED_DAMPING: f64 = 1e-3;
-/// See above.
-pub(super) const SAVED_DAMPING_UP: f64 = 10.0;
-/// Relative gain of a step below which the next would gain nothing.
-pub(super) const SAVED_SETTLED: f64 = 1e-9;
-/// Half-widths of a pole over which derivatives are differences.
-pub(super) const SAVED_DIFFERENCE: f64 = 1e-4;
-/// Part of itself that a frequency or a decay loses at most by a step; it may double.
-pub(super) const SAVED_LOSS_BY_STEP: f64 = 0.5;
+/// Searches at most that start again from the poles of the other law; two have sufficed.
+pub(super) const RESTARTS: usize = 4;

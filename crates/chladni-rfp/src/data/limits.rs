@@ -3,11 +3,26 @@
 //!
 //! A value without an origin is judgement: nobody has calibrated it.
 
+// incomplete.rs
+
+/// Part of the lines that gaps may cost before this is a caution, and from which on an FRF may be
+/// left out for its own: modes of a part of the band may be lost then.
+pub(super) const LINES_LOST: f64 = 0.1;
+
 // information.rs
 
 /// Part of an unknown (its square) in directions without information from which on it is
 /// not known. Rounding of the eigenvectors reaches 1e-12.
 pub(super) const IN_THE_DARK: f64 = 1e-6;
+/// Least share of an error of a line that counts as left in the residual: a line that is all
+/// but interpolated says nothing of its own error.
+pub(super) const LEAST_KEPT: f64 = 0.1;
+
+// layout.rs
+
+/// Relative difference of the record length from the inverse of the line spacing, from which on
+/// records have another line shape: rounding of the axis is far below it.
+pub(super) const OTHER_LENGTH: f64 = 0.01;
 
 // line_variance.rs
 
@@ -29,11 +44,8 @@ pub(super) const NOISY_SHARE: f64 = 2e-6;
 /// FRFs per block in a streaming pass: a block of 2000 lines stays in the second-level
 /// cache.
 pub(super) const BLOCK_FRFS: usize = 64;
-/// Least FRFs of one such sum: fewer, and adding the sums costs more than making them.
+/// Least FRFs of a partial sum: fewer, and adding the sums costs more than making them.
 pub(super) const GROUP_FRFS: usize = 128;
-/// FRFs of a sum for each of its columns: the sums of several groups take an eighth of the
-/// data at most.
-pub(super) const GROUP_COLUMNS: usize = 8;
 /// FRFs from which the sums of the first pass are kept for whoever asks for them again: with 80
 /// columns they are a fiftieth of the data and less, and a pass is a tenth of the fit and more.
 pub(super) const SUMS_KEPT_FRFS: usize = 4000;
@@ -95,6 +107,8 @@ pub(super) const OUTLIERS_SHARE_MOST: f64 = 0.15;
 pub(super) const AROUND: usize = 20;
 /// One in so many lines, the strongest of the model, tells the usual share of misfit.
 pub(super) const STRONGEST_ONE_IN: usize = 7;
+/// Outlier lines that a finding lists before it only counts.
+pub(super) const OUTLIERS_SHOWN: usize = 8;
 
 // peaks.rs
 
@@ -138,6 +152,9 @@ pub(super) const GRAM_ROUNDING: f64 = 1e-13;
 /// Part of a direction of the second pass outside those before it from which on none is
 /// near rounding.
 pub(super) const GRAM_SOUND: f64 = 1e-6;
+/// FRFs of a partial sum for each of its columns: the sums of several groups take an eighth of the
+/// data at most.
+pub(super) const GROUP_COLUMNS: usize = 8;
 
 // reading.rs
 
@@ -148,84 +165,68 @@ pub(super) const READING_LANES: usize = 4;
 
 /// Lines needed beyond the number of modes.
 pub(super) const LINES_TO_SPARE: usize = 8;
-
 /// Least width of a band over its upper end: on 41 lines fits held from 1e-4 on, and the
 /// powers of ω were one column less by their rank at 6e-5.
 pub(super) const NARROWEST_BAND: f64 = 8e-5;
 /// Root mean square of FRFs that a model file can hold, in the measured kind: its numbers
 /// end at 1e100, a participation has ω² more than its FRF, and squares must stay above zero.
 pub(super) const SENSIBLE_RMS: [f64; 2] = [1e-153, 1e90];
+/// FRFs that an error lists before it only counts.
+pub(super) const PAIRS_SHOWN: usize = 6;
 
 // sketch.rs
 
 /// Sums that need not wait for each other.
 pub(super) const SKETCH_LANES: usize = 8;
 
-// window.rs
+// window/band.rs
 
-/// Largest deviation of a line from an even axis, as a part of the spacing.
-pub(super) const EVEN: f64 = 0.01;
-
-// options.rs
-
-/// Largest β: of a window that is all but a point.
-pub(super) const BETA_MOST: f64 = 40.0;
-/// Parts of a record that a burst under Hann's window may last: the window rises with the square of the
-/// time, and of a shorter burst nothing is left beside what rounding leaves.
-pub(super) const HANN_BURST_PARTS: std::ops::RangeInclusive<f64> = 0.05..=1.0;
-
-/// Values and harmonics that a window without a closed form is taken by.
-pub(super) const BY_VALUES: (usize, usize) = (1024, 256);
-
-/// Least share of an error of a line that counts as left in the residual: a line that is all
-/// but interpolated says nothing of its own error.
-pub(super) const LEAST_KEPT: f64 = 0.1;
-
-// what messages list
-
-/// Outlier lines that a finding lists before it only counts.
-pub(super) const OUTLIERS_SHOWN: usize = 8;
-/// Records whose length differs by more from the inverse of the distance of lines have another line
-/// shape than these: rounding of the axis is far below it.
-pub(super) const OTHER_LENGTH: f64 = 0.01;
-/// Part of the lines that gaps may cost before this is a caution, and from which on an FRF may be
-/// left out for its own: modes of a part of the band may be lost then.
-pub(super) const LINES_LOST: f64 = 0.1;
-/// FRFs that an error lists before it only counts.
-pub(super) const PAIRS_SHOWN: usize = 6;
-
-// window/kernel.rs
-
-/// Below this |z| quotients lose digits and series are used.
-pub(super) const SERIES_BELOW: f64 = 1.0;
-
-/// Terms of a series: the last is below 1/22! of the sum.
-pub(super) const SERIES_TERMS: u32 = 20;
-
-/// Harmonics at the end of a series with less than this share of it are left out.
-pub(super) const CUT_SHARE: f64 = 1e-9;
-
-// window/leakage.rs
-
-/// Least part of its decay that a pole keeps where a window's broadening is taken off
-/// roughly.
-pub(super) const LEAST_DECAY_LEFT: f64 = 0.3;
+/// Decay after which a response has forgotten its force, nepers (1 %).
+pub(super) const MEMORY_NEPERS: f64 = 4.6;
+/// Records that it is followed back at most.
+pub(super) const MEMORY_RECORDS: f64 = 3.0;
+/// Least decay over a record, nepers, that a memory is counted by.
+pub(super) const DECAY_LEAST_NEPERS: f64 = 1e-3;
 
 // window/block_errors.rs
 
 /// Places of a record at which force and windows are taken: lines up to half as many cycles
 /// from the middle of a band.
 pub(super) const RECORD_POINTS: usize = 64;
-/// Decay after which a response has forgotten its force, nepers (1 %).
-pub(super) const MEMORY_NEPERS: f64 = 4.6;
-/// Records that it is followed back at most.
-pub(super) const MEMORY_RECORDS: f64 = 3.0;
 /// From block to block over the record where nobody says it.
 pub(super) const HOP_ASSUMED: f64 = 0.5;
-/// Halvings of an interval that ends at what is known: to 1e-9 of it.
-pub(super) const HALVINGS: usize = 30;
 /// Part of the transform that a gate fills where nothing was padded: less, and zeros
 /// follow.
 pub(super) const GATE_WHOLE: f64 = 0.99;
-/// Least decay over a record, nepers, that a memory is counted by.
-pub(super) const DECAY_LEAST_NEPERS: f64 = 1e-3;
+
+// window/kernel.rs
+
+/// Below this |z| quotients lose digits and series are used.
+pub(super) const SERIES_BELOW: f64 = 1.0;
+/// Terms of a series: the last is below 1/22! of the sum.
+pub(super) const SERIES_TERMS: u32 = 20;
+/// Harmonics at the end of a series with less than this share of it are left out.
+pub(super) const CUT_SHARE: f64 = 1e-9;
+
+// window/kinds.rs
+
+/// Largest β: of a window that is all but a point.
+pub(super) const BETA_MOST: f64 = 40.0;
+/// Parts of a record that a burst under Hann's window may last: the window rises with the square of the
+/// time, and of a shorter burst nothing is left beside what rounding leaves.
+pub(super) const HANN_BURST_PARTS: std::ops::RangeInclusive<f64> = 0.05..=1.0;
+/// Values and harmonics that a window without a closed form is taken by.
+pub(super) const BY_VALUES: (usize, usize) = (1024, 256);
+
+// window/leakage.rs
+
+/// Least part of its decay that a pole keeps where a window's broadening is taken off
+/// roughly.
+pub(super) const LEAST_DECAY_LEFT: f64 = 0.3;
+/// Halvings of an interval that ends at what is known: to 1e-9 of it.
+pub(super) const HALVINGS: usize = 30;
+
+// window/of_set.rs
+
+/// Largest deviation of a line from an even axis, as a part of the spacing.
+pub(super) const EVEN: f64 = 0.01;

@@ -3,6 +3,11 @@
 //!
 //! A value without an origin is judgement: nobody has calibrated it.
 
+// candidates.rs
+
+/// Half-bandwidths of the broader within which a pole explains a peak.
+pub(super) const EXPLAINS: f64 = 1.5;
+
 // consensus.rs
 
 /// Poles that stand for the world outside the band or for background; more than these are
@@ -23,6 +28,19 @@ pub(super) const VOTE_SEED: u64 = 7;
 pub(super) const SAME_POLE: f64 = 0.5;
 /// Least share of the runs of a ladder that makes a pole: half.
 pub(super) const AGREED_LEAST: f64 = 0.5;
+
+// correlated_noise.rs
+
+/// Correlation of noise on neighbouring lines from which on it makes poles: under a
+/// rectangular window lines one cycle of the record apart have none.
+pub(super) const CORRELATION_LEAST: f64 = 0.3;
+/// Half-width of a pole, cycles per record, from which on it is far broader than what
+/// correlation makes; and cycles on both sides of a pole in which noise is whitened.
+pub(super) const CORRELATION_WIDEST: f64 = 8.0;
+/// See [`CORRELATION_WIDEST`].
+pub(super) const CORRELATION_REACH: f64 = 16.0;
+/// Part of the variance that is white in any case: no correlation is exact.
+pub(super) const CORRELATION_WHITE: f64 = 1e-3;
 
 // error_model.rs
 
@@ -55,26 +73,6 @@ pub(super) const MISFIT_WINDOW: (f64, usize) = (1.5, 2);
 pub(super) const PEAK_WINDOW: (f64, usize) = (1.0, 1);
 /// The same that are its surroundings: 30 bandwidths.
 pub(super) const SURROUNDINGS: (f64, usize) = (60.0, 30);
-
-// path.rs
-
-/// Variance that lines at a peak are told to have, over that of the median line, from which
-/// they count as loud: that of a force 6 dB lower there. Seen once, six tests each: 7 and more
-/// under 12 dB, 14 and more under noise of the force.
-pub(super) const LOUD_AT_PEAKS: f64 = 4.0;
-
-// correlated_noise.rs
-
-/// Correlation of noise on neighbouring lines from which on it makes poles: under a
-/// rectangular window lines one cycle of the record apart have none.
-pub(super) const CORRELATION_LEAST: f64 = 0.3;
-/// Half-width of a pole, cycles per record, from which on it is far broader than what
-/// correlation makes; and cycles on both sides of a pole in which noise is whitened.
-pub(super) const CORRELATION_WIDEST: f64 = 8.0;
-/// See [`CORRELATION_WIDEST`].
-pub(super) const CORRELATION_REACH: f64 = 16.0;
-/// Part of the variance that is white in any case: no correlation is exact.
-pub(super) const CORRELATION_WHITE: f64 = 1e-3;
 
 // impulse.rs
 
@@ -121,13 +119,20 @@ pub(super) const LOCAL_LINES_TO_SPARE: usize = 2;
 
 // path.rs
 
+/// Variance that lines at a peak are told to have, over that of the median line, from which
+/// they count as loud: that of a force 6 dB lower there. Seen once, six tests each: 7 and more
+/// under 12 dB, 14 and more under noise of the force.
+pub(super) const LOUD_AT_PEAKS: f64 = 4.0;
 /// Most columns the path works on; more FRFs than that are compressed.
 pub(super) const COLUMNS_MOST: usize = 24;
+/// Half-bandwidths of a peak that a pole explaining it has at most.
+pub(super) const PEAK_WIDTHS: f64 = 2.0;
+
+// record.rs
+
 /// Half window of the noise under peaks: one in so many lines, at least and at most so
 /// many.
 pub(super) const NOISE_WINDOW: (usize, usize, usize) = (20, 30, 400);
-/// Half-bandwidths of a peak that a pole explaining it has at most.
-pub(super) const PEAK_WIDTHS: f64 = 2.0;
 
 // resolved.rs
 
@@ -141,6 +146,14 @@ pub(super) const WINDOW: f64 = 4.0;
 pub(super) const ALONE_OF_OTHER: f64 = 2.0;
 /// Lines on both sides in such a window at least.
 pub(super) const RESOLVED_LEAST_LINES: usize = 6;
+
+// sandwich.rs
+
+/// Half-bandwidths over which lines are taken to correlate: two bandwidths; and the part
+/// of the lines that is at most.
+pub(super) const LAGS: f64 = 4.0;
+/// See [`LAGS`].
+pub(super) const LAGS_ONE_IN: usize = 4;
 
 // search.rs
 
@@ -190,16 +203,3 @@ pub(super) const TWINS_WINDOW: (f64, usize) = (6.0, 8);
 pub(super) const TWINS_STEPS: usize = 20;
 /// Columns from which on residues tell a shape.
 pub(super) const SHAPE_LEAST_COLUMNS: usize = 3;
-
-// candidates.rs
-
-/// Half-bandwidths of the broader within which a pole explains a peak.
-pub(super) const EXPLAINS: f64 = 1.5;
-
-// sandwich.rs
-
-/// Half-bandwidths over which lines are taken to correlate: two bandwidths; and the part
-/// of the lines that is at most.
-pub(super) const LAGS: f64 = 4.0;
-/// See [`LAGS`].
-pub(super) const LAGS_ONE_IN: usize = 4;

@@ -1,38 +1,6 @@
-//! Limits of the classic methods.
+//! Every constant of this room: meaning, unit, and where it comes from.
 //!
 //! A value without an origin is judgement: nobody has calibrated it.
-
-/// Numerator terms beyond two per mode, for modes outside the band. Zero to four do
-/// equally well once there are spare pole pairs.
-pub(crate) const NUMERATOR_EXTRA: usize = 2;
-
-/// Spectral lines (two real equations each) wanted for each real unknown of one FRF. At
-/// one half the system is square and the fit reproduces the noise.
-pub(crate) const LINES_PER_UNKNOWN: usize = 1;
-
-/// Pole pairs beyond the peaks or the modes asked for. Four modes, 24 FRFs, 20 dB: none
-/// to spare misses all four modes, two miss one, four none. Eight modes at 40 dB: one
-/// misses up to three, two and more none, with a tenth of the error or less.
-pub(crate) const SPARE_PAIRS: usize = 4;
-
-/// Most visible peaks per band: with the spare pairs what the method holds.
-pub(crate) const PEAKS_PER_BAND: usize = ORDER_HELD - SPARE_PAIRS;
-
-/// Pole pairs per band that the method holds. D spans about twelve decades over twenty
-/// even-spaced modes, and no weight is right for all of them at once.
-pub(crate) const ORDER_HELD: usize = 12;
-
-/// Condition beyond which the last digits of the measurement decide the answer.
-pub(crate) const CONDITION_HELD: f64 = 1e12;
-
-/// Half-bandwidth of the broadest pole that counts as a mode, relative to the width of
-/// the band: broader ones stand for what lies outside.
-pub(crate) const BROADEST: f64 = 0.5;
-
-/// Largest standard deviation of a natural frequency relative to the half-bandwidth that
-/// still counts as a mode. Modes stand below a third, computational poles mostly between
-/// one and a thousand.
-pub(crate) const MOST_UNCERTAIN: f64 = 0.5;
 
 // aaa.rs
 
@@ -50,6 +18,22 @@ pub(super) const POLISHING_STEP: f64 = 0.1;
 /// Residual over data beyond which the band as a whole is not explained, whatever single
 /// peaks are.
 pub(super) const MOSTLY_LEFT: f64 = 0.5;
+
+// bands.rs
+
+/// One in so many peaks is left on each side of a cut.
+pub(super) const CUT_LEAVES_ONE_IN: usize = 4;
+/// Parts that lines per mode are compared in, as whole numbers.
+pub(super) const LINES_IN_PARTS: usize = 1000;
+/// Pole pairs beyond the peaks or the modes asked for. Four modes, 24 FRFs, 20 dB: none
+/// to spare misses all four modes, two miss one, four none. Eight modes at 40 dB: one
+/// misses up to three, two and more none, with a tenth of the error or less.
+pub(crate) const SPARE_PAIRS: usize = 4;
+/// Most visible peaks per band: with the spare pairs what the method holds.
+pub(crate) const PEAKS_PER_BAND: usize = ORDER_HELD - SPARE_PAIRS;
+/// Pole pairs per band that the method holds. D spans about twelve decades over twenty
+/// even-spaced modes, and no weight is right for all of them at once.
+pub(crate) const ORDER_HELD: usize = 12;
 
 // bars.rs
 
@@ -80,6 +64,18 @@ pub(super) const ANGLE_STEP: f64 = 0.5;
 /// See [`ANGLE_STEP`].
 pub(super) const ANGLE_STILL: f64 = 1e-12;
 
+// classic.rs
+
+/// Condition beyond which the last digits of the measurement decide the answer.
+pub(crate) const CONDITION_HELD: f64 = 1e12;
+/// Half-bandwidth of the broadest pole that counts as a mode, relative to the width of
+/// the band: broader ones stand for what lies outside.
+pub(crate) const BROADEST: f64 = 0.5;
+/// Largest standard deviation of a natural frequency relative to the half-bandwidth that
+/// still counts as a mode. Modes stand below a third, computational poles mostly between
+/// one and a thousand.
+pub(crate) const MOST_UNCERTAIN: f64 = 0.5;
+
 // clusters.rs
 
 /// Poles belong together within this part of the smaller half-bandwidth. Larger merges
@@ -92,6 +88,12 @@ pub(super) const RADIUS: f64 = 0.5;
 /// solution of least norm is taken. At 1e-15 rounding passes for information, at 1e-11
 /// the last digits of clean data at order 12 are lost.
 pub(super) const RANK_CUTOFF: f64 = 1e-13;
+/// Numerator terms beyond two per mode, for modes outside the band. Zero to four do
+/// equally well once there are spare pole pairs.
+pub(crate) const NUMERATOR_EXTRA: usize = 2;
+/// Spectral lines (two real equations each) wanted for each real unknown of one FRF. At
+/// one half the system is square and the fit reproduces the noise.
+pub(crate) const LINES_PER_UNKNOWN: usize = 1;
 
 // forsythe.rs
 
@@ -146,16 +148,6 @@ pub(super) const SCATTER_MEMBERS: usize = 6;
 /// Standard deviation over the median absolute deviation, and that of a median over that
 /// of a mean, of normal scatter (1/Φ⁻¹(3/4) and √(π/2)).
 pub(super) const OF_NORMAL_SCATTER: (f64, f64) = (1.4826, 1.2533);
-
-// stabilization.rs, the highest order
-
-/// Highest order: poles per expected mode, and more for what lies outside the band. Twice
-/// per mode misses weak modes, four times doubles the time for a third less bias.
-pub(super) const POLES_PER_MODE: usize = 3;
-/// See [`POLES_PER_MODE`].
-pub(super) const MORE_POLES: usize = 24;
-/// Lines per pole at least.
-pub(super) const LINES_PER_POLE: usize = 4;
 
 // matrix_fraction.rs
 
@@ -256,6 +248,16 @@ pub(super) const AGREED_LEAST: f64 = 2.0;
 /// Lines per mode at least.
 pub(super) const LINES_PER_MODE: usize = 3;
 
+// stabilization.rs, the highest order
+
+/// Highest order: poles per expected mode, and more for what lies outside the band. Twice
+/// per mode misses weak modes, four times doubles the time for a third less bias.
+pub(super) const POLES_PER_MODE: usize = 3;
+/// See [`POLES_PER_MODE`].
+pub(super) const MORE_POLES: usize = 24;
+/// Lines per pole at least.
+pub(super) const LINES_PER_POLE: usize = 4;
+
 // survey.rs
 
 /// Half window of the noise estimate under the peaks, lines; a few dozen bandwidths at
@@ -285,10 +287,3 @@ pub(super) const WINDOWS_SPARE_POLES: usize = 6;
 pub(super) const LEEWAY: f64 = 0.35;
 /// Lines beyond twice the order that a fraction needs.
 pub(super) const LEAST_LINES: usize = 8;
-
-// bands.rs
-
-/// One in so many peaks is left on each side of a cut.
-pub(super) const CUT_LEAVES_ONE_IN: usize = 4;
-/// Parts that lines per mode are compared in, as whole numbers.
-pub(super) const LINES_IN_PARTS: usize = 1000;

@@ -7,11 +7,6 @@
 
 /// χ² per degree of freedom beyond which one shape per mode does not hold.
 pub(super) const SHAPE_MISFIT: f64 = 1.5;
-/// FRFs per block of what is done FRF by FRF.
-pub(super) const BUILD_BLOCK: usize = 1024;
-
-/// Part of the data's energy that such a rise loses to rounding.
-pub(super) const RISE_ROUNDING: f64 = 1e-12;
 
 // decide.rs
 
@@ -21,19 +16,33 @@ pub(super) const LAW_ALIKE: f64 = 0.02;
 /// Error bars that the wrong law must shift a mode by to be worth a word.
 pub(super) const LAW_SHIFTS: f64 = 1.0;
 
+// exponential.rs
+
+/// Standard deviations by which a sure mode decays more slowly than the exponential window when the
+/// window's α is wrong.
+pub(super) const CLEARLY_SLOWER: f64 = 5.0;
+
+// free_fit.rs
+
+/// Rounds in which poles outside the band get one direction more each; where these are not enough
+/// all of them hardly are, and are tried at once. Judgement: no model of
+/// `scripts/record_results.sh` changes by it.
+pub(super) const RANK_ROUNDS: usize = 8;
+/// Natural frequency over that of the last line below which a pole has none.
+pub(super) const NO_FREQUENCY: f64 = 1e-6;
+/// FRFs per block of what is done FRF by FRF.
+pub(super) const BUILD_BLOCK: usize = 1024;
+/// Part of the data's energy that a rise of the sum of squares loses to rounding.
+pub(super) const RISE_ROUNDING: f64 = 1e-12;
+
 // modes.rs
 
 /// Largest standard deviation of a loss factor in the file: a mode that vibrates has one
 /// below 2.
 pub(super) const LOSS_FACTOR_UNKNOWN: f64 = 2.0;
-
-// residual_energy.rs
-
-/// Part of an FRF's energy that the difference of such sums knows a residual to; less,
-/// and it is rounding.
-pub(super) const KNOWN: f64 = 1e-9;
-/// FRFs per block.
-pub(super) const RESIDUAL_ENERGY_BLOCK: usize = 256;
+/// Relative error bar of a mass scale below which the angle of its shape says something of
+/// phases.
+pub(super) const SCALE_TELLS: f64 = 0.1;
 
 // moved_poles.rs
 
@@ -56,9 +65,6 @@ pub(super) const TRACK_FREQUENCY_PRIOR: f64 = 3e-3;
 pub(super) const TRACK_LOSS_PRIOR: f64 = 0.3;
 /// Noise that FRFs are taken to have at least, over their rms: rounding.
 pub(super) const TRACK_ROUNDING: f64 = 1e-9;
-/// Standard deviations by which a sure mode decays more slowly than the exponential window when the
-/// window's α is wrong.
-pub(super) const CLEARLY_SLOWER: f64 = 5.0;
 /// Relative step of numerical slopes: differences keep ten digits.
 pub(super) const TRACK_SLOPE_STEP: f64 = 1e-5;
 /// Misfit over that of the model from which on its shapes no longer hold.
@@ -70,18 +76,10 @@ pub(super) const LEAST_MISFIT: f64 = 0.01;
 /// Part of itself by which a loss factor changes at most in a step.
 pub(super) const TRACK_LOSS_STEP: f64 = 0.5;
 
-// free_fit.rs
+// residual_energy.rs
 
-/// Rounds in which poles outside the band get one direction more each; where these are not enough
-/// all of them hardly are, and are tried at once. Judgement: no model of
-/// `scripts/record_results.sh` changes by it.
-pub(super) const RANK_ROUNDS: usize = 8;
-
-/// Natural frequency over that of the last line below which a pole has none.
-pub(super) const NO_FREQUENCY: f64 = 1e-6;
-
-// modes.rs
-
-/// Relative error bar of a mass scale below which the angle of its shape says something of
-/// phases.
-pub(super) const SCALE_TELLS: f64 = 0.1;
+/// Part of an FRF's energy that the difference of such sums knows a residual to; less,
+/// and it is rounding.
+pub(super) const KNOWN: f64 = 1e-9;
+/// FRFs per block.
+pub(super) const RESIDUAL_ENERGY_BLOCK: usize = 256;

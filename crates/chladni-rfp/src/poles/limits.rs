@@ -9,16 +9,15 @@
 /// up before it settles the order.
 pub(super) const MISFIT_SHARE: f64 = 0.4;
 
-// chain.rs
+// by_hand.rs
 
-/// Share of the residual energy left after conjugation that proves the wrong time sign.
-/// Right-signed data lose a factor of 100 and more by conjugation; data of no structure
-/// lose nothing either way.
-pub(super) const CONJUGATE_SHARE: f64 = 0.25;
-/// Drop of the noise variance by which a pool of twice the size proves that the first was
-/// too small. Measured misfit (1 to 20 % of the data) cannot fall so far; hidden modes at
-/// 60 dB and more do.
-pub(super) const LARGER_POOL_GAIN: f64 = 1e-2;
+/// A pole so many half-bandwidths away from a place explains it: nothing is added there.
+pub(super) const BY_HAND_EXPLAINED: f64 = 1.0;
+/// Narrowest start, line spacings of half-bandwidth: a narrower pole would see one line.
+pub(super) const BY_HAND_NARROWEST: f64 = 1.0;
+/// An added pole that the refinement carries so many half-bandwidths away is not the one
+/// that was seen.
+pub(super) const CARRIED_AWAY: f64 = 8.0;
 
 // descent.rs
 
@@ -35,6 +34,17 @@ pub(super) const STEP_INSIDE: f64 = 0.5;
 pub(super) const STEP_OUTSIDE: f64 = 0.3;
 /// Least damping where the system cannot be solved as it is.
 pub(super) const LM_LEAST_UNSOLVED: f64 = 1e-8;
+
+// estimate.rs
+
+/// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
+pub(crate) const UNCERTAIN: f64 = 0.3;
+/// Standard deviation of a pole, in half-bandwidths, from which it may be called faint, and
+/// that over the usual one of the band. Modes that random structures did not have stood at
+/// 0.02 to 0.2 where their neighbours stood at 1e-6.
+pub(super) const FAINT: f64 = 0.01;
+/// See above.
+pub(super) const FAINT_OVER_USUAL: f64 = 300.0;
 
 // first_look.rs
 
@@ -102,30 +112,40 @@ pub(super) const POOL_RIDGE: (f64, f64, f64) = (1e-14, 1e-4, 100.0);
 
 // prune.rs
 
-/// Factor on the tail of the noise in the significance threshold (theory.md, eq. 8). 1.0
-/// finds one more mode in heavy overlap, 3 (about BIC) loses one to three there; no
-/// spurious mode was seen between.
-pub(super) const SIGNIFICANCE: f64 = 1.5;
 /// Rise of the sum of squares, in units of the significance threshold, below which a pole
 /// is judged by a fit without it. Poles that lean on a neighbour were seen at 2 to 5;
 /// modes in noise stand at 10 and more, and each costs a refinement.
 pub(super) const LEANING: f64 = 10.0;
-/// Fall of the sum of squares by such a fit over what its first step promises, at most. Of 2204
-/// fits (960 structures of `bench wild`) 77 left little enough, one of them after a fall of 2.7
-/// times the promise; of the others 1485 would have had to fall by more than four times.
-pub(super) const GAIN_OVER_PROMISE: f64 = 4.0;
 /// Steps after which a pool is thinned again: poles of noise are told from others long
 /// before they stand still.
 pub(super) const THINNING_STEPS: usize = 2;
 /// Times that this may take none out before the pool counts as thinned.
 pub(super) const THINNING_ROUNDS: usize = 3;
-
 /// Lines to either side of a pole that one bad line may have made which do not speak for
 /// it.
 pub(super) const OWN_LINES: f64 = 1.5;
 /// Half-width, in line spacings, below which a pole stands for one bad line. Panels with a
 /// fifteenth of a line per bandwidth have 0.03; what a spoilt value makes stays below 0.001.
 pub(super) const NARROWEST: f64 = 0.01;
+
+// rank.rs
+
+/// The noise is told by the singular values behind this share of them, and its floor is
+/// seen where fewer than this share stand out.
+pub(super) const BEFORE_NOISE: (usize, usize) = (3, 4);
+/// Singular value over the largest that noise alone makes, from which on it counts: it
+/// covers the bias of the tail that the noise is told by.
+pub(super) const RANK_OVER_TAIL: f64 = 1.6;
+/// Least |1 − √(columns/lines)| that the limit of noise is divided by: it grows without
+/// bounds for square data.
+pub(super) const SQUARE_LEAST: f64 = 0.2;
+
+// refine.rs
+
+/// Fall of the sum of squares by a refinement over what its first step promises, at most. Of 2204
+/// fits (960 structures of `bench wild`) 77 left little enough, one of them after a fall of 2.7
+/// times the promise; of the others 1485 would have had to fall by more than four times.
+pub(super) const GAIN_OVER_PROMISE: f64 = 4.0;
 
 // scan.rs
 
@@ -170,15 +190,35 @@ pub(super) const OVERLAP: usize = 2;
 /// Poles added until it is asked whether they help where neighbouring lines correlate
 /// everywhere, and the part of the sum of squares that they must take out by then.
 pub(super) const ADDED_IN_VAIN: (usize, f64) = (5, 0.2);
-
 /// Half-widths of both poles within which one may have made up for another: beyond, their
 /// columns share a hundredth of their energy.
 pub(super) const LEANS_WITHIN: f64 = 10.0;
-
 /// Rounds of adding poles at residual peaks before the order stands.
 pub(super) const SCAN_ROUNDS: usize = 6;
 /// Changes of the order for each of these rounds at most.
 pub(super) const CHANGES_PER_ROUND: usize = 3;
+
+// significance.rs
+
+/// Places of a pole per line that are looked at.
+pub(super) const LOOKS_PER_LINE: f64 = 4.0;
+/// Factor on the tail of the noise in the significance threshold (theory.md, eq. 8). 1.0
+/// finds one more mode in heavy overlap, 3 (about BIC) loses one to three there; no
+/// spurious mode was seen between.
+pub(super) const SIGNIFICANCE: f64 = 1.5;
+
+// sketched.rs
+
+/// Half window of the noise under the peaks, lines.
+pub(super) const SKETCH_NOISE_HALF_WINDOW: usize = 40;
+/// Share of the residual energy left after conjugation that proves the wrong time sign.
+/// Right-signed data lose a factor of 100 and more by conjugation; data of no structure
+/// lose nothing either way.
+pub(super) const CONJUGATE_SHARE: f64 = 0.25;
+/// Drop of the noise variance by which a pool of twice the size proves that the first was
+/// too small. Measured misfit (1 to 20 % of the data) cannot fall so far; hidden modes at
+/// 60 dB and more do.
+pub(super) const LARGER_POOL_GAIN: f64 = 1e-2;
 
 // start.rs
 
@@ -202,7 +242,6 @@ pub(super) const LINES_PER_POLE: usize = 3;
 /// of them from which errors correlate everywhere.
 pub(super) const BAND_PARTS: usize = 10;
 pub(super) const PARTS_CORRELATED: usize = 8;
-
 /// Excess of the residual energy around a mode, over the whole band's and beyond chance,
 /// that still counts as white: poles of the projection are not yet the refined ones. Real
 /// misfit (windows, moving poles, non-linear supports) stands 10 to 1000 times above the
@@ -229,49 +268,6 @@ pub(super) const NOISE_PARTS: usize = 10;
 pub(super) const NOISE_PART_LINES: usize = 16;
 /// Least limit that a look is compared with: rounding.
 pub(super) const LOOK_LEAST: f64 = 1e-12;
-
-// by_hand.rs
-
-/// A pole so many half-bandwidths away from a place explains it: nothing is added there.
-pub(super) const BY_HAND_EXPLAINED: f64 = 1.0;
-/// Narrowest start, line spacings of half-bandwidth: a narrower pole would see one line.
-pub(super) const BY_HAND_NARROWEST: f64 = 1.0;
-/// An added pole that the refinement carries so many half-bandwidths away is not the one
-/// that was seen.
-pub(super) const CARRIED_AWAY: f64 = 8.0;
-
-// estimate.rs
-
-/// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
-pub(crate) const UNCERTAIN: f64 = 0.3;
-/// Standard deviation of a pole, in half-bandwidths, from which it may be called faint, and
-/// that over the usual one of the band. Modes that random structures did not have stood at
-/// 0.02 to 0.2 where their neighbours stood at 1e-6.
-pub(super) const FAINT: f64 = 0.01;
-/// See above.
-pub(super) const FAINT_OVER_USUAL: f64 = 300.0;
-
-// rank.rs
-
-/// The noise is told by the singular values behind this share of them, and its floor is
-/// seen where fewer than this share stand out.
-pub(super) const BEFORE_NOISE: (usize, usize) = (3, 4);
-/// Singular value over the largest that noise alone makes, from which on it counts: it
-/// covers the bias of the tail that the noise is told by.
-pub(super) const RANK_OVER_TAIL: f64 = 1.6;
-/// Least |1 − √(columns/lines)| that the limit of noise is divided by: it grows without
-/// bounds for square data.
-pub(super) const SQUARE_LEAST: f64 = 0.2;
-
-// significance.rs
-
-/// Places of a pole per line that are looked at.
-pub(super) const LOOKS_PER_LINE: f64 = 4.0;
-
-// sketched.rs
-
-/// Half window of the noise under the peaks, lines.
-pub(super) const SKETCH_NOISE_HALF_WINDOW: usize = 40;
 
 // zeros.rs
 
