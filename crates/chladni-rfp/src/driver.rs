@@ -1,8 +1,9 @@
-//! The driver of every fit, whoever holds its data: find poles, choose the damping law, turn
-//! residues into shapes and a model, ask what is wrong with the data.
+//! The driver of every fit, in memory or in pieces: find poles, choose the damping law, turn
+//! residues into shapes and a model, check the data.
 //!
-//! The walk is written once over a [`Source`]. In memory it goes through. Over partials it
-//! stops at a pass that others must make, and goes on from there when it is made.
+//! The walk is written once over a [`Source`]. In memory it runs to its end. Over partials it
+//! stops at a pass that is not made yet, and goes on from there once other machines have made
+//! it.
 
 use crate::checks::case::Case;
 use crate::checks::examine::examine;
@@ -95,7 +96,7 @@ pub fn fit_watched(
     })
 }
 
-/// The fit under the window that is known, with a caution where line shapes doubt that window and a
+/// The fit under the known window. A caution is added if line shapes doubt that window and a
 /// fit without it leaves far less.
 ///
 /// # Errors
@@ -128,8 +129,8 @@ fn with_known_window(
     Ok(fit)
 }
 
-/// The fit once more with the window that line shapes speak of, where what it leaves says so,
-/// too; else the first one, with bars that hold what a window may have added.
+/// A second fit under the window that line shapes show, if its residual confirms that window.
+/// Otherwise the first fit, its bars widened by what a window may have added.
 ///
 /// # Errors
 /// Those of [`fit`].
@@ -142,7 +143,7 @@ fn with_window_found(
     let screened = Screened::new(frf, &options)?;
     let case = Case::of_fit(&screened, &fit.model, &options);
     let evidence = window_bias::Evidence::new(&case);
-    // line shapes are those of windows on continuous noise in H1
+    // the line shapes compared are those of continuous noise in H1
     let may_be = frf.estimation.as_ref().is_none_or(|made| {
         let forcing = made.forcing.unwrap_or(Forcing::Continuous);
         made.estimator == Estimator::H1 && forcing == Forcing::Continuous
@@ -177,8 +178,9 @@ fn with_window_found(
     Ok(under)
 }
 
-/// Fits `data` weighted by the noise that they tell themselves; else as they are, and once
-/// more with the weights that the residual tells.
+/// Fits `data`, each FRF weighted by its noise if the data say how noisy it is. If they do not,
+/// the first fit has no weights; a second one has those that the residuals of the first give,
+/// if these are unequal.
 ///
 /// # Errors
 /// A fit that cannot be made; a pass that others must make.
@@ -210,7 +212,7 @@ pub(crate) fn walk<S: Source>(
         }
     };
     let white = residual == Residual::White;
-    // what is left in measured units, seen with the weights
+    // residual energy of the measured FRFs, times the squares of their weights
     let seen: Vec<f64> = fitted
         .pairs
         .iter()
@@ -248,8 +250,8 @@ pub(crate) fn walk<S: Source>(
     Ok(fit)
 }
 
-/// Asks what is wrong with the data; `seen`: what is left of each FRF. Then takes an
-/// exponential window off.
+/// Runs the checks of the data, then takes an exponential window off the poles. `seen`:
+/// residual energy of each FRF, weighted.
 fn checked<S: Source>(
     fitted: &S,
     seen: &[f64],
@@ -268,8 +270,8 @@ fn checked<S: Source>(
     }
 }
 
-/// Noise variance of one work value, where what is left of FRFs is noise and known; else
-/// as the model's error says.
+/// Noise variance of one work value: from the residuals of weighted FRFs if they are known,
+/// else from the relative error of the model.
 fn noise_variance(data: &DataLayout, seen: &[f64], relative_error: f64) -> f64 {
     match data.weighting.is_some() && !seen.is_empty() {
         true => seen.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64,

@@ -1,10 +1,10 @@
 //! The wrong FRF kind: mobility called receptance, and the like.
 //!
-//! The poles do not mind (a factor jω is smooth across a resonance), but every residue is
+//! Poles are not affected (a factor jω is smooth across a resonance), but every residue is
 //! turned by 90° for each differentiation too many or too few. A real shape has residues
 //! ψ_iψ_j: real and positive at a driving point, real of either sign elsewhere. Two
-//! differentiations reverse the sign, as a reversed sensor does; what stands beside the
-//! resonances tells them apart, since −ω²/(λ − ω²) = 1 − λ/(λ − ω²) and −1/(ω²(λ − ω²)) =
+//! differentiations reverse the sign, as a reversed sensor does; the terms beside the
+//! resonances tell the two apart, since −ω²/(λ − ω²) = 1 − λ/(λ − ω²) and −1/(ω²(λ − ω²)) =
 //! −(1/ω² + 1/(λ − ω²))/λ (theory.md, eq. F1).
 
 use crate::checks::case::{Case, Checked};

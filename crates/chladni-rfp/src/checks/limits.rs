@@ -60,8 +60,8 @@ pub(super) const BESIDE_LINES: f64 = 2.5;
 pub(super) const NEIGHBOURS: usize = 6;
 /// Half-bandwidths, and lines, on both sides of it.
 pub(super) const HIDDEN_WINDOW: (f64, usize) = (8.0, 16);
-/// Modal overlap (half-bandwidths of both neighbours over their distance) at which a mode
-/// may hide between two others; of nearer ones it goes without saying.
+/// Modal overlap (half-bandwidths of both neighbours over their distance) at which a mode may
+/// hide between two others. Between nearer ones it always may.
 pub(super) const HIDING_OVERLAP: std::ops::Range<f64> = 0.3..1.5;
 
 // kind.rs

@@ -1,4 +1,4 @@
-//! The window that the line shapes speak of.
+//! The window that the line shapes show.
 //!
 //! A resonance in H1 of windowed random records is the transform of e^{pt}ρ(t) over one
 //! record, not 1/(s − p). With z = (s − p)T it is (theory.md, eq. F4) T·g(z) of [`WindowKernel`].

@@ -49,8 +49,8 @@ pub(crate) fn few_values(case: &Case) -> Option<Checked> {
     })
 }
 
-/// Modes that stand out of the mean noise of all FRFs, and not where each FRF is judged by its
-/// own: in data that are mostly noise the loudest FRFs pretend modes.
+/// Modes that stand out of the mean noise of all FRFs, but not of the noise of each FRF. In
+/// data that are mostly noise the loudest FRFs feign modes.
 pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
     let sure = sure(case);
     if case.model.quality.relative_error < limits::MOSTLY_NOISE || sure.is_empty() {
@@ -78,8 +78,8 @@ pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
     Some(Checked { finding, weak })
 }
 
-/// Of each mode whether it explains more than chance does of one FRF, of some, or of all, each
-/// over its own noise. `None` where too few lines are left to tell that.
+/// For each mode, true if it explains more of one FRF, of some or of all than chance does, each
+/// FRF over its own noise. `None` if too few lines are left to tell.
 ///
 /// The part e that a column explains beyond all others, over what is left ℓ on m free lines,
 /// makes m·ln(1 + e/ℓ) exponential with mean 1 where there is noise alone.

@@ -1,5 +1,5 @@
-//! A reference whose gain, wiring or place is wrong, where reciprocity shows it. The
-//! poles do not mind; shapes that take their mass scale from a driving point do.
+//! A reference whose gain, wiring or place is wrong, where reciprocity shows it. Poles are not
+//! affected; shapes that take their mass scale from a driving point are.
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;

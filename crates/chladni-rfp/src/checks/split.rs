@@ -98,8 +98,8 @@ fn places(groups: &[&[&Mode]]) -> String {
     each.join("; ")
 }
 
-/// The modes that have a twin, where one side has one DOF and most modes are so: of the
-/// same damping, and nearer than a part of their half-bandwidth.
+/// The modes that have a twin: a mode of the same damping, nearer than a part of their
+/// half-bandwidth. None, unless one side has one DOF and most modes have a twin.
 fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
     if case.data.responses.len().min(case.data.references.len()) > 1 {
         return None;
@@ -136,8 +136,9 @@ fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
     Some(Checked { finding, weak })
 }
 
-/// True where poles of its own for each DOF of the side that was moved, at most half as many,
-/// leave no more of the FRFs than the common poles do. A repeated pole is one of these.
+/// True if fewer moving poles explain the FRFs as well as the common poles do: at most half as
+/// many, with places of their own for each DOF of the side that was moved. A repeated pole
+/// counts once.
 fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
     let frfs = by_set_up(case, group);
     if frfs.len() < 2 {

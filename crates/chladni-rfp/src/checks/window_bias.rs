@@ -1,4 +1,5 @@
-//! Damping that a window of the test may have raised, where nobody said which it was.
+//! Bias of damping by the window of the records: its bounds if the window is not known, the
+//! evidence against the window if it is.
 
 use crate::checks::around::twins;
 use crate::checks::case::{Case, Checked};
@@ -44,9 +45,9 @@ pub(crate) fn modelled(case: &Case) -> Option<Checked> {
     Some(finding.into())
 }
 
-/// True where the lines of modes that stand alone are rather pure resonances than lines under the
-/// window that was told. Not asked where an exponential window moved the poles, nor of records that
-/// were padded: their lines have another shape.
+/// True if the lines of isolated modes look like pure resonances rather than lines under the
+/// known window. False if an exponential window moved the poles or records were padded: their
+/// lines have another shape.
 pub(crate) fn is_doubted(case: &Case) -> bool {
     let told = case.data.window.filter(|window| *window != Window::None);
     let as_measured = case.options.exponential_window_per_s.is_none() && !case.data.is_padded();
@@ -56,8 +57,8 @@ pub(crate) fn is_doubted(case: &Case) -> bool {
     gain.is_some_and(|gain| gain > DECIDES)
 }
 
-/// The finding on a window that was told, where a fit of pure resonances leaves so much less: models
-/// under the window and without it. `None` where it does not.
+/// The finding that the data contradict the known window: a fit of pure resonances leaves far
+/// less. `models`: under the window and without it. `None` if it does not.
 pub(crate) fn contradicted(window: Window, models: [&ModalModel; 2]) -> Option<Finding> {
     let [under, plain] = models.map(|model| model.quality.relative_error);
     let less = (under / plain.max(f64::MIN_POSITIVE)).powi(2);
@@ -144,7 +145,7 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     Some(finding.into())
 }
 
-/// What the data say of their window.
+/// Evidence of the window in the data.
 pub(crate) struct Evidence {
     shapes: Option<LineShapes>,
     errors: Option<Witness>,
@@ -180,8 +181,8 @@ impl Evidence {
     }
 }
 
-/// Widens the bars of modes by what `window` would have added to their damping, and to
-/// their mass scale with it; those of frequencies where two poles may be one broadened line.
+/// Widens the bars of damping by what `window` would have added to it, and the bars of mass
+/// scales with them. Bars of frequencies are widened if two poles may be one broadened line.
 pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout, window: Window) {
     let Some(leakage) = leakage_of(window, data) else {
         return;
@@ -221,7 +222,8 @@ fn widen(mode: &mut Mode, scaling: Scaling, of_loss: f64, of_scale: f64) {
     widen_scale(mode, |std, size| std.hypot(of_scale * size));
 }
 
-/// Effect of a window on records as long as the lines tell; decays are in 1/s.
+/// Effect of a window on records whose length is the inverse of the line spacing; decays are in
+/// 1/s.
 fn leakage_of(window: Window, data: &DataLayout) -> Option<Leakage> {
     let record_s = 1.0 / data.line_spacing_hz();
     Some(Leakage::new(window.kernel()?, record_s, 0))
@@ -253,7 +255,7 @@ fn added(leakage: &Leakage, seen: f64) -> f64 {
     }
 }
 
-/// True where damping may be biased and nobody said by which window.
+/// True if an unknown window may bias damping.
 pub(crate) fn is_open(model: &ModalModel) -> bool {
     let mut findings = model.quality.findings.iter();
     findings.any(|finding| finding.code == "window-bias")
@@ -291,8 +293,8 @@ impl FoundWindow {
     }
 }
 
-/// The window that line shapes clearly speak of, where it is worth a new fit and the errors of
-/// neighbouring lines do not speak against it.
+/// The window that line shapes clearly show, if it is worth a new fit and the errors of
+/// neighbouring lines do not contradict it.
 pub(crate) fn of_shapes(case: &Case, found: &Evidence) -> Option<Window> {
     let shapes = found.shapes.as_ref()?;
     let window = shapes.likeliest();
@@ -310,17 +312,17 @@ pub(crate) fn of_shapes(case: &Case, found: &Evidence) -> Option<Window> {
     (decisive && !found.errors.as_ref().is_some_and(against)).then_some(window)
 }
 
-/// True for errors of windowed records under a continuous force: FRFs share them, they taper, and
-/// one window at least is open whose force is continuous.
+/// True if errors are those of windowed records under a continuous force: FRFs share them, they
+/// are correlated as by a window that falls off to both ends, and one such window at least is
+/// possible.
 fn of_continuous(errors: &Witness) -> bool {
     let open = errors.open.contains(&true);
     errors.leakage && open && errors.likeliest == Correlation::Tapered
 }
 
-/// The window that line shapes and the errors of neighbouring lines both speak of, each by
-/// itself clearly, and leakage shows that the force was continuous: less corrects nothing.
-/// The fit `under` the window is asked where one of pure resonances leaves too little to
-/// ask.
+/// The window that line shapes and the errors of neighbouring lines both show clearly, under a
+/// force that leakage shows to be continuous. Weaker evidence corrects nothing. The errors that
+/// the fit `under` the window leaves are asked if those of the first fit say too little.
 pub(crate) fn decided(found: &Evidence, under: &Case) -> Option<FoundWindow> {
     let shapes = found.shapes.as_ref()?;
     let (window, gain) = (shapes.likeliest(), shapes.tapered_gain());

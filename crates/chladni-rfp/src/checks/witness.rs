@@ -32,8 +32,8 @@ use std::ops::Range;
 pub struct Witness {
     /// The cause.
     pub likeliest: Correlation,
-    /// Log-likelihood over that of the next without the stretch of lines that says most for
-    /// it, less a part of what correlation it leaves unexplained.
+    /// Log-likelihood over that of the next best, without the stretch of lines that favours it
+    /// most, less a part of the correlation that it leaves unexplained.
     pub gain: f64,
     /// True for each of [`TAPERED`] that the errors do not exclude.
     pub(crate) open: [bool; TAPERED.len()],
@@ -90,7 +90,7 @@ pub(crate) fn witness(case: &Case) -> Option<Witness> {
             .flat_map(|(n, errors)| stretches((n, data.pairs[frfs[n]].1), errors, &away, length))
             .collect()
     };
-    // where modes leave no long ones between them, short ones say less but something
+    // short stretches say less, and are used where modes leave no long ones between them
     let stretches = [limits::STRETCH, limits::SHORT_STRETCH]
         .into_iter()
         .map(of_length)
@@ -126,10 +126,10 @@ impl Stretch {
     }
 }
 
-/// True where FRFs share their errors; `None` of one FRF, or where few pairs do not tell.
+/// True if FRFs share their errors; `None` for one FRF, or if too few pairs of FRFs tell.
 ///
-/// FRFs of one force do: those of others have another force in their products, and are asked only
-/// where no force has two.
+/// FRFs of one force are compared. Those of different forces share less, and are compared only
+/// if no two FRFs have the same force.
 fn shared(stretches: &[Stretch]) -> Option<bool> {
     let between = |of_one_force: bool| {
         let pairs = stretches.iter().enumerate().flat_map(|(n, stretch)| {
@@ -149,7 +149,8 @@ fn shared(stretches: &[Stretch]) -> Option<bool> {
     if coherence > limits::SHARED {
         return Some(true);
     }
-    // coherences scatter as much as their mean: few pairs do not tell that errors are apart
+    // coherences scatter as much as their mean: few pairs do not show that errors are
+    // independent
     let (of_chance, of_leakage) = limits::COHERENCE;
     let nats = (of_leakage / of_chance).ln() - coherence * (1.0 / of_chance - 1.0 / of_leakage);
     let of_one_force = stretches

@@ -29,8 +29,7 @@ pub(crate) fn loss_bound(law: Damping) -> f64 {
     }
 }
 
-/// The pole λ after a step from `before`, less than critically damped where the law knows
-/// critical damping.
+/// The pole λ after a step from `before`, kept below critical damping in the viscous law.
 pub(crate) fn oscillating(law: Damping, next: Complex64, before: Complex64) -> Complex64 {
     let Complex64 { re, im } = next;
     match law {

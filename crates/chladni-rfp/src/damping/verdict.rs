@@ -139,7 +139,7 @@ fn overtaken(
         .map(|(&pole, &turn)| Some((in_plane_of(LAWS[worse], pole)?, turn)))
         .collect();
     let Some(start) = start else { return false };
-    // both fits stand where a third cannot be made
+    // both fits are kept if a third cannot be made
     let Ok(again) = fit(LAWS[worse], &start) else {
         return false;
     };
@@ -153,7 +153,7 @@ fn overtaken(
 /// The verdict on the fits in the structural and in the viscous law.
 fn weighed(laws: &[LawFit; 2], variance: f64, frfs: usize) -> Verdict {
     let modes = laws[0].turn.len();
-    // angles that differ from FRF to FRF know their mean the less
+    // the mean of angles that differ from FRF to FRF is less certain
     let scatter = laws
         .each_ref()
         .map(|law| law.relief / (0.5 * variance) / (modes * frfs.saturating_sub(1)).max(1) as f64);

@@ -6,9 +6,9 @@ use crate::data::screening::Screened;
 /// Noise energy of each FRF on the lines used, in work units (by coherence: up to a
 /// factor, the number of averages), where the set tells it of every value.
 ///
-/// Variances come from averages, as `estimate` writes them. Coherence γ² of n averages is
-/// worth |H|²(1 − γ²)/(2nγ²) (Bendat, Piersol, Random Data, 4th ed., table 9.6). The
-/// median line speaks for all: leakage raises either at the peaks.
+/// Variances come from averages, as `estimate` writes them. Coherence γ² of n averages stands
+/// for a variance |H|²(1 − γ²)/(2nγ²) (Bendat, Piersol, Random Data, 4th ed., table 9.6). The
+/// median line is taken for all lines: leakage raises either at the peaks.
 pub(crate) fn given_noise(data: &Screened) -> Option<(Vec<f64>, Giver)> {
     let (frf, unit) = (data.frf, data.factor().norm_sqr());
     let median = |of: &dyn Fn(usize) -> f64| {

@@ -1,5 +1,5 @@
-//! Covariances from information matrices, and normal equations, where some directions are
-//! not told: they have an infinite variance, or no part in the answer, and no fit ends
+//! Covariances from information matrices, and normal equations, where the data do not determine
+//! some directions: these have an infinite variance, or no part in the answer, and no fit stops
 //! for them.
 
 use crate::data::limits;

@@ -17,8 +17,8 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// The lines and FRFs used, and what they are measured in. What grows with the FRFs is
-/// shared by its clones: of a million FRFs each took 70 MB.
+/// The lines and FRFs used, and their units. Clones share all that grows with the number of
+/// FRFs: of a million FRFs each clone took 70 MB.
 #[derive(Debug, Clone)]
 pub(crate) struct DataLayout {
     /// Response DOFs of the set.
@@ -55,8 +55,8 @@ pub(crate) struct DataLayout {
     pub law: Damping,
     /// The window of the records, where it is known.
     pub window: Option<Window>,
-    /// Length of records, s, where the set says that they are blows under a Hann window: no
-    /// columns have their lines.
+    /// Length of records, s, if the set says that they are blows under a Hann window: the
+    /// columns of the fit do not have that line shape.
     pub hann_on_blows_s: Option<f64>,
     /// True where the set says that local fits made it of a force that does not suit them.
     pub local_on_smooth_force: bool,
@@ -66,7 +66,7 @@ pub(crate) struct DataLayout {
     pub record_s: f64,
     /// Its effect on the columns of poles; `None` where it has none.
     pub leakage: Option<Arc<Leakage>>,
-    /// Errors that neighbouring lines share; `None` where they share none, or nobody knows.
+    /// Errors that neighbouring lines share; `None` if they share none, or that is not known.
     pub errors: Option<Arc<BlockErrors>>,
     /// Variance of lines, where the set tells it and errors of lines are independent; else
     /// empty.

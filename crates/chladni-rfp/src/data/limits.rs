@@ -46,8 +46,8 @@ pub(super) const NOISY_SHARE: f64 = 2e-6;
 pub(super) const BLOCK_FRFS: usize = 64;
 /// Least FRFs of a partial sum: fewer, and adding the sums costs more than making them.
 pub(super) const GROUP_FRFS: usize = 128;
-/// FRFs from which the sums of the first pass are kept for whoever asks for them again: with 80
-/// columns they are a fiftieth of the data and less, and a pass is a tenth of the fit and more.
+/// FRFs from which the sums of the first pass are kept for later use: with 80 columns they are
+/// a fiftieth of the data and less, and a pass is a tenth of the fit and more.
 pub(super) const SUMS_KEPT_FRFS: usize = 4000;
 /// Groups of a set that has FRFs for them, whatever memory their sums take: work for as many
 /// threads.
@@ -193,7 +193,7 @@ pub(super) const DECAY_LEAST_NEPERS: f64 = 1e-3;
 /// Places of a record at which force and windows are taken: lines up to half as many cycles
 /// from the middle of a band.
 pub(super) const RECORD_POINTS: usize = 64;
-/// From block to block over the record where nobody says it.
+/// Distance of blocks over the record length, where it is not known.
 pub(super) const HOP_ASSUMED: f64 = 0.5;
 /// Part of the transform that a gate fills where nothing was padded: less, and zeros
 /// follow.

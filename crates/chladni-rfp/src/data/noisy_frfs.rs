@@ -1,10 +1,10 @@
 //! FRFs that are far noisier than the others: a loose cable, a point where the laser sees
 //! speckle.
 //!
-//! All FRFs weigh the same in the fit. One that is many times noisier would drag the
-//! others down and has next to nothing to say (its information is 1/ratio² of theirs), so
-//! it is left out like a pair that was not measured; its values follow from the shapes,
-//! as long as its response and its reference are measured elsewhere.
+//! All FRFs weigh the same in the fit. One that is many times noisier would spoil the others,
+//! and adds next to no information (1/ratio² of theirs). So it is left out like a pair that was
+//! not measured; its values follow from the shapes, as long as its response and its reference
+//! are measured elsewhere.
 
 use crate::data::limits;
 use chladni_frf::FrfSet;

@@ -24,9 +24,9 @@ impl Giver {
 pub(crate) enum Weights {
     /// None.
     None,
-    /// Those that the residual of a fit tells.
+    /// Weights from the residual of a fit.
     OfResidual,
-    /// Those as well that the data tell themselves.
+    /// Weights from the noise that the data give, then those from a residual.
     Given,
 }
 

@@ -102,7 +102,7 @@ impl Projected {
     }
 }
 
-/// G^{-1/2} in the directions that carry anything, turned in whatever way comes cheapest.
+/// G^{-1/2} in the directions above rounding, up to the rotation that is cheapest to compute.
 fn inverse_root(gram: &Array2<f64>) -> Result<Array2<f64>, LinalgError> {
     let carries_all = |lower: &Array2<f64>| {
         lower

@@ -1,9 +1,9 @@
-//! The source of a fit's data: who holds the FRFs, and makes the passes over them that a
-//! fit asks for.
+//! The source of a fit's data: it holds the FRFs, and makes the passes over them that a fit
+//! asks for.
 //!
-//! A set in memory makes every pass at once. Merged partials answer what they were made for
-//! and stop the fit at the next question, with all that it needs to go on from there once
-//! others have made the pass.
+//! A set in memory makes every pass at once. Merged partials answer what they were made for. At
+//! the next question they stop the fit, with all that it needs to go on from there once other
+//! machines have made the pass.
 
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
@@ -29,8 +29,8 @@ pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     /// them.
     fn sketch(&self, seed: u64) -> (Columns, Array1<f64>);
 
-    /// Frees what is kept of the first pass where that is a good part of the data and can be
-    /// made again: by who has the sketch and needs it no more.
+    /// Frees what is kept of the first pass, if that is a good part of the data and can be made
+    /// again. Called once the sketch is not needed any more.
     fn end_first_pass(&self) {}
 
     /// Second pass: all FRFs compressed on the basis of a model with the poles of `way`, and
@@ -48,7 +48,8 @@ pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
         energy: &Array1<f64>,
     ) -> Result<Projected, Self::Stop>;
 
-    /// The way that a fit was on when it stopped for the pass that was made since.
+    /// The poles that the last pass was made for, and how they were found, if a fit stopped for
+    /// that pass.
     fn way(&self) -> Option<&Way>;
 
     /// The same data without the lines at `places` (among the lines used), which are

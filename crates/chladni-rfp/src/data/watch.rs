@@ -28,7 +28,7 @@ impl CancelToken {
     }
 }
 
-/// Whom a fit tells where it is, and who may stop it.
+/// The receiver of a fit's progress, and the request that may stop it.
 pub(crate) struct Watch<'a> {
     pub tell: &'a (dyn Fn(&str) + Sync),
     pub cancel: &'a CancelToken,

@@ -46,8 +46,7 @@ pub(crate) struct Candidates {
 }
 
 impl Candidates {
-    /// Makes the changes and projects again; the poles named in them stand still
-    /// otherwise.
+    /// Makes the changes and projects again, without a step of refinement.
     pub fn apply(&mut self, work: &Columns, changes: Vec<Change>) -> Result<(), LinalgError> {
         let mut lambda: Vec<Option<Complex64>> =
             self.refined.lambda.iter().copied().map(Some).collect();

@@ -160,7 +160,7 @@ struct Visible {
     work: Columns,
     noise: Array1<f64>,
     seen: Vec<Peak>,
-    /// True where the records went through a window that nobody named.
+    /// True if the records went through a window that is not known.
     windowed: bool,
 }
 
@@ -185,7 +185,7 @@ impl Visible {
         }
     }
 
-    /// True where lines at half of the peaks or more are told to be far noisier than the
+    /// True if the set says that lines at half of the peaks or more are far noisier than the
     /// median line.
     fn loud_at_peaks(&self, data: &DataLayout) -> bool {
         let (reach, least) = PEAK_WINDOW;
@@ -239,7 +239,7 @@ fn padded(factor: usize) -> Finding {
     Finding::note("padded", words).value("padding_factor", factor as f64)
 }
 
-/// The finding of a window that nobody named.
+/// The finding of an unknown window.
 fn broadened() -> Finding {
     let words = "the impulse response decays ever faster: the records went through a window (Hann \
                  or similar) that broadens every line; poles beside a stronger one may be its \

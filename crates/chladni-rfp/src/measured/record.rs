@@ -33,8 +33,8 @@ pub(crate) struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// True where poles are those of all weighted lines: what a mode's own lines tell by
-    /// themselves is less sharp there, and has other errors than bars say.
+    /// True if poles are refined on all weighted lines. Refined on a mode's own lines alone
+    /// they would be less exact, and their errors would not be those that bars hold.
     pub fn needs_all_lines(&self) -> bool {
         self.leaks || self.loud_at_peaks || self.correlated_noise.is_some()
     }

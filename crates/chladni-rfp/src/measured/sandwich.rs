@@ -58,8 +58,8 @@ pub(crate) fn variances(
             for lag in 1..=lag_most {
                 sum += 2.0 * (1.0 - lag as f64 / (lag_most + 1) as f64) * at(lag);
             }
-            // the scores of a fit add up to zero, which takes long lags below what each
-            // line does for itself
+            // the scores of a fit add up to zero: over long lags their sum may fall below that
+            // of independent lines
             sum.max(alone)
         })
         .collect();

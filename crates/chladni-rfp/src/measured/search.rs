@@ -241,8 +241,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Fits a pole at each place that the user has seen and none explains; what it is worth
-    /// its grade will say.
+    /// Fits a pole at each place that the user has seen and no pole explains. It stays whatever
+    /// its evidence, which its grade tells.
     pub fn add(&mut self, asked: Asked) -> Result<(), LinalgError> {
         let known: Vec<Complex64> = self.counted().collect();
         let mut starts = by_hand::starts(asked.added_hz, &self.plain, &known, self.record.hz);
@@ -281,8 +281,9 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Counts one pole no longer. One that stands apart stays in the fit, where it keeps
-    /// its skirts from the others; one beside another leaves its part to that.
+    /// Leaves one pole out of the count. An isolated pole stays in the fit, so that its skirts
+    /// do not disturb the others. A pole beside another is removed: the other takes over its
+    /// part.
     pub fn drop(&mut self, q: usize) -> Result<(), LinalgError> {
         let Candidates { refined, origin } = &mut self.candidates;
         let own = refined.lambda[q];

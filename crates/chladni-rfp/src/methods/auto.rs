@@ -1,5 +1,5 @@
-//! The default method: maximum likelihood where the residual is white, the measured-data
-//! path where it is not. It goes on where it stopped for a pass that others made.
+//! The default method: maximum likelihood if the residual is white, the measured-data path if
+//! it is not. A fit that stopped for a pass goes on from there.
 
 use super::limits::MOSTLY_LEFT;
 use crate::damping::law::FIRST;
@@ -41,8 +41,8 @@ impl From<PoleEstimate> for PoleSearch {
     }
 }
 
-/// Poles by the fast chain where what it leaves is noise, else by the measured-data path, and
-/// the model that they lead to.
+/// Poles by the fast chain if its residual is white, else by the measured-data path, and the
+/// model that they lead to.
 ///
 /// # Errors
 /// A fit that cannot be made; a pass that others must make.
@@ -108,8 +108,8 @@ pub(crate) fn auto<S: Source>(
     })))
 }
 
-/// The fast chain in the law asked for, in the structural one where none is; in the other
-/// where what that leaves is no noise.
+/// The fast chain in the law asked for, or in the structural one if none is. If its residual is
+/// not white, the other law is tried.
 fn chain<S: Source>(data: &S, options: &FitOptions, watch: &Watch) -> Result<Outcome, S::Stop> {
     let in_law = |law, doubt: Option<&str>| {
         fast_chain(
@@ -210,7 +210,7 @@ fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
     }
 }
 
-/// Poles by the measured-data path, or the lines that must go first.
+/// Poles by the measured-data path, or outlier lines to leave out.
 fn from_measured<S: Source>(
     data: &S,
     options: &FitOptions,
@@ -253,8 +253,8 @@ fn measured_words(evidence: &str) -> String {
     format!("measured-data path: {evidence}")
 }
 
-/// The poles of a way other than the fast chain on columns of all FRFs; or the lines that
-/// must go first, where the FRFs themselves cannot be asked for them.
+/// The poles of a way other than the fast chain, on columns of all FRFs. If the FRFs themselves
+/// are not at hand, outlier lines are looked for in these columns.
 fn on_way<S: Source>(
     data: &S,
     way: Way,
@@ -283,8 +283,8 @@ fn on_way<S: Source>(
             findings,
             ..
         } => (spread, grades, measured_words(&evidence), findings),
-        // the data contradict any passive structure in e^{+jωt}; they are not corrected
-        // without being told
+        // the data contradict any passive structure in e^{+jωt}; they are not conjugated unless
+        // the user says so
         By::Fast { .. } | By::Conjugated => (
             Vec::new(),
             Vec::new(),
@@ -315,8 +315,8 @@ fn conjugated() -> Finding {
     .help("read the data with the other time sign")
 }
 
-/// Lines that no neighbour supports, by the sums over all FRFs: what the poles that are
-/// wider than a line and not rejected leave of each.
+/// Lines that no neighbour supports, by sums over all FRFs. They are judged by the residual of
+/// the poles that are wider than a line and not rejected.
 fn spoilt_lines(
     way: &Way,
     projected: &Projected,

@@ -1,10 +1,10 @@
 //! From the poles of one method of the family to a model: error bars, residues of every
 //! FRF, grades.
 //!
-//! A method other than maximum likelihood has a bias that its own scatter does not show.
-//! The bars here add what it would still have to move (theory.md, eq. 43): the scatter of
-//! an efficient estimator at this residual, and the first steps of [`crate::poles::refine`] from
-//! the method's poles, which are not taken.
+//! A method other than maximum likelihood has a bias that its own scatter does not show. The
+//! bars here hold two parts (theory.md, eq. 43): the scatter of an efficient estimator at this
+//! residual, and the first steps of [`crate::poles::refine`] from the method's poles. These
+//! steps are not taken.
 
 use super::limits::{MOST_LEFT, SAME_POLE};
 use crate::damping::bars::UncertainPole;

@@ -136,8 +136,8 @@ impl BandEquations {
             .for_each(|(v, i)| *v *= -i);
         let mut d = matmul_h(vh.view(), along.view()).column(0).to_vec();
         d.push(1.0);
-        // (AᵀA)⁺ = V Σ⁻² Vᵀ; what the data leave open is as uncertain as the leading
-        // coefficient is large
+        // (AᵀA)⁺ = V Σ⁻² Vᵀ; directions that the data leave open are as uncertain as the
+        // leading coefficient is large
         let scaled = |factor: &dyn Fn(f64) -> f64| {
             let mut rows = vh.clone();
             rows.rows_mut()

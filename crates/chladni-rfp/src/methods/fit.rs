@@ -1,4 +1,4 @@
-//! The results of every method: a fit, or the lines that must go before there is one.
+//! The results of every method: a fit, or outlier lines to leave out before there is one.
 
 use crate::methods::found::Stabilization;
 use crate::poles::whiteness::Residual;

@@ -100,15 +100,15 @@ fn of_sketch(
     narrow(work, &mut start, modes);
     let rough = refined_poles(work, &start, &POWERS, tol::ROUGH)?;
     Ok(match inside(work, &rough) > modes {
-        // what only leaned on a neighbour that stood beside its place
+        // without poles that are redundant once their neighbours are refined
         true => select(work, &rough, modes..=usize::MAX)?.0,
         false => rough,
     })
 }
 
-/// Poles that matter, at least as many in the band as asked for, out of a pool for
-/// `modes` modes. One too many may be an out-of-band mode that the pool puts just inside;
-/// the refinement will tell.
+/// Poles that matter, at least as many in the band as asked for, out of a pool for `modes`
+/// modes. One too many may be a mode outside the band that the pool puts just inside; the
+/// refinement decides.
 fn start(
     survey: &Survey,
     modes: usize,
@@ -134,8 +134,8 @@ fn start(
     .0)
 }
 
-/// Takes the broadest poles out as long as more than `modes` are in the band: such a one
-/// serves what lies outside.
+/// Takes the broadest poles out as long as more than `modes` are in the band: a broad one
+/// stands for what lies outside.
 fn narrow(work: &Columns, lambda: &mut Vec<Complex64>, modes: usize) {
     let broad = BROAD * usual_loss(work, lambda);
     let loss = |pole: Complex64| pole.im / pole.re;

@@ -54,8 +54,8 @@ pub(super) struct Search<'a> {
     work: Columns,
     /// Noise variance of one value; 0: only the residual tells it.
     noise: f64,
-    /// Weight of noise in the compressed columns: the data chose their directions, those
-    /// with most noise too.
+    /// Weight of noise in the compressed columns: their directions are those of most energy, of
+    /// noise too.
     chosen: f64,
 }
 

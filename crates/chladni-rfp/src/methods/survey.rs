@@ -87,8 +87,7 @@ impl<'a> Survey<'a> {
             (matmul(q.view(), u.view()), values)
         };
         let (rank, floor_seen) = rank_over_noise(&singular_values.to_vec(), sketch.lines());
-        // a direction of noise alone would come back from the second pass as if it were
-        // signal
+        // the second pass would return a direction of noise alone as if it were signal
         let directions = (if floor_seen { rank } else { u.ncols() })
             .max(self.peaks.len())
             .clamp(1, u.ncols());

@@ -215,7 +215,7 @@ impl Shaped {
         modes
     }
 
-    /// What is to be said of shapes, their scale and the number of modes.
+    /// The findings on shapes, their scale and the number of modes.
     fn findings(&self, data: &DataLayout, modes: &[Mode]) -> Vec<Finding> {
         let mut findings = Vec::new();
         if self.chi2_per_dof > limits::SHAPE_MISFIT {
@@ -232,7 +232,7 @@ impl Shaped {
         findings
     }
 
-    /// What stands beside the modes, in SI units and measured values.
+    /// The residual terms in SI units, for FRFs as they were measured.
     fn residual_terms(&self, data: &DataLayout) -> ResidualTerms {
         let scale = data.rms / data.omega_max.powi(data.kind.omega_power());
         let powers = self.identified.powers.iter().enumerate();

@@ -54,8 +54,8 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         let there = again(found.clone(), law.other())?;
         let other = shape_search(data, &there, options)?;
         if borne(&other) && (refused || real(&other)) {
-            // a phase that all FRFs share makes no shape refuse its references, but it turns
-            // real shapes into complex ones and back
+            // a phase that all FRFs share does not make one shape per mode fail, but turns real
+            // shapes into complex ones and back
             preferred = match refused {
                 true => Verdict::Decided(law.other()),
                 false => {
@@ -90,7 +90,7 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     Ok((identified, warnings))
 }
 
-/// What is to be said of the law taken: that the data contradict it, or hardly tell it.
+/// The finding on the law taken: the data contradict it, or hardly determine it.
 ///
 /// * `free`: no law was asked for
 /// * `shift`: of the other law, in standard deviations
@@ -139,13 +139,13 @@ fn real(search: &Search) -> bool {
     matches!(search, Search::Found(structured) if structured.borne && structured.real)
 }
 
-/// The verdict of the data on the law: nothing where there are no modes, or where line
-/// shapes are no pure resonances and damping is light.
+/// The verdict of the data on the law: undecidable without modes, and if the residual is not
+/// white and damping is light.
 fn law_verdict(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError> {
     if found.measured && found.heaviest_sure() < limits::LAW_ALIKE {
         return Ok(Verdict::Undecidable);
     }
-    // what hardly shows may be what the wrong law has left: no law is given it
+    // faint modes may be what the wrong law left: they have no say in the verdict
     let all = &found.refined.lambda;
     let shown: Vec<usize> = (0..all.len())
         .filter(|&n| !is_faint(&found.grades[n]))

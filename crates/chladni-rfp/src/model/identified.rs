@@ -39,7 +39,7 @@ pub(crate) struct Identified {
     pub law_open: LawOpen,
     /// False where the poles were given, and not fitted to these columns.
     pub fitted: bool,
-    /// True where errors are no white noise, and deviations those of the residual as it is.
+    /// True if errors are not white noise, and deviations come from the residual itself.
     pub measured: bool,
 }
 
@@ -48,9 +48,9 @@ pub(crate) struct Identified {
 pub(crate) enum LawOpen {
     /// It is decided, given, or makes no difference.
     No,
-    /// Damping is light and errors are no noise.
+    /// Not decided: damping is light and the residual is not white.
     Light,
-    /// The residual is noise, and the laws differ by more than an error bar.
+    /// Not decided: the residual is white, and the laws differ by more than an error bar.
     White,
 }
 

@@ -10,9 +10,9 @@ use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
-/// The poles of `found` in the law asked for, refined there. Of `frfs` FRFs whose residual
-/// is noise the order is settled anew: what one law needs for the world outside, or beside
-/// its modes, may be of no use in the other.
+/// The poles of `found` in the law asked for, refined there. `frfs`: number of FRFs if their
+/// residual is noise. The order is settled anew then: a pole that one law needs outside the
+/// band or beside its modes may be useless in the other.
 ///
 /// # Errors
 /// A kernel that fails.

@@ -280,9 +280,8 @@ fn norm_of_largest(shape: &[Complex64]) -> f64 {
     shape.iter().map(|v| v.norm()).fold(0.0, f64::max)
 }
 
-/// A pole in Hz with its shape. What the data do not tell of it has the standard
-/// deviation that says nothing: the width of the band. (JSON has no infinity, and whoever
-/// reads the file expects a number.)
+/// A pole in Hz with its shape. An unknown standard deviation is stated as the width of the
+/// band. (JSON has no infinity, and readers expect a number.)
 fn mode(
     data: &DataLayout,
     pole: &Pole,

@@ -1,5 +1,5 @@
-//! Merged partials as the source of a fit: what they were made for they answer, the next
-//! pass they ask for.
+//! Merged partials as the source of a fit. They answer what they were made for, and ask for the
+//! next pass where they cannot.
 
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
@@ -153,7 +153,7 @@ impl<'a> Merged<'a> {
             Some(poles) => poles.tell(&mut layout),
             None if good.len() < lines.len() => {
                 let left_out = lines.len() - good.len();
-                // whether some FRF has them was not counted
+                // it was not counted whether some FRF has values there
                 layout
                     .warnings
                     .push(lines_left_out(left_out, 0, lines.len()));

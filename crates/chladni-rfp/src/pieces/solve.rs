@@ -14,8 +14,8 @@ use chladni_linalg::blocked::in_pool;
 /// The result of merged partials.
 #[derive(Debug, Clone)]
 pub enum Solved {
-    /// Poles to reduce every block with: of a sketch; or anew, where a later pass showed
-    /// that another is needed.
+    /// Poles to reduce every block with: those of a sketch, or new ones if a pass showed that
+    /// another is needed.
     Poles(Box<Poles>),
     /// The fit.
     Fit(Box<Fit>),

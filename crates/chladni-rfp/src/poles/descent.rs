@@ -11,10 +11,10 @@ use num_complex::Complex64;
 
 /// One set of poles as the search sees it.
 pub(crate) trait Point: Sized {
-    /// False where, once it can no longer be told, another kind may go on.
+    /// False if another kind of point goes on where this one cannot be computed any more.
     const LAST: bool;
-    /// Everything linear at the poles `lambda`; `energy`: of the data. `None` where it
-    /// cannot be told.
+    /// Everything linear at the poles `lambda`; `energy`: of the data. `None` if it cannot be
+    /// computed.
     fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self>;
     /// Sum of squares left.
     fn sse(&self) -> f64;
@@ -36,10 +36,10 @@ fn step_cap(work: &Columns, lambda: Complex64) -> f64 {
     limits::STEP_INSIDE * lambda.im + limits::STEP_OUTSIDE * outside
 }
 
-/// A pole after a step as a model can hold it, with a loss and a natural frequency above
-/// zero, and in the viscous law less than critical damping: what stands for the world
-/// outside would else be left out of the file, and what it explains with it. A structural
-/// pole in the band is told by its lines.
+/// A pole after a step, held where a model file can store it: with a loss and a natural
+/// frequency above zero, and in the viscous law less than critical damping. Otherwise a pole
+/// that stands for the world outside the band would be left out of the file, with all that it
+/// explains. A structural pole in the band is not held: its lines determine it.
 fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64 {
     if is_rational(work.law) && work.in_band(next) {
         return next;
@@ -92,7 +92,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// The point where the search stands; `None` where it cannot be told.
+    /// The point where the search stands; `None` if it cannot be computed.
     pub fn here<P: Point>(&self) -> Option<P> {
         P::at(self.work, self.energy, &self.lambda, self.powers)
     }
@@ -104,9 +104,9 @@ impl<'a> Descent<'a> {
         step.map_or(f64::INFINITY, |step| along(&step, &gradient))
     }
 
-    /// Steps until the largest is `tolerance` of a half-bandwidth, or what one promises
-    /// is far below the noise of one value: a pole that the data hardly tell goes on for
-    /// ever. True where it came to that, or nothing helps any more.
+    /// Steps until the largest is `tolerance` of a half-bandwidth, or until one promises far
+    /// less than the noise of one value: a pole that the data hardly determine would move for
+    /// ever. True at such an end, or if no step helps any more.
     pub fn go<P: Point>(&mut self, point: &mut P, tolerance: f64) -> bool {
         let mut system = None;
         while self.steps > 0 {

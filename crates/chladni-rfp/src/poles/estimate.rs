@@ -131,7 +131,7 @@ pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade 
     }
 }
 
-/// The reason that an error bar of so many half-bandwidths is.
+/// The reason for a doubt: an error bar of so many half-bandwidths.
 pub(crate) fn uncertain(half_bandwidths: f64) -> Reason {
     Reason::new("uncertain", UNCERTAIN_SENTENCE)
         .detail(format!("{half_bandwidths:.1} half-bandwidths, one sigma"))

@@ -11,9 +11,9 @@ use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
-/// Many modes make the chain dear, and where most of them are misfitted it is in vain:
-/// the sections with the strongest peaks are asked first. Evidence that their residual is
-/// not white; `None`: it may be, or the band is no longer than a section.
+/// Judges the sections with the strongest peaks first: with many modes the chain is expensive,
+/// and in vain if most of them are misfitted. Returns the evidence that their residual is not
+/// white. `None`: it may be white, or the band is no longer than a section.
 pub(crate) fn first_look(
     sketch: &Columns,
     peaks: &[Peak],
@@ -53,10 +53,10 @@ pub(crate) fn first_look(
     Ok(first.filter(|_| second.is_some()))
 }
 
-/// A short chain on one section: evidence, where most of its striking peaks are
-/// misfitted, or misfitted without shape, or where the residual is far from white. Poles
-/// of lesser peaks do not count: between a few modes in noise they would outvote them. What
-/// leaves next to nothing is left to the whole chain, whose poles come nearer.
+/// A short chain on one section. Returns evidence if most of the striking peaks are misfitted,
+/// if the misfit has no shape, or if the residual is far from white. Poles of lesser peaks do
+/// not count: between a few modes in noise they would outvote them. A section whose residual is
+/// next to nothing is left to the whole chain, whose poles are more exact.
 fn misfit(
     work: &Columns,
     peaks: &[Peak],

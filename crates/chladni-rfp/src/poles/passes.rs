@@ -1,5 +1,5 @@
-//! Passes over all FRFs: the second one, and those few that a mode may need that no
-//! sketch shows.
+//! Passes over all FRFs: the second one, and a few more for modes that the sketch does not
+//! show.
 
 use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
@@ -192,9 +192,9 @@ impl Pass {
         )
     }
 
-    /// The place where a mode that the sketch did not show stands out of the residual
-    /// over all FRFs, or out of the compressed columns. True where the whole of it is
-    /// still to be confirmed.
+    /// The place where a mode that the sketch did not show stands out of the residual over all
+    /// FRFs, or out of the compressed columns. True for the latter: a refined pole has yet to
+    /// confirm it.
     fn missed(
         &self,
         data: &DataLayout,
@@ -224,10 +224,9 @@ impl Pass {
             .map(|(pole, _)| (*pole, true))
     }
 
-    /// The part that a pole at each of the `places` takes out of all FRFs beyond their
-    /// noise, as part of what a pole of the model must; nothing where the FRFs are not at
-    /// hand. A pass with that pole in the basis would have the last word, and costs far
-    /// more.
+    /// Energy beyond noise that a pole at each of the `places` takes out of all FRFs, over that
+    /// which a pole of the model must take out. Empty if the FRFs are not at hand. A pass with
+    /// that pole in the basis would be exact, and costs far more.
     fn shares(&self, values: Option<&Screened>, places: &[Complex64]) -> Vec<f64> {
         let Some(data) = values.filter(|_| !places.is_empty()) else {
             return Vec::new();

@@ -72,8 +72,8 @@ fn separate(poles: &mut [Complex64]) {
     }
 }
 
-/// Relaxed vector fitting from `start`, at most `iterations` steps: of poles that will be
-/// refined, no more than change what they leave.
+/// Relaxed vector fitting from `start`, at most `iterations` steps. With partial fractions it
+/// ends before, once a step hardly changes the sum of squares: these poles will be refined.
 pub(crate) fn vector_fit(
     work: &Columns,
     start: &[Complex64],
@@ -263,8 +263,8 @@ fn well_conditioned(
     Some(lower)
 }
 
-/// Rᴴ of a basis, where columns that add nothing to those before them are made to explain
-/// nothing: solved with rounding for a pivot, they would explain anything.
+/// Rᴴ of a basis. Columns that add nothing to those before them are made to explain nothing:
+/// with rounding for a pivot they would explain anything.
 fn sound_adjoint(r: &Array2<Complex64>) -> Array2<Complex64> {
     let mut lower = r.t().mapv(|v| v.conj());
     for i in 0..lower.nrows() {

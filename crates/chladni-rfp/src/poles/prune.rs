@@ -71,8 +71,8 @@ pub(crate) fn prune(
     )
 }
 
-/// The same for the poles as they stand after some steps, as long as that takes any out:
-/// each that is gone spares its part of all steps to come.
+/// Prunes again after every few steps of refinement, as long as that takes poles out: fewer
+/// poles make the later steps cheaper.
 fn thinned(work: &Columns, lambda: &[Complex64], powers: &[i32], limit: f64) -> Vec<Complex64> {
     let mut descent = Descent::new(work, lambda, powers, 0);
     let mut rounds = 0;

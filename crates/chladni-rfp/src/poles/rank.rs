@@ -1,4 +1,4 @@
-//! How many directions of the data stand out of the noise.
+//! Number of directions of the data that stand out of the noise.
 
 use crate::data::columns::Columns;
 use crate::poles::limits;

@@ -72,8 +72,8 @@ impl Projection {
             sse: self.sse,
         })
     }
-    /// The part of column q of the basis that lies outside all others: what its residue is
-    /// told by.
+    /// The part of column q of the basis that lies outside all others: it determines the
+    /// residue.
     pub fn outside_of_others(&self, q: usize) -> Result<Array1<Complex64>, LinalgError> {
         // with Rᴴy = e_q, Qy is orthogonal to all other columns, and 1 along this one
         let unit = Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0));
@@ -196,8 +196,8 @@ pub(crate) fn refine(
     on_orthonormal_basis(descent, last, precision)
 }
 
-/// The same for the poles of the band; those outside, which stand for background, keep their
-/// places and do not wander in.
+/// The same for the poles of the band. Poles outside stand for background, and stay where they
+/// are.
 pub(crate) fn refine_inside(
     work: &Columns,
     start: &[Complex64],
@@ -242,7 +242,8 @@ pub(crate) fn refined_sum(
     Ok((refined.lambda, refined.projection.sse))
 }
 
-/// As far as they go; where that is the end, with the last point.
+/// Steps by normal equations, as far as rounding allows. The last point is returned if the
+/// refinement ended there.
 fn by_normal_equations<'a>(
     work: &'a Columns,
     start: &[Complex64],
@@ -284,8 +285,8 @@ fn on_orthonormal_basis(
     })
 }
 
-/// The poles refined where that leaves less than `most`; `None` where it leaves more, or where
-/// no step in sight leads there.
+/// The poles refined, if that leaves less than `most`. `None` if it leaves more, or if the
+/// first step promises too little.
 ///
 /// # Errors
 /// A kernel that fails.

@@ -67,7 +67,7 @@ pub(crate) fn settle(
             && !is_spike(work, &candidate, last, limit * *variance)?
         {
             *refined = candidate;
-            // what others near by needed to make up for this one they need no more
+            // poles near the new one may be redundant now, and are judged again
             needed.retain(|pole| (pole - new).norm() > limits::LEANS_WITHIN * (pole.im + new.im));
             *variance = variance.min(refined.variance(work));
             history.push((refined.lambda.len(), refined.variance(work)));
@@ -79,8 +79,8 @@ pub(crate) fn settle(
     Ok(scan(work, refined))
 }
 
-/// Poles that stand for errors which neighbouring lines share: each takes a little out of
-/// the sum of squares, and there is no end of them.
+/// A guard against poles that stand for errors which neighbouring lines share: each lowers the
+/// sum of squares a little, and adding them would never end.
 struct InVain {
     added: usize,
     /// Sum of squares at the last look, if lines correlated everywhere then.
@@ -100,7 +100,7 @@ impl InVain {
         correlates_everywhere(residual).then_some(*sse)
     }
 
-    /// True where the poles added of late have helped little, with one pole more.
+    /// Counts one pole more; true if the last few have helped little.
     fn after(&mut self, refined: &Refined) -> bool {
         let (count, share) = limits::ADDED_IN_VAIN;
         self.added += 1;

@@ -1,4 +1,4 @@
-//! What chance lets one more pole explain.
+//! The part of the data that chance lets one more pole explain.
 
 use crate::poles::limits;
 

@@ -159,9 +159,9 @@ impl PooledPoles {
         Ok((start, first))
     }
 
-    /// What speaks against going on from the first poles. A missing mode leaves its mark
-    /// in one place and in the shape of the residual; misfit around most modes, or misfit
-    /// without shape, is no question of order.
+    /// The doubt about going on from the first poles, if there is one. A missing mode leaves
+    /// its mark in one place and in the shape of the residual. More poles do not cure misfit
+    /// around most modes, or misfit without shape.
     fn doubt(&self, refined: &Refined, first: Whiteness) -> Result<Option<Doubt>, LinalgError> {
         let misfitted = first.misfit_share > limits::MISFIT_SHARE;
         if (misfitted || refined.lambda.is_empty())
@@ -191,8 +191,8 @@ impl PooledPoles {
         if settled.shapeless {
             return Ok(First::Ended(Doubt::NotWhite(settled.evidence)));
         }
-        // what the second pass keeps depends on these poles: converged, they are the same
-        // to the last digits however they were found
+        // the second pass depends on these poles: refined to the last digits they do not depend
+        // on how they were found
         refined = refine(
             &self.sketch,
             &refined.lambda,
@@ -210,8 +210,8 @@ impl PooledPoles {
     }
 }
 
-/// Single lines that poles narrower than a line stand for, where no other line needs
-/// these, and lines like them. `variance`: of the noise.
+/// Outlier lines, judged by what is left without the poles that one line alone needs; empty if
+/// there are no such poles. `variance`: of the noise.
 fn spoilt_lines(
     work: &Columns,
     refined: &Refined,

@@ -132,7 +132,7 @@ impl<'a> Rest<'a> {
         best
     }
 
-    /// One pole in another place: a hill may have held it between it and its own.
+    /// One pole in another place: a rise of the sum of squares may keep it from its own.
     fn one_moved(&self, best: &Around) -> Option<Around> {
         let places: Vec<Complex64> = places_beyond(&self.work).collect();
         let moves = (0..best.poles.len()).flat_map(|n| places.iter().map(move |to| (n, *to)));

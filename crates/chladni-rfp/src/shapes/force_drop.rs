@@ -135,7 +135,7 @@ impl Influence<'_> {
         let s = leaking_pole(self.found.work.law, self.lambda[n]).s;
         let averaged = self.errors.averaged();
         let louder = |(force, part): &(Force, f64), x: f64| -> f64 {
-            // more than the noise of this force makes beside modes is none of its noise
+            // noise beyond what this force makes beside modes has another origin
             let most = averaged.map_or(f64::INFINITY, |averaged| averaged * force.noise);
             let power = leakage.power_of_force(s, x.sqrt(), force);
             let read = (power + force.noise) / (1.0 + force.noise);

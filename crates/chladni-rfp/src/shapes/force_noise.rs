@@ -1,9 +1,9 @@
 //! Noise of a force in the FRFs of windowed records: an error −H_l·ν(k) that all FRFs of the
 //! force share, and neighbouring lines, too (theory.md, eq. F4i).
 //!
-//! Lines beside modes tell it. There leakage is what the slopes of FRFs leak, and goes with their
-//! square; the rest of what FRFs share is this noise. Near a mode it is as large a part of the FRF,
-//! but the fit takes most of it along: bars must know it from elsewhere.
+//! Lines beside modes tell it. Leakage there is proportional to the slopes of FRFs; the rest of
+//! what FRFs share is this noise. Near a mode it is as large a part of the FRF, but the fit
+//! absorbs most of it: the residual there does not tell it.
 
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::{square, Influence, Shared};

@@ -17,7 +17,7 @@ pub(crate) struct Found<'a> {
     pub powers: &'a [i32],
     /// True where the poles are those of a fit to these columns.
     pub fitted: bool,
-    /// True where errors are no white noise, and the bars at hand those of the residual as it is.
+    /// True if errors are not white noise, and the bars at hand come from the residual itself.
     pub measured: bool,
     pub poles: &'a [Pole],
     pub shapes: &'a Shapes,

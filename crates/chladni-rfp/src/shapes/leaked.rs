@@ -35,9 +35,8 @@ pub(super) struct LeakageShare {
 }
 
 impl Influence<'_> {
-    /// 1/M as the residual about modes tells it: less what noise of the force makes there, and
-    /// with it. The fit takes a part of that noise along, which part is not known: the first is
-    /// too small by it.
+    /// 1/M by the residual about modes: without the noise of the force, and with it. The fit
+    /// absorbs an unknown part of that noise, so the first is too small.
     ///
     /// * `drop`: forces that may be, where the noise is read over a force that drops
     pub fn share_of_leakage(&self, drop: Option<&ForceDrop>) -> [f64; 2] {
@@ -68,9 +67,9 @@ impl Influence<'_> {
         })
     }
 
-    /// Variance beside modes of what records of bursts lack of responses that go on after them,
-    /// over the power of the FRFs; zero where it is not foretold. It is no noise of the force, but
-    /// as large a part of an FRF on all lines, so that slopes do not tell it.
+    /// Variance beside modes of the responses that records of bursts cut off, over the power of
+    /// the FRFs; zero if it cannot be foretold. Like noise of the force it is an equal part of
+    /// an FRF on all lines, so slopes do not tell the two apart.
     pub fn cut_off(&self) -> f64 {
         let work = self.found.work;
         let Some(blocks) = self.errors.blocks().filter(|_| self.errors.cuts_off()) else {

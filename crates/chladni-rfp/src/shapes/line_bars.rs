@@ -108,8 +108,8 @@ pub(crate) fn line_bars(
     let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
     let white = influence.noise_products(independent, &vec![mean; variances.len()]);
     let (share, force_drop) = influence.leakage_share();
-    // what the median line leaks makes good for what is not known: how many blocks there were, or
-    // how loud noise is where a force drops
+    // the leakage of the median line covers what is not known: the number of blocks, or how
+    // loud noise is where a force drops
     let drops = force_drop.as_ref().is_some_and(ForceDrop::may_be);
     let noise = match drops || errors.blocks().is_none() {
         true => &influence.seen,
@@ -199,8 +199,8 @@ impl Influence<'_> {
         parts
     }
 
-    /// How the scale of a term follows the residue of each FRF: by its shape `x`, and by
-    /// its participation `l`, which is that of the shapes times `unit`.
+    /// Derivatives of the scale of a term by the residue of each FRF: through its shape `x`,
+    /// and through its participation `l`, which is that of the shapes times `unit`.
     fn of_scale(
         &self,
         scale: &Scale,

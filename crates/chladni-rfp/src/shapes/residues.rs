@@ -72,9 +72,9 @@ pub(crate) fn beyond_chance(rise: f64, constraints: usize, variance: f64, roundi
         / (2.0 * k).sqrt().max(1.0)
 }
 
-/// The largest rise of the sum of squares of the model as saved over that of free residues
-/// that counts as chance: many data tell a misfit that no error bar knows, and one that no
-/// reader of χ² would see is left. `work` holds the data of `frfs` FRFs.
+/// The largest rise of the sum of squares, of the model as saved over free residues, that is
+/// accepted as chance. A misfit that χ² hardly shows is accepted too: many data make even a
+/// misfit far below the error bars significant. `work` holds the data of `frfs` FRFs.
 pub(crate) fn most_by_chance(
     constraints: usize,
     variance: f64,

@@ -31,7 +31,7 @@ pub(crate) fn structured(
     fixed_order: bool,
 ) -> Result<Search, LinalgError> {
     match attempted(data, found, asked, fixed_order) {
-        // columns that cannot be told apart hold nothing against the data
+        // no structure can be tested on columns that cannot be told apart
         Err(LinalgError::NotPositiveDefinite { .. }) => Ok(Search::Inapplicable),
         other => other,
     }

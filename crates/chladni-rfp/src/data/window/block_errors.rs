@@ -164,8 +164,8 @@ impl BlockErrors {
         self.over_blocks(cycles) / self.over_blocks(0.0).re
     }
 
-    /// Variance of noise of one block left by the mean over all that overlap; `None` where nobody
-    /// knows how many there are.
+    /// Variance of noise of one block left by the mean over all that overlap; `None` if their
+    /// number is not known.
     pub fn averaged(&self) -> Option<f64> {
         let blocks = self.blocks?;
         Some(self.over_blocks(0.0).re / (self.shared(0, 0.0).re * blocks))

@@ -11,8 +11,8 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Window {
-    /// No bias: stepped or periodic signals, local methods, simulated data; nothing is
-    /// done, and nothing said.
+    /// No bias: stepped or periodic signals, local methods, simulated data. Nothing is
+    /// corrected, and no bias is named.
     None,
     /// Blows and what else ends inside the record, the response to the end of it: damping
     /// has no bias, residues lose what is cut off.

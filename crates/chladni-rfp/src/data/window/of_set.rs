@@ -49,8 +49,8 @@ fn window_of(made: &Estimation) -> Option<Window> {
     found.filter(|window| made.estimator == Estimator::H1 || !leaks_into_mean(*window))
 }
 
-/// True for a window under which H2 and Hv have another mean than H1, whose line shape the fit has:
-/// they divide by what leaks, too.
+/// True for a window under which the means of H2 and Hv differ from that of H1, whose line
+/// shape the fit has: their denominators hold leakage, too.
 fn leaks_into_mean(window: Window) -> bool {
     !matches!(
         window,
