@@ -9,7 +9,7 @@
 //! the viscous one is asked for: nothing is decided here that the user can say.
 //!
 //! Cost: two passes over the data (16·N·M·m flop for N lines, M FRFs, m unknowns), vector
-//! fitting as in [`super::vf()`] with half the mixtures, and some ten steps of 8Nr(2m)
+//! fitting as in [`super::vf`] with half the mixtures, and some ten steps of 8Nr(2m)
 //! for r columns.
 //!
 //! Avoid it where the number of modes is not known (a missed mode of the band biases its

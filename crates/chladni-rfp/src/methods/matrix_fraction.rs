@@ -1,5 +1,5 @@
-//! Matrix fractions in the z plane by fast Fourier transforms: what [`super::lscf()`] and
-//! [`super::plscf()`] share.
+//! Matrix fractions in the z plane by fast Fourier transforms: what [`super::lscf`] and
+//! [`super::plscf`] share.
 //!
 //! Each output o (a row of r columns of data, one per reference) is modelled as H_o =
 //! B_o(z)·A(z)⁻¹ with one r × r denominator for all outputs and z = e^{jθ}. The equation

@@ -8,10 +8,10 @@
 //! is the number of poles, and eight references see all modes where four strongest ones
 //! of a symmetric plate do not.
 //!
-//! Cost: as [`super::lscf()`] with 8·n³·r² flop per output for r references and order n;
+//! Cost: as [`super::lscf`] with 8·n³·r² flop per output for r references and order n;
 //! n·r is the same number of poles.
 //!
-//! Avoid it where [`super::lscf()`] is to be avoided. With as many poles spread over the
+//! Avoid it where [`super::lscf`] is to be avoided. With as many poles spread over the
 //! references its numerators are of lower order, so that its bias is larger: tens of
 //! Cramér–Rao bounds on the reference panel. It needs every response measured from every
 //! reference.

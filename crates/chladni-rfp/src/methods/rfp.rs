@@ -6,7 +6,7 @@
 //!
 //! 1. bands by evidence ([`super::windows`]), more poles in each than it shows modes;
 //! 2. in each a linear fit and three with the weight 1/|a|² of the one before, the
-//!    polynomials made anew for each weight ([`super::sanathanan_koerner()`]);
+//!    polynomials made anew for each weight ([`super::sanathanan_koerner`]);
 //! 3. poles that explain no more than noise would are taken out (theory.md, eq. 8);
 //! 4. one fraction for all that is left, three instrumental-variable steps
 //!    ([`super::instrumental`]), and the poles that fell out by then once more.
@@ -16,7 +16,7 @@
 //! coefficients), in s for viscous damping (real coefficients). The law not said is told
 //! by the turn of the residues, as in `auto`; where that tells nothing, structural.
 //!
-//! Cost: about twice that of [`super::lean()`]; the last steps dominate, 8·lines·modes²
+//! Cost: about twice that of [`super::lean`]; the last steps dominate, 8·lines·modes²
 //! per column each.
 //!
 //! Avoid it where `auto` or `lean` do: they are as exact and cheaper up to some forty

@@ -3,7 +3,7 @@
 //! A pole of the structure comes back at every order, one that noise or the polynomial
 //! makes does not. The diagram (order over frequency) is the display of choice in modal
 //! testing; here it is data ([`Stabilization`]), and clusters of stable poles are what
-//! [`super::lscf()`] and [`super::plscf()`] offer as modes. Which of them matter is
+//! [`super::lscf`] and [`super::plscf`] offer as modes. Which of them matter is
 //! decided by their residues.
 
 use super::limits::{

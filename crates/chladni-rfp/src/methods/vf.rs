@@ -9,7 +9,7 @@
 //! pass over the data of its own.
 //!
 //! Avoid it for the last digit. It stands at two to five times the Cramér–Rao bound, and
-//! [`super::lean()`] needs only one refinement more to reach it. On a wide band with a
+//! [`super::lean`] needs only one refinement more to reach it. On a wide band with a
 //! linear axis, where low modes are narrower than the line spacing, it misses some.
 //!
 //! B. Gustavsen, A. Semlyen, IEEE Trans. Power Delivery 14 (1999) 1052; B. Gustavsen,
