@@ -52,7 +52,7 @@ FACTS = {
     "chladni-rfp/src/damping/structural.rs:POWERS": "powers of a law",
     "chladni-signal/src/lpm.rs:TERMS": "follows from the degree",
     "chladni-render/src/time/envelope.rs:SIGNED": "coefficients of a difference",
-    "chladni-render/src/threshold.rs": "standard gravity",
+    "chladni-render/src/scene/threshold.rs": "standard gravity",
     "chladni-render/src/time/wav_file.rs": "header of sound files",
 }
 

@@ -32,99 +32,74 @@
 //!
 //! Errors are [`chladni_frf::Error`]; the feature `system` computes with LAPACK.
 //!
-//! The way through the crate:
+//! The way of the data, room by room:
 //!
-//! `scene` → `zones` (what is asked of each place) → `operator` (what the panel does at
-//! the drive frequency) → `covariance` (how wrong that may be) → `problem` (judged rows
-//! and limits) → `methods` (one file each) → `field` → `indices` → `weights`.
+//! `scene` (what is asked of each place) → `panel` (what the panel does at the drive
+//! frequency, and how wrong that may be) → `problems` (judged rows and limits) → `methods`
+//! (one file each; their mathematics is in `solving`) → `judging` (indices of the field,
+//! ceiling, endurance) → `results` (weights). `reduction` leaves out modes and actuators that
+//! a scene does not need. `render` walks this way. `rig` (measured fields), `time` (scenes in
+//! time) and `touch` (fingers) have rooms of their own. Constants are in `tolerances`.
 //!
 //! The idea that carries the methods: v = H·A with the mobility H of the model, |v| at
 //! least threshold + limen on hot ground and at most threshold − limen on cold ground,
 //! and an error bar ‖L·A‖ of v from the model's own standard deviations, so that no drive
 //! leans on what the model does not know.
 
-mod band;
-mod branches;
-mod ceiling;
-mod climb;
-mod conic;
-mod count;
-mod covariance;
-mod drift;
-mod drive_error;
-mod drive_program;
-mod dual;
-mod effort;
-mod endurance;
-mod evaluate;
-mod fewest_actuators;
-mod fewest_modes;
-mod field;
-mod finger;
-mod folding;
-mod frequency_sweep;
-mod gain;
-mod indices;
-mod interpolation;
-mod kernel_error;
-mod lattice;
-mod least_squares;
+mod judging;
 mod methods;
-mod modal_field;
-mod operator;
-mod options;
-mod outcome;
-mod plane;
-mod problem;
+mod panel;
+mod problems;
+mod reduction;
 mod render;
+mod results;
 mod rig;
-mod rig_draw;
 mod scene;
-mod setup;
-mod shortcomings;
-mod signals;
-mod stress;
+mod solving;
 #[cfg(test)]
 mod test_model;
-mod threshold;
 mod time;
 mod tolerances;
-mod tones;
 mod touch;
-mod weights;
-mod zones;
 
-pub use band::{needed_band, NeededBand};
-pub use ceiling::Ceiling;
-pub use count::Count;
-pub use covariance::Covariance;
-pub use drift::Drift;
-pub use effort::Effort;
-pub use endurance::Endurance;
-pub use evaluate::{evaluate, Evaluation, On};
-pub use field::{AreaField, AreaGrid, Field};
-pub use finger::{finger_places, Finger};
-pub use frequency_sweep::{sweep, FrequencySweep, SweptFrequency};
-pub use indices::{AreaIndices, Indices, PointIndices};
-pub use methods::{Method, MethodChoice, ModalSteps, StepMatrix};
-pub use operator::Operator;
-pub use options::RenderOptions;
-pub use plane::{Position, Rectangle};
+pub use judging::ceiling::Ceiling;
+pub use judging::endurance::Endurance;
+pub use judging::frequency_sweep::{sweep, FrequencySweep, SweptFrequency};
+pub use judging::indices::{AreaIndices, Indices, PointIndices};
+pub use judging::rig_draw::StressOptions;
+pub use methods::choice::MethodChoice;
+pub use methods::effort::Effort;
+pub use methods::method::Method;
+pub use methods::modal_steps::{ModalSteps, StepMatrix};
+pub use methods::options::RenderOptions;
+pub use panel::covariance::Covariance;
+pub use panel::field::{AreaField, AreaGrid, Field};
+pub use panel::finger::{finger_places, Finger};
+pub use panel::operator::Operator;
+pub use reduction::band::{needed_band, NeededBand};
 pub use render::{render, render_measured, render_with_others, Rendering};
+pub use results::evaluate::{evaluate, Evaluation, On};
+pub use results::signals::signal_csv;
+pub use results::stress::stress;
+pub use results::weights::{StressRow, Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 pub use rig::{
     calibrate, correct, evaluate_field, evaluate_signal, play, poles_of_fields, stress_in_time,
     Agreement, CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Correction, Estimator,
     FieldEvaluation, GainTable, Hypothesis, KalmanOperator, Place, PointAgreement, PolesOfFields,
     TableGain, TakenField, CALIBRATION_FORMAT, CALIBRATION_VERSION,
 };
-pub use rig_draw::StressOptions;
-pub use scene::{
-    Actuators, Circuit, Limits, Load, Scene, DEFAULT_LIMEN_DB, DEFAULT_MAX_FORCE_N,
-    DEFAULT_TRANSITION_M,
-};
-pub use signals::signal_csv;
-pub use stress::stress;
-pub use threshold::{Threshold, ThresholdTable};
+pub use scene::actuators::{Actuators, DEFAULT_MAX_FORCE_N};
+pub use scene::circuit::{Circuit, Load};
+pub use scene::count::Count;
+pub use scene::drift::Drift;
+pub use scene::limits::Limits;
+pub use scene::plane::{Position, Rectangle};
+pub use scene::read_threshold::DEFAULT_LIMEN_DB;
+pub use scene::read_zones::DEFAULT_TRANSITION_M;
+pub use scene::scene_file::Scene;
+pub use scene::threshold::{Threshold, ThresholdTable};
+pub use scene::tones::{Share, Tone};
+pub use scene::zones::{Ground, PolygonKind, ZoneLayout, ZoneMap, ZonePolygon, Zones};
 pub use time::{
     modal_ramp, AreaFrames, AreaMeasures, Burst, Channel, ChannelMap, Fade, Level, Mapped, Measure,
     Move, PlayOptions, Played, RampTime, Ramps, Recorded, SampleFormat, Sidecar, Signal,
@@ -132,7 +107,4 @@ pub use time::{
     TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
 };
 pub use tolerances::AREA_STEP_M;
-pub use tones::{Share, Tone};
 pub use touch::{Touch, TouchCriterion, TouchIndices, TouchPlaces, TouchPoints, Touching};
-pub use weights::{StressRow, Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
-pub use zones::{Ground, PolygonKind, ZoneLayout, ZoneMap, ZonePolygon, Zones};

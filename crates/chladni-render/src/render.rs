@@ -1,25 +1,29 @@
 //! From a model and a scene to weights: the whole of rendering in one function.
 
-use crate::ceiling::Ceiling;
-use crate::count::Count;
-use crate::drift::Drift;
-use crate::drive_error;
-use crate::endurance::Endurance;
-use crate::fewest_actuators;
-use crate::fewest_modes::{self, Judge, Reduced};
-use crate::field::{AreaField, Field};
-use crate::frequency_sweep::{bearing_frequency, mode_near};
-use crate::methods::{Method, MethodChoice, Solution};
-use crate::options::RenderOptions;
-use crate::outcome::Outcome;
-use crate::problem::Drive;
+use crate::judging::ceiling::Ceiling;
+use crate::judging::endurance::Endurance;
+use crate::judging::frequency_sweep::{bearing_frequency, mode_near};
+use crate::judging::shortcomings::{ground_lost, replayed_worse, shortfall, strength};
+use crate::methods::choice::MethodChoice;
+use crate::methods::drive_error;
+use crate::methods::method::Method;
+use crate::methods::options::RenderOptions;
+use crate::methods::solution::Solution;
+use crate::panel::drive::Drive;
+use crate::panel::field::{AreaField, Field};
+use crate::problems::setup::Setup;
+use crate::reduction::fewest_actuators;
+use crate::reduction::fewest_modes::{self, Judge, Reduced};
+use crate::results::outcome::Outcome;
+use crate::results::weights::Weights;
 use crate::rig::Calibrated;
-use crate::scene::{Actuators, Limits, Scene};
-use crate::setup::Setup;
-use crate::shortcomings::{ground_lost, replayed_worse, shortfall, strength};
+use crate::scene::actuators::Actuators;
+use crate::scene::count::Count;
+use crate::scene::drift::Drift;
+use crate::scene::limits::Limits;
+use crate::scene::scene_file::Scene;
+use crate::scene::zones::ZoneMap;
 use crate::touch::{findings as touch_findings, judged, TouchIndices, TouchPlan};
-use crate::weights::Weights;
-use crate::zones::ZoneMap;
 use chladni_frf::{numbered, Error, Finding, FrfSet, ModalModel, Result};
 
 /// Weights, and the field that they make in the model.

@@ -1,8 +1,9 @@
 //! A small model and a problem for the tests of this crate.
 
-use crate::covariance::Covariance;
-use crate::problem::{DriveLimits, Problem, Rows};
-use crate::scene::Limits;
+use crate::panel::covariance::Covariance;
+use crate::panel::drive::DriveLimits;
+use crate::problems::problem::{Problem, Rows};
+use crate::scene::limits::Limits;
 use chladni_frf::{Damping, Dof, ModalModel, Node};
 use chladni_plate::{Synthetic, SyntheticShapes};
 use ndarray::{Array1, Array2};

@@ -1,11 +1,12 @@
 //! Choice of the method: one by name, or one along the front of speed against accuracy.
 
-use crate::effort::Effort;
-use crate::methods::{Method, Solution};
-use crate::problem::Problem;
-use crate::setup::Setup;
+use crate::methods::effort::Effort;
+use crate::methods::method::Method;
+use crate::methods::solution::Solution;
+use crate::problems::problem::Problem;
+use crate::problems::setup::Setup;
 use crate::tolerances;
-use chladni_frf::{Error, Finding, ModalModel, Result};
+use chladni_frf::{Error, ErrorKind, Finding, ModalModel, Result};
 use std::fmt;
 use std::str::FromStr;
 
@@ -136,6 +137,23 @@ impl fmt::Display for MethodChoice {
                     .map_or("", |known| known.0),
             ),
         }
+    }
+}
+
+impl FromStr for Method {
+    type Err = Error;
+    /// The names of [`Method::ALL`].
+    fn from_str(text: &str) -> Result<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|method| method.as_str() == text)
+            .ok_or_else(|| {
+                let known: Vec<&str> = MethodChoice::names().collect();
+                Error::new(ErrorKind::Usage, "no such rendering method")
+                    .field("method")
+                    .found(text)
+                    .expected(known.join(", "))
+            })
     }
 }
 

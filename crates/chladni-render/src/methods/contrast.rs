@@ -5,9 +5,10 @@
 //! H_hᴴ, B = H_cᴴH_c + K_c LᴴL, mapped back by A = B⁻¹ H_hᴴ z (Choi and Kim 2002). Serves
 //! as a start of [`super::mls`]; alone it lets the hot zone have nodal lines.
 
-use crate::kernel_error::unsolvable;
-use crate::least_squares::normal_matrix;
-use crate::problem::{Drive, Problem};
+use crate::panel::drive::Drive;
+use crate::panel::kernel_error::unsolvable;
+use crate::problems::problem::Problem;
+use crate::solving::least_squares::normal_matrix;
 use chladni_frf::Result;
 use chladni_linalg::{eigh, matmul, solve_hermitian};
 

@@ -6,9 +6,10 @@
 //! a step is the fit to the own field of A and the pull of the others alone. After some
 //! steps only those drives go on that serve most.
 
-use crate::least_squares::LeastSquares;
 use crate::methods::split::Split;
-use crate::problem::{Drive, Problem};
+use crate::panel::drive::Drive;
+use crate::problems::problem::Problem;
+use crate::solving::least_squares::LeastSquares;
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::wide;

@@ -5,11 +5,12 @@
 //! 47). For actuators that get hot, or amplifiers that are small; [`super::robust`] holds
 //! better.
 
-use crate::climb::Climb;
-use crate::drive_program::Asked;
-use crate::effort::Effort;
-use crate::methods::{mls, Solution};
-use crate::problem::{Problem, Rows};
+use crate::methods::effort::Effort;
+use crate::methods::mls;
+use crate::methods::solution::Solution;
+use crate::problems::problem::{Problem, Rows};
+use crate::solving::climb::Climb;
+use crate::solving::drive_program::Asked;
 use crate::tolerances;
 use chladni_frf::Result;
 

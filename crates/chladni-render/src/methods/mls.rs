@@ -17,13 +17,15 @@
 //! interpolated between the responses. Winner is who serves most responses, then has some
 //! κ, then serves most ground between the responses.
 
-use crate::climb::peak;
-use crate::gain::within_drive_limit;
-use crate::least_squares::LeastSquares;
+use crate::methods::contrast;
+use crate::methods::gain::within_drive_limit;
 use crate::methods::magnitudes::{better_first, Race, Round, Steps};
-use crate::methods::{contrast, Solution};
-use crate::plane::Rectangle;
-use crate::problem::{Drive, Problem, Rows, Score};
+use crate::methods::solution::Solution;
+use crate::panel::drive::Drive;
+use crate::problems::problem::{Problem, Rows, Score};
+use crate::scene::plane::Rectangle;
+use crate::solving::climb::peak;
+use crate::solving::least_squares::LeastSquares;
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::Array2;

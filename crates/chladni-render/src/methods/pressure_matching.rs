@@ -10,10 +10,10 @@
 //! Not for final drives: one phase all over the hot zone costs 7 to 20 points of hot
 //! success against [`super::mls`].
 
-use crate::gain::within_drive_limit;
-use crate::least_squares::LeastSquares;
-use crate::methods::Solution;
-use crate::problem::Problem;
+use crate::methods::gain::within_drive_limit;
+use crate::methods::solution::Solution;
+use crate::problems::problem::Problem;
+use crate::solving::least_squares::LeastSquares;
 use chladni_frf::Result;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;

@@ -13,12 +13,13 @@
 //! the ground between them is served as that leaves. The climb starts from `mls`,
 //! and where no drive serves every response, the one of both is taken that serves more.
 
-use crate::climb::Climb;
-use crate::drive_program::Asked;
-use crate::effort::Effort;
-use crate::methods::{mls, Solution};
-use crate::problem::Drive;
-use crate::setup::Setup;
+use crate::methods::effort::Effort;
+use crate::methods::mls;
+use crate::methods::solution::Solution;
+use crate::panel::drive::Drive;
+use crate::problems::setup::Setup;
+use crate::solving::climb::Climb;
+use crate::solving::drive_program::Asked;
 use crate::tolerances;
 use crate::touch::{bear, Borne};
 use chladni_frf::Result;

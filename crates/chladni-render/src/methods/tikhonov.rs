@@ -5,9 +5,10 @@
 //! of what the model knows badly: against [`super::pressure_matching`], which differs in
 //! that alone, it gives up good directions with the bad ones.
 
-use crate::kernel_error::unsolvable;
 use crate::methods::pressure_matching::one_phase_target;
-use crate::problem::{Drive, Problem};
+use crate::panel::drive::Drive;
+use crate::panel::kernel_error::unsolvable;
+use crate::problems::problem::Problem;
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{eigh, matmul_h, solve_hermitian};

@@ -6,7 +6,8 @@
 //! Lozada and Hayward 2015), where many modes average out elsewhere.
 
 use crate::methods::pressure_matching::one_phase_target;
-use crate::problem::{Drive, Problem};
+use crate::panel::drive::Drive;
+use crate::problems::problem::Problem;
 
 /// The conjugate paths to the hot zone, summed.
 pub(crate) fn solve(problem: &Problem) -> Drive {

@@ -5,9 +5,10 @@
 //! times the largest. The sharp edge between kept and dropped directions makes success
 //! jump with the threshold.
 
-use crate::kernel_error::unsolvable;
 use crate::methods::pressure_matching::one_phase_target;
-use crate::problem::{Drive, Problem};
+use crate::panel::drive::Drive;
+use crate::panel::kernel_error::unsolvable;
+use crate::problems::problem::Problem;
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::Array1;

@@ -5,9 +5,10 @@
 //! largest λ carry the target: A = Σ_v u_v (u_vᴴ H_hᴴ 1)/(λ_v + 1) (Lee, Nielsen, Jensen
 //! and Christensen 2018). R_c holds the error of the model, as in contrast control.
 
-use crate::kernel_error::unsolvable;
-use crate::least_squares::normal_matrix;
-use crate::problem::{Drive, Problem};
+use crate::panel::drive::Drive;
+use crate::panel::kernel_error::unsolvable;
+use crate::problems::problem::Problem;
+use crate::solving::least_squares::normal_matrix;
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_linalg::{cholesky, eigh, matmul_h, solve_lower, solve_lower_adjoint};

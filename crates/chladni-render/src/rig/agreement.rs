@@ -1,8 +1,9 @@
 //! Agreement of a measured field with its prediction.
 
-use super::diagnosis::{diagnose, Hypothesis};
+use super::diagnosis::diagnose;
 use super::field::{LaidField, Prediction};
-use crate::operator::Operator;
+use super::hypothesis::Hypothesis;
+use crate::panel::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
 use ndarray::Array1;

@@ -6,8 +6,9 @@
 //! calibration, drives no dead channel, and states the errors that are left.
 
 use super::calibration::{CalibratedOperator, Calibration};
-use crate::drift::Drift;
-use crate::scene::{Actuators, Scene};
+use crate::scene::actuators::Actuators;
+use crate::scene::drift::Drift;
+use crate::scene::scene_file::Scene;
 use crate::tolerances;
 use chladni_frf::{
     ComplexMatrix, Dof, Error, Finding, FrfKind, ModalModel, ResidualTerm, Result, Trust,

@@ -8,7 +8,7 @@
 
 use super::gain_file;
 use super::gain_table::GainTable;
-use crate::operator::Operator;
+use crate::panel::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source, CREATED_BY};
 use chladni_text::{json_error, read_text};

@@ -10,16 +10,16 @@ use super::learned::Learned;
 use super::prior::prior_drift;
 use super::seen::{see, Seen};
 use super::structured::Structured;
-use crate::methods::Method;
-use crate::options::RenderOptions;
-use crate::outcome::Outcome;
-use crate::problem::Drive;
+use crate::methods::method::Method;
+use crate::methods::options::RenderOptions;
+use crate::panel::drive::Drive;
+use crate::problems::setup::Setup;
 use crate::render::under_fingers;
-use crate::scene::Scene;
-use crate::setup::Setup;
+use crate::results::outcome::Outcome;
+use crate::results::weights::Weights;
+use crate::scene::scene_file::Scene;
 use crate::tolerances;
 use crate::touch::corrected_finding;
-use crate::weights::Weights;
 use chladni_frf::{Dof, Error, Finding, MeasuredField, ModalModel, Result};
 use num_complex::Complex64;
 
@@ -146,7 +146,7 @@ pub fn calibrate(
     Ok((weights, calibration))
 }
 
-/// What the fields `seen` have led to.
+/// The result of the fields `seen`.
 fn corrected_by(setup: &Setup, seen: &[Seen], learned: &Learned, given: &Given) -> Correction {
     let structured = &learned.estimators.structured;
     let scan_reason = scan(&learned.nis, structured);

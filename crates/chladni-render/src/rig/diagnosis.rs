@@ -10,46 +10,17 @@
 //! with complex values stacked as real ones. A dead or a reversed channel has no free size.
 
 use super::field::{rms, LaidField, Prediction};
+use super::hypothesis::{Hypothesis, Place};
 use super::swapped::Swap;
 use super::weighed::{variance, Cause, Found, View};
-use crate::interpolation::{Interpolation, Nodes};
-use crate::modal_field::ModalField;
-use crate::operator::Operator;
-use crate::plane::{Position, Rectangle};
+use crate::panel::interpolation::{Interpolation, Nodes};
+use crate::panel::modal_field::ModalField;
+use crate::panel::operator::Operator;
+use crate::scene::plane::{Position, Rectangle};
 use crate::tolerances;
-use chladni_frf::{Dof, Finding, ModalModel, Result};
+use chladni_frf::{Finding, ModalModel, Result};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
-
-/// A cause, where it sits, how large it is, and what speaks for it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Hypothesis {
-    /// `nothing`, `gain`, `dead`, `reversed`, `channel`, `channels`, `mode`, `modes`, `load`
-    /// or `unexplained`.
-    pub kind: String,
-    /// The channel, the mode's natural frequency in Hz, or the place in m.
-    pub place: Option<Place>,
-    /// Size, real and imaginary part: gain error of a channel or of all, relative shift of
-    /// natural frequencies, impedance of a load in N·s/m, unexplained part of the field.
-    pub value: Option<[f64; 2]>,
-    /// Standard deviation of the size.
-    pub std: Option<f64>,
-    /// ln of the evidence over that of `nothing`.
-    pub ln_evidence: f64,
-}
-
-/// The place of a cause.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Place {
-    /// A channel.
-    Channel(Dof),
-    /// Natural frequency of a mode, Hz.
-    Mode(f64),
-    /// A place on the panel, m.
-    Point(Position),
-}
 
 /// All causes, the likeliest first; of those that can sit at several places the likeliest
 /// place. Two swapped cables are named by the finding beside them.

@@ -9,8 +9,9 @@
 //! along its gradient, in the metric of the least squares of the rows (theory.md, section 12).
 //! The corner between both is rounded by 0.035 at most; ends are compared without that.
 
-use crate::least_squares::LeastSquares;
-use crate::problem::{amplitude, chance_above, Drive, Problem};
+use crate::panel::drive::{amplitude, Drive};
+use crate::problems::problem::{chance_above, Problem};
+use crate::solving::least_squares::LeastSquares;
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::Array2;

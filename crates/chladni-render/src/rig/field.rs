@@ -1,6 +1,6 @@
 //! A measured field laid over the operator that foretells it.
 
-use crate::problem::Drive;
+use crate::panel::drive::Drive;
 use crate::tolerances;
 use chladni_frf::{Error, Finding, MeasuredField, Result};
 use ndarray::{Array1, Array2};
@@ -40,7 +40,7 @@ impl LaidField {
     /// that the operator lacks.
     pub(crate) fn new(
         field: &MeasuredField,
-        operator: &crate::operator::Operator,
+        operator: &crate::panel::operator::Operator,
         sha256: Option<&str>,
     ) -> Result<Self> {
         check_weights(field, operator.frequency_hz, sha256)?;

@@ -1,8 +1,9 @@
 //! The drive to give: the new one, or the best that was measured.
 
 use super::seen::Seen;
-use crate::problem::{chance_above, Drive, Problem};
-use crate::setup::Setup;
+use crate::panel::drive::Drive;
+use crate::problems::problem::{chance_above, Problem};
+use crate::problems::setup::Setup;
 use crate::tolerances;
 
 /// The rule by which a measured response counts as inside its limit.

@@ -6,7 +6,7 @@
 //! Regression*, 1982, chapter 2). One point that is off would otherwise pass for odd channels.
 
 use super::field::{rms, LaidField};
-use crate::kernel_error::unsolvable;
+use crate::panel::kernel_error::unsolvable;
 use crate::tolerances;
 use chladni_frf::{Dof, Finding, Result};
 use chladni_linalg::blocked::range;

@@ -6,8 +6,9 @@
 //! as updates take it) → `structured` (gains and poles: `parts`, weighed by `evidence`) and
 //! `kalman` (the operator itself) → `estimators` → `learned` (which of them counts) →
 //! `correct` (the drive; `given`: or the best measured one). `calibration` keeps what was
-//! learned (`gain_table`: over frequency, `gain_file`: as people write it), `calibrated` starts the next scene with it; `prior` is what stands before any
-//! field. `poles_of_fields` moves the poles of a model alone.
+//! learned (`gain_table`: over frequency, `gain_file`: as people write it), `calibrated` starts
+//! the next scene with it; `prior` is what stands before any field. `poles_of_fields` moves the
+//! poles of a model alone.
 
 mod agreement;
 mod calibrated;
@@ -23,6 +24,7 @@ mod field;
 mod gain_file;
 mod gain_table;
 mod given;
+mod hypothesis;
 mod kalman;
 mod learned;
 mod lone_points;
@@ -44,9 +46,9 @@ pub use calibration::{
 };
 pub use correct::{calibrate, correct};
 pub use correction::{Correction, TakenField};
-pub use diagnosis::{Hypothesis, Place};
 pub use evaluation::{evaluate_field, FieldEvaluation};
 pub use gain_table::{GainTable, TableGain};
+pub use hypothesis::{Hypothesis, Place};
 pub use kalman::KalmanOperator;
 pub use over_time::{evaluate_signal, play, stress_in_time};
 pub use poles_of_fields::{poles_of_fields, PolesOfFields};

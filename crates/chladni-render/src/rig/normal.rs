@@ -7,8 +7,8 @@
 
 use super::parts::Parts;
 use super::seen::Seen;
-use crate::kernel_error::unsolvable;
-use crate::problem::Drive;
+use crate::panel::drive::Drive;
+use crate::panel::kernel_error::unsolvable;
 use crate::tolerances;
 use chladni_frf::Result;
 use ndarray::{s, Array1, Array2, ArrayView1, ArrayViewMut1, Axis};
@@ -259,7 +259,7 @@ fn add(mut diagonal: ArrayViewMut1<f64>, precision: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::operator::Operator;
+    use crate::panel::operator::Operator;
     use crate::test_model::test_model;
     use chladni_frf::Damping;
 

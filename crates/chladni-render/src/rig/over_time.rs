@@ -2,11 +2,11 @@
 //! the calibration makes.
 
 use super::calibrated::Calibrated;
-use crate::drift::Drift;
-use crate::rig_draw::StressOptions;
-use crate::scene::Scene;
+use crate::judging::rig_draw::StressOptions;
+use crate::results::weights::Weights;
+use crate::scene::drift::Drift;
+use crate::scene::scene_file::Scene;
 use crate::time::{self, PlayOptions, Played, Recorded, TimeEvent, TimeIndices, TimeStressRow};
-use crate::weights::Weights;
 use chladni_frf::{Finding, ModalModel, Result};
 
 /// The drive of a scene over time, on the panel of `model` as the calibration of the scene

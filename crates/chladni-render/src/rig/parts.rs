@@ -9,9 +9,9 @@
 //! and a real shift c of all.
 
 use super::field::rms;
-use crate::modal_field::{answer, halves};
-use crate::operator::Operator;
-use crate::problem::Drive;
+use crate::panel::drive::Drive;
+use crate::panel::modal_field::{answer, halves};
+use crate::panel::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{Damping, ModalModel, Mode, Trust};
 use ndarray::{Array1, Array2};

@@ -13,10 +13,10 @@ use super::lone_points::without_lone_points;
 use super::parts::Parts;
 use super::seen::Seen;
 use super::structured::Structured;
-use crate::operator::Operator;
-use crate::problem::Drive;
+use crate::panel::drive::Drive;
+use crate::panel::operator::Operator;
+use crate::results::weights::{Weight, Weights};
 use crate::tolerances;
-use crate::weights::{Weight, Weights};
 use chladni_frf::{Error, Finding, MeasuredField, ModalModel, Result};
 use ndarray::Axis;
 

@@ -1,9 +1,9 @@
 //! Error that a prediction may have before any new field.
 
-use crate::covariance::Covariance;
-use crate::drift::Drift;
-use crate::operator::Operator;
-use crate::scene::Scene;
+use crate::panel::covariance::Covariance;
+use crate::panel::operator::Operator;
+use crate::scene::drift::Drift;
+use crate::scene::scene_file::Scene;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Result};
 

@@ -6,7 +6,7 @@
 use super::evidence::{Scales, Tried};
 use super::parts::{denominator, Parts};
 use super::seen::Seen;
-use crate::kernel_error::unsolvable;
+use crate::panel::kernel_error::unsolvable;
 use crate::tolerances;
 use chladni_frf::{Damping, Mode, Result};
 use ndarray::{Array1, Array2, Axis};
@@ -212,7 +212,7 @@ impl Structured {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::operator::Operator;
+    use crate::panel::operator::Operator;
     use crate::test_model::test_model;
 
     /// The covariance of the rows is the sum over all pairs of unknowns, in both laws.

@@ -4,10 +4,10 @@
 //! of channels are weighed: the neighbours of a pair explain a part of it and would be called odd
 //! otherwise, and all channels together nearly all of it.
 
-use super::diagnosis::{Hypothesis, Place};
 use super::field::Prediction;
+use super::hypothesis::{Hypothesis, Place};
 use super::weighed::View;
-use crate::operator::Operator;
+use crate::panel::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{Dof, Finding, Result};
 use ndarray::Array1;

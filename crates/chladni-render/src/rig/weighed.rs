@@ -2,9 +2,9 @@
 //! would explain it (theory.md, eq. 57).
 
 use super::field::{rms, LaidField, Prediction};
-use crate::kernel_error::unsolvable;
-use crate::modal_field::ModalField;
-use crate::operator::Operator;
+use crate::panel::kernel_error::unsolvable;
+use crate::panel::modal_field::ModalField;
+use crate::panel::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Result};
 use ndarray::{Array1, Array2, ArrayView1, Axis};

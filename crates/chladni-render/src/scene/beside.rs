@@ -1,6 +1,6 @@
 //! Places of the files that a scene names.
 
-use crate::threshold::ThresholdTable;
+use crate::scene::threshold::ThresholdTable;
 use std::path::Path;
 
 /// The source of a scene's threshold table.

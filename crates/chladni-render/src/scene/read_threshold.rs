@@ -2,7 +2,7 @@
 
 use super::beside::Beside;
 use super::keys::KEYS;
-use crate::threshold::{Threshold, ThresholdTable};
+use crate::scene::threshold::{Threshold, ThresholdTable};
 use crate::tolerances;
 use chladni_frf::{nearest_word, Result};
 use chladni_text::toml_reader::{Table, Value};

@@ -2,9 +2,9 @@
 
 use super::keys::KEYS;
 use super::read_threshold::decibels;
-use crate::plane::{crosses_itself, Position};
+use crate::scene::plane::{crosses_itself, Position};
+use crate::scene::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
 use crate::tolerances;
-use crate::zones::{PolygonKind, ZoneLayout, ZonePolygon, Zones};
 use chladni_frf::{Error, Result};
 use chladni_text::toml_reader::{Table, Value};
 

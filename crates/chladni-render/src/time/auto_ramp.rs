@@ -171,14 +171,14 @@ impl RampFinder<'_> {
             for (v, &place) in field.column(stop).iter().zip(&self.listener.positions_m) {
                 let db = |ratio: f64| 20.0 * ratio.log10();
                 match map.classify(place) {
-                    crate::zones::Ground::Cold => {
+                    crate::scene::zones::Ground::Cold => {
                         worst[0] = worst[0].max(db(v.norm() / tone.limits.cold_m_per_s))
                     }
-                    crate::zones::Ground::Hot => {
+                    crate::scene::zones::Ground::Hot => {
                         let limit = tone.limits.hot_m_per_s * map.level_at(place);
                         worst[1] = worst[1].max(db(limit / v.norm()))
                     }
-                    crate::zones::Ground::Ignored => {}
+                    crate::scene::zones::Ground::Ignored => {}
                 }
             }
         }

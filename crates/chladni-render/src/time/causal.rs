@@ -7,9 +7,9 @@
 //! The rest of the response at the carrier is D₀, D₁ and D₂, so that a
 //! steady drive moves the ground exactly as `render` says.
 
-use crate::interpolation::Interpolation;
-use crate::kernel_error::unsolvable;
-use crate::operator::Operator;
+use crate::panel::interpolation::Interpolation;
+use crate::panel::kernel_error::unsolvable;
+use crate::panel::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{Damping, ModalModel, Mode, Result, Trust};
 use chladni_linalg::{matmul, svd_thin};
@@ -189,7 +189,7 @@ pub(crate) struct Ground {
     modes: usize,
 }
 
-/// What follows its course at once.
+/// The part that follows its course at once.
 pub(crate) struct Follower<'a> {
     /// Axes (time, pattern).
     pub(crate) course: &'a Array2<Complex64>,

@@ -1,12 +1,12 @@
 //! Refuses moves that the responses cannot judge.
 
-use crate::operator::Operator;
-use crate::plane::Rectangle;
-use crate::scene::Scene;
+use crate::panel::operator::Operator;
+use crate::scene::plane::Rectangle;
+use crate::scene::scene_file::Scene;
+use crate::scene::zones::Ground;
 use crate::time::plan::{Place, Plan};
 use crate::time::table::TimeTable;
 use crate::time::timeline::zones_of;
-use crate::zones::Ground;
 use chladni_frf::{Error, Result};
 
 /// Refuses paths that leave the ground that is judged, and spots that hold no response or

@@ -8,7 +8,7 @@
 //! As for steady fingers (`finger.rs`), what the model knows only from the actuators takes
 //! no part, and the modes must be mass-scaled.
 
-use crate::finger::Finger;
+use crate::panel::finger::Finger;
 use crate::time::causal::{share, CausalModel};
 use crate::time::simulate::Step;
 use ndarray::{Array1, Array2};
@@ -93,8 +93,8 @@ impl<'a> Contact<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::modal_field::ModalField;
-    use crate::operator::Operator;
+    use crate::panel::modal_field::ModalField;
+    use crate::panel::operator::Operator;
     use crate::time::envelope::{Edge, Envelope, Ramp};
     use crate::time::simulate::Motion;
     use crate::time::tracks::{Track, Tracks};

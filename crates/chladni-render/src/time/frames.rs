@@ -1,11 +1,11 @@
 //! Pictures of the ground while a scene is played.
 
-use crate::field::AreaGrid;
-use crate::plane::Position;
+use crate::panel::field::AreaGrid;
+use crate::scene::plane::Position;
+use crate::scene::zones::Ground;
 use crate::time::listener::Listener;
 use crate::time::tracks::Tracks;
 use crate::tolerances;
-use crate::zones::Ground;
 use chladni_frf::Dof;
 use ndarray::Array2;
 use num_complex::Complex64;

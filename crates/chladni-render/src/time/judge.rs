@@ -6,11 +6,11 @@
 //! I(t) = (1/τ)∫e^{−(t−s)/τ}e(s)ds, so that a long tone ends at its own level
 //! (theory.md, eq. 63).
 
-use crate::scene::Limits;
+use crate::scene::limits::Limits;
+use crate::scene::zones::Ground;
 use crate::time::table::Measure;
 use crate::time::timeline::{Grounds, RowGround, Segment};
 use crate::tolerances;
-use crate::zones::Ground;
 use ndarray::{Array2, ArrayView1};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -72,7 +72,7 @@ pub(crate) struct EnergyLimits {
 
 impl EnergyLimits {
     /// Of a scene with `limits` whose tones share energy.
-    pub(crate) fn of(limits: &Limits, share: &crate::tones::Share) -> Self {
+    pub(crate) fn of(limits: &Limits, share: &crate::scene::tones::Share) -> Self {
         let squared = |velocity: f64| (velocity / limits.threshold_m_per_s).powi(2);
         Self {
             hot: squared(limits.hot_m_per_s) / share.hot,

@@ -1,10 +1,13 @@
 //! Places that are judged in time, under all tones at once.
 
-use crate::field::AreaGrid;
-use crate::operator::Operator;
-use crate::plane::{Position, Rectangle};
+use crate::panel::field::AreaGrid;
+use crate::panel::operator::Operator;
 use crate::rig::at_tone;
-use crate::scene::{Limits, Scene};
+use crate::scene::limits::Limits;
+use crate::scene::plane::{Position, Rectangle};
+use crate::scene::scene_file::Scene;
+use crate::scene::tones::Share;
+use crate::scene::zones::{ZoneMap, Zones};
 use crate::time::causal::CausalModel;
 use crate::time::contact::{Contact, Touch};
 use crate::time::judge::{Energies, EnergyLimits, Judge, TimeMeasure, TimeTraces};
@@ -14,8 +17,6 @@ use crate::time::table::Measure;
 use crate::time::timeline::Timeline;
 use crate::time::tracks::Tracks;
 use crate::tolerances;
-use crate::tones::Share;
-use crate::zones::{ZoneMap, Zones};
 use chladni_frf::{ModalModel, Result};
 use chladni_linalg::matmul;
 use ndarray::{Array1, Array2};

@@ -6,8 +6,8 @@
 //! is far follows at once but for its own lag, which a₁ is to undo, too. Both in least
 //! squares, each row weighted by what its error does to the ground.
 
-use crate::kernel_error::unsolvable;
-use crate::operator::Operator;
+use crate::panel::kernel_error::unsolvable;
+use crate::panel::operator::Operator;
 use crate::time::causal::CausalModel;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Result};

@@ -1,12 +1,12 @@
 //! The drive of a chain of places: how it rises, passes from one to the next, and falls.
 
+use crate::scene::zones::ZoneMap;
 use crate::time::envelope::{Edge, Envelope, Travel};
 use crate::time::plan::Chain;
 use crate::time::program_ramp::program_ends;
 use crate::time::table::{Move, Ramps};
 use crate::time::tracks::{Track, Tracks};
 use crate::time::voice::Voice;
-use crate::zones::ZoneMap;
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 

@@ -4,11 +4,11 @@
 //! fade by itself has two; a moving spot is a chain of keyframes along its path. Chains
 //! follow each other and do not overlap.
 
-use crate::plane::Position;
+use crate::scene::plane::Position;
+use crate::scene::zones::{ZoneLayout, Zones};
 use crate::time::envelope::Ramp;
 use crate::time::table::{Fade, Move, RampTime, TimeTable};
 use crate::tolerances;
-use crate::zones::{ZoneLayout, Zones};
 use chladni_frf::{Error, Result};
 
 /// The hot ground at a stop of a chain.

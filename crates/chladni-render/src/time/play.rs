@@ -1,9 +1,10 @@
 //! From a model and a scene with `[time]` to a drive, and how it does: the whole in one
 //! function.
 
-use crate::operator::Operator;
-use crate::options::RenderOptions;
-use crate::scene::Scene;
+use crate::methods::options::RenderOptions;
+use crate::panel::operator::Operator;
+use crate::results::weights::Weights;
+use crate::scene::scene_file::Scene;
 use crate::time::auto_ramp::RampFinder;
 use crate::time::check_paths::check_paths;
 use crate::time::frames::TimeFrames;
@@ -16,7 +17,6 @@ use crate::time::table::{Level, Measure, RampTime, Ramps, TimeTable};
 use crate::time::tracks::Tracks;
 use crate::time::voice::Voice;
 use crate::tolerances;
-use crate::weights::Weights;
 use chladni_frf::{Dof, Error, Finding, ModalModel, ReferenceUnit, Result};
 use std::collections::HashMap;
 
@@ -296,7 +296,9 @@ fn voices(
             Some(weights) => Some(
                 weights
                     .tones()
-                    .find(|weights| crate::tones::is_same(weights.frequency_hz, tone.frequency_hz))
+                    .find(|weights| {
+                        crate::scene::tones::is_same(weights.frequency_hz, tone.frequency_hz)
+                    })
                     .ok_or_else(|| {
                         Error::bad_data("the weights are for another frequency")
                             .field("frequency_hz")

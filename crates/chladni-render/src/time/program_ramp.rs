@@ -1,5 +1,6 @@
 //! Rise and fall of a chain by envelope programs.
 
+use crate::scene::zones::{Ground, ZoneMap};
 use crate::time::envelope::{Edge, Envelope, Ramp};
 use crate::time::envelope_program::{solve, Asked};
 use crate::time::plan::Chain;
@@ -8,7 +9,6 @@ use crate::time::splines::{control_of, tracks_of, Splines};
 use crate::time::tracks::{Track, Tracks};
 use crate::time::voice::Voice;
 use crate::tolerances;
-use crate::zones::{Ground, ZoneMap};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 

@@ -1,12 +1,12 @@
 //! Reading `[time]`, key by key; what cannot be is refused with its line and name.
 
-use crate::plane::Rectangle;
+use crate::scene::plane::Rectangle;
+use crate::scene::zones::{ZoneLayout, Zones};
 use crate::time::plan::Plan;
 use crate::time::table::{
     Burst, Fade, Level, Measure, Move, RampTime, Ramps, TimeTable, DEFAULT_SUMMATION_S,
 };
 use crate::tolerances;
-use crate::zones::{ZoneLayout, Zones};
 use chladni_frf::{Error, Result};
 use chladni_text::toml_reader::{Keys, Table, Value};
 

@@ -3,9 +3,9 @@
 //! Each channel becomes a complex envelope about each tone: the spectrum nearest to it, from
 //! 0 to twice the tone where it sounds alone, moved down by it.
 
-use crate::field::AreaGrid;
-use crate::operator::Operator;
-use crate::scene::Scene;
+use crate::panel::field::AreaGrid;
+use crate::panel::operator::Operator;
+use crate::scene::scene_file::Scene;
 use crate::time::indices::{AreaMeasures, TimeEvent, TimeIndices};
 use crate::time::listener::{Judging, Listener, Sounds};
 use crate::time::plan::{Chain, Event, Plan};

@@ -1,9 +1,10 @@
 //! All that is known before a drive in time is made: the tones with the steady drives of
 //! every place, the zones of each, the limits, and who listens.
 
-use crate::field::AreaGrid;
-use crate::plane::Rectangle;
-use crate::scene::Scene;
+use crate::panel::field::AreaGrid;
+use crate::scene::plane::Rectangle;
+use crate::scene::scene_file::Scene;
+use crate::scene::zones::ZoneMap;
 use crate::time::auto_ramp::{shortest_s, spared_db};
 use crate::time::frames::{self, TimeFrames};
 use crate::time::judge::TimeMeasure;
@@ -14,7 +15,6 @@ use crate::time::timeline::maps_over;
 use crate::time::tracks::{schroeder, Tracks};
 use crate::time::voice::Voice;
 use crate::tolerances;
-use crate::zones::ZoneMap;
 use chladni_frf::{Finding, ModalModel, ReferenceUnit, Result};
 
 /// All that is known before a drive is made.

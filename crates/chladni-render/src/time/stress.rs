@@ -1,10 +1,11 @@
 //! Performance of a drive in time when the world is not the model: the stress table of
 //! bursts, fades and moving spots.
 
-use crate::finger::{finger_rows_of, Finger};
-use crate::plane::Rectangle;
-use crate::rig_draw::{Draw, StressOptions};
-use crate::scene::Scene;
+use crate::judging::rig_draw::{Draw, StressOptions};
+use crate::panel::finger::{finger_rows_of, Finger};
+use crate::scene::plane::Rectangle;
+use crate::scene::scene_file::Scene;
+use crate::scene::zones::{Ground, ZoneMap};
 use crate::time::contact::Touch;
 use crate::time::judge::TimeMeasure;
 use crate::time::listener::{Judging, Listener};
@@ -14,7 +15,6 @@ use crate::time::table::Measure;
 use crate::time::timeline::maps_over;
 use crate::time::tracks::Tracks;
 use crate::tolerances::{FIRMEST, STAYS_S};
-use crate::zones::{Ground, ZoneMap};
 use chladni_frf::{Finding, ModalModel, Mode, Result, Scaling};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};

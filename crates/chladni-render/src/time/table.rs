@@ -1,6 +1,6 @@
 //! The `[time]` of a scene: what is to be felt when.
 
-use crate::plane::Position;
+use crate::scene::plane::Position;
 
 /// The measure of ground that does not move steadily.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,11 +1,10 @@
 //! Ground of each place at each time.
 
-use crate::plane::Position;
-use crate::plane::Rectangle;
+use crate::scene::plane::{Position, Rectangle};
+use crate::scene::zones::{Ground, ZoneLayout, ZoneMap, Zones};
 use crate::time::plan::{Chain, Place, Plan, Spot};
 use crate::time::table::Move;
 use crate::tolerances;
-use crate::zones::{Ground, ZoneLayout, ZoneMap, Zones};
 use chladni_frf::{Error, ErrorKind, Result};
 
 /// Ground of the rows while one thing lasts.

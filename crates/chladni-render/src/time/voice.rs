@@ -1,21 +1,22 @@
 //! One tone of a play: the panel about its carrier, the steady drive of every place, and
 //! how the drive passes from one to the next.
 
-use crate::evaluate::drive_on;
+use crate::methods::options::RenderOptions;
 use crate::methods::robust;
-use crate::operator::{outside_band, Operator};
-use crate::options::RenderOptions;
-use crate::problem::{Drive, DriveLimits};
+use crate::panel::drive::{Drive, DriveLimits};
+use crate::panel::operator::{outside_band, Operator};
+use crate::problems::setup::{check_ground, drive_limits, Setup};
 use crate::render::render;
+use crate::results::evaluate::drive_on;
+use crate::results::weights::Weights;
 use crate::rig::at_tone;
-use crate::scene::{Limits, Scene};
-use crate::setup::{check_ground, drive_limits, Setup};
+use crate::scene::limits::Limits;
+use crate::scene::scene_file::Scene;
 use crate::time::causal::CausalModel;
 use crate::time::modal_ramp::{corrected, correction};
 use crate::time::plan::Place;
 use crate::time::programs::Programs;
 use crate::time::timeline::zones_of;
-use crate::weights::Weights;
 use chladni_frf::{Finding, ModalModel, Result};
 use ndarray::Array2;
 use num_complex::Complex64;

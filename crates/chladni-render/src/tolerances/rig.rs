@@ -236,3 +236,30 @@ pub const SWAP_RESPONSES: usize = 8;
 /// Most degrees that the phase of a gain table may turn from one entry to the next: with
 /// more, the other way round is nearly as near.
 pub const MOST_TURN_DEG: f64 = 120.0;
+
+/// Noise of a measured field that does not state its own, over its rms. The study's usual
+/// level; ten times more hides a dead channel, ten times less finds causes in the noise.
+pub const FIELD_NOISE: f64 = 0.01;
+
+/// Least noise that a field is believed to have, over its rms: the isotropic error of a
+/// good fit.
+pub const LEAST_FIELD_NOISE: f64 = 1e-4;
+
+/// Error of each channel's gain that a prediction is taken to have at least, rms of the
+/// complex factor: amplifiers of 2 % and 2° have 0.04.
+pub const RIG_DRIVE_ERROR: f64 = 0.03;
+
+/// The same at least of gains that fields have taught, at another frequency or on another
+/// day: amplifiers are flat to so much over some ten hertz.
+pub const CALIBRATED_DRIVE_ERROR: f64 = 0.005;
+
+/// Size of an odd channel's factor below which it is dead.
+pub const DEAD_GAIN: f64 = 0.1;
+
+/// Standard deviation of that gain up to which it counts: a sound channel lies five deviations
+/// away. A healthy one called dead, behind a common factor of 0.8, had 0.25.
+pub const DEAD_GAIN_STD: f64 = 0.2;
+
+/// Natural frequencies nearer than this, relative, are those of one model: decimals of a
+/// file.
+pub const SAME_MODE: f64 = 1e-9;

@@ -2,7 +2,8 @@
 
 use super::plan::{Judged, TouchPlan};
 use super::program::contrast_db;
-use crate::problem::{amplitude, Drive, Problem};
+use crate::panel::drive::{amplitude, Drive};
+use crate::problems::problem::Problem;
 use crate::tolerances;
 use chladni_frf::Finding;
 use serde::{Deserialize, Serialize};

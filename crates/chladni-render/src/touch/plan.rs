@@ -8,13 +8,14 @@
 //! h_f that from the actuators to its place, interpolated between the responses.
 
 use super::table::{Touch, TouchCriterion, TouchPlaces};
-use crate::interpolation::{Interpolation, Nodes};
-use crate::modal_field::ModalField;
-use crate::operator::Operator;
-use crate::plane::{Position, Rectangle};
-use crate::problem::{Drive, Rows};
+use crate::panel::drive::Drive;
+use crate::panel::interpolation::{Interpolation, Nodes};
+use crate::panel::modal_field::ModalField;
+use crate::panel::operator::Operator;
+use crate::problems::problem::Rows;
+use crate::scene::plane::{Position, Rectangle};
+use crate::scene::zones::{Ground, ZoneMap};
 use crate::tolerances;
-use crate::zones::{Ground, ZoneMap};
 use chladni_frf::{ModalModel, Scaling};
 use ndarray::{concatenate, s, Array2, ArrayView2, Axis};
 use num_complex::Complex64;

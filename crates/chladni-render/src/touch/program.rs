@@ -6,11 +6,12 @@
 //! at κ 0.2 fails untouched under the first error of an amplifier).
 
 use super::plan::{Judged, TouchPlan};
-use crate::climb::{peak, Climb};
-use crate::drive_program::Asked;
-use crate::effort::Effort;
-use crate::problem::{amplitude, Drive, Problem, Rows};
-use crate::setup::Setup;
+use crate::methods::effort::Effort;
+use crate::panel::drive::{amplitude, Drive};
+use crate::problems::problem::{Problem, Rows};
+use crate::problems::setup::Setup;
+use crate::solving::climb::{peak, Climb};
+use crate::solving::drive_program::Asked;
 use crate::tolerances;
 use chladni_frf::Result;
 

@@ -1,7 +1,7 @@
 //! The table `[touch]` of a scene.
 
-use crate::finger::Finger;
-use crate::plane::{Position, Rectangle};
+use crate::panel::finger::Finger;
+use crate::scene::plane::{Position, Rectangle};
 use crate::tolerances;
 use chladni_frf::{Error, Result};
 use chladni_text::toml_reader::{Keys, Table, Value};

@@ -2,7 +2,7 @@
 
 use super::*;
 
-use crate::operator::Operator;
+use crate::panel::operator::Operator;
 use crate::time::envelope::{Edge, Envelope, Ramp};
 use crate::time::tracks::{Track, Tracks};
 use chladni_frf::{ComplexMatrix, Damping, ModalModel, Mode, ResidualTerm};

@@ -1,0 +1,274 @@
+//! Choice of the drive frequency: κ and success over a range, free and touched.
+//!
+//! A mode on the drive frequency makes loud fields cheap and breaks them at the first
+//! touch: the finger moves that mode. Between modes the same scene costs more force and
+//! holds.
+
+use crate::methods::choice::{Decision, MethodChoice};
+use crate::methods::options::RenderOptions;
+use crate::panel::drive::Drive;
+use crate::panel::finger::{finger_rows, Finger};
+use crate::panel::modal_field::ModalField;
+use crate::panel::operator::{is_in_band, mode_on};
+use crate::problems::setup::Setup;
+use crate::rig::Calibrated;
+use crate::scene::scene_file::Scene;
+use crate::tolerances;
+use crate::touch::{touched_kappa, Touch};
+use chladni_frf::{Error, ErrorKind, ModalModel, Result};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// A frequency of the sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct SweptFrequency {
+    /// Hz.
+    pub frequency_hz: f64,
+    /// κ of the drive there; `None` without any model error.
+    pub kappa: Option<f64>,
+    /// Share of responses inside their limits in the model.
+    pub success_ratio: f64,
+    /// The least share with a finger at each of three places in the hot zone; `None`
+    /// where the model is not mass-scaled.
+    pub touched_ratio: Option<f64>,
+    /// κ under the fingers of the scene; `None` where it expects none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub touched_kappa: Option<f64>,
+    /// Largest weight, N or V.
+    pub largest_drive: f64,
+    /// The mode whose bandwidth holds this frequency, Hz.
+    pub on_mode_hz: Option<f64>,
+}
+
+/// A sweep and what it suggests.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[must_use]
+#[non_exhaustive]
+pub struct FrequencySweep {
+    /// Rising.
+    pub frequencies: Vec<SweptFrequency>,
+    /// The best of them in the fitted band: most responses served, touched ones first; among
+    /// equals the largest κ. `None` where no response is served anywhere in the band.
+    pub suggested_hz: Option<f64>,
+}
+
+/// Renders `scene` at frequencies from `low_hz` to `high_hz`, 2 Hz apart, by `mls` unless
+/// another method is asked for; all actuators, all modes. Frequencies of which its threshold
+/// says nothing are left out.
+///
+/// # Errors
+/// As [`crate::render`]; an empty range, or one wider than 1000 Hz; a scene with several tones.
+pub fn sweep(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+    [low_hz, high_hz]: [f64; 2],
+) -> Result<FrequencySweep> {
+    if !scene.other_tones.is_empty() {
+        return Err(
+            Error::new(ErrorKind::Usage, "a sweep looks for one frequency")
+                .field("frequency_hz")
+                .found(format!("{} tones in the scene", scene.tones().len()))
+                .expected("one frequency")
+                .help("sweep a scene with one of them"),
+        );
+    }
+    let steps = (high_hz - low_hz) / tolerances::SWEEP_STEP_HZ;
+    if !(low_hz > 0.0 && (0.0..=tolerances::MOST_SWEPT).contains(&steps)) {
+        return Err(
+            Error::new(ErrorKind::Usage, "no usable range of frequencies")
+                .field("sweep")
+                .found(format!("{low_hz}:{high_hz}"))
+                .expected(format!(
+                    "LO:HI in Hz, above 0, rising, at most {} Hz wide",
+                    tolerances::MOST_SWEPT * tolerances::SWEEP_STEP_HZ
+                )),
+        );
+    }
+    let frequencies = (0..=steps as usize).map(|k| low_hz + tolerances::SWEEP_STEP_HZ * k as f64);
+    let mut frequencies: Vec<f64> = frequencies.collect();
+    let limits = |frequency_hz: f64| {
+        let there = Scene {
+            frequency_hz,
+            ..scene.clone()
+        };
+        there.limits()
+    };
+    frequencies.retain(|&hz| limits(hz).is_ok());
+    if frequencies.is_empty() {
+        limits(low_hz)?;
+    }
+    let frequencies = frequencies
+        .into_par_iter()
+        .map(|frequency_hz| at(model, scene, options, frequency_hz))
+        .collect::<Result<Vec<_>>>()?;
+    Ok(FrequencySweep {
+        suggested_hz: suggested_hz(model, &frequencies),
+        frequencies,
+    })
+}
+
+/// The best of some frequencies: see [`FrequencySweep::suggested_hz`].
+fn suggested_hz(model: &ModalModel, frequencies: &[SweptFrequency]) -> Option<f64> {
+    let key = |f: &SweptFrequency| {
+        if let Some(kappa) = f.touched_kappa {
+            return [kappa, f.success_ratio, f.kappa.unwrap_or(f64::INFINITY)];
+        }
+        [
+            f.touched_ratio.unwrap_or(f.success_ratio),
+            f.success_ratio,
+            f.kappa.unwrap_or(f64::INFINITY),
+        ]
+    };
+    let better = |best: &SweptFrequency, f: &SweptFrequency| {
+        let (a, b) = (key(f), key(best));
+        a[0] > b[0] + tolerances::SAME_SUCCESS
+            || ((a[0] - b[0]).abs() <= tolerances::SAME_SUCCESS && a[1..] > b[1..])
+    };
+    let best = frequencies
+        .iter()
+        .filter(|f| is_in_band(model, f.frequency_hz))
+        .fold(None, |best: Option<&SweptFrequency>, f| match best {
+            Some(best) if !better(best, f) => Some(best),
+            _ => Some(f),
+        });
+    best.filter(|best| best.success_ratio > 0.0)
+        .map(|best| best.frequency_hz)
+}
+
+fn at(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+    frequency_hz: f64,
+) -> Result<SweptFrequency> {
+    let scene = Scene {
+        frequency_hz,
+        ..scene.clone()
+    };
+    let Calibrated { model, scene, .. } =
+        Calibrated::new(model, &scene, Some(frequency_hz), &options.drift)?;
+    let (model, scene) = (&*model, &*scene);
+    let setup = Setup::new(model, scene, &options.drift)?;
+    let method = match options.method {
+        MethodChoice::Default => MethodChoice::Only(crate::methods::method::Method::Mls),
+        other => other,
+    };
+    let Decision { method, effort, .. } = method.decide(&setup.problem, options.effort);
+    let drive = method.solve(&setup, model, effort, options.cut)?.drive;
+    let score = setup.problem.score(&drive);
+    Ok(SweptFrequency {
+        frequency_hz,
+        kappa: Some(score.kappa).filter(|kappa| kappa.is_finite()),
+        success_ratio: score.success_ratio,
+        touched_ratio: touched_ratio(&setup, model, &drive),
+        touched_kappa: match &setup.touch {
+            Some(plan) => Some(touched_kappa(&setup, plan, &drive)?),
+            None => None,
+        },
+        largest_drive: drive.iter().map(|weight| weight.norm()).fold(0.0, f64::max),
+        on_mode_hz: mode_on(model, frequency_hz),
+    })
+}
+
+/// The least share of judged responses served with a finger in the hot zone.
+fn touched_ratio(setup: &Setup, model: &ModalModel, drive: &Drive) -> Option<f64> {
+    let field = crate::panel::field::Field::new(&setup.operator, &setup.zones, drive);
+    let modal = ModalField::new(model, &setup.operator, drive);
+    let mut least = None;
+    for row in finger_rows(&field) {
+        let touched = modal.touched(&Finger::default(), row)?;
+        let levels = &setup.problem.rows.levels;
+        let amplitudes = setup
+            .judged
+            .iter()
+            .zip(levels)
+            .map(|(&k, level)| touched[k].norm() / level)
+            .collect();
+        let (hot, cold) = setup.problem.counts(&amplitudes, 1.0);
+        let ratio = (hot + cold) as f64 / amplitudes.len() as f64;
+        least = Some(least.map_or(ratio, |least: f64| least.min(ratio)));
+    }
+    least
+}
+
+/// A frequency near that of the scene at which firmer fingers are borne than here, Hz, the κ
+/// there and the fingertip: the best of a few where a finger takes least of its own motion.
+///
+/// * `firmest`: what is borne here
+pub(crate) fn bearing_frequency(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+    firmest: Option<&str>,
+) -> Result<Option<(f64, f64, String)>> {
+    let Some(touch) = &scene.touch else {
+        return Ok(None);
+    };
+    let touch = touch.softest_first(scene.frequency_hz);
+    for softest in (1..=touch.impedances.len()).rev() {
+        let name = &touch.impedances[softest - 1].name;
+        if Some(name.as_str()) == firmest {
+            break;
+        }
+        let mut asked = scene.clone();
+        asked.touch = Some(Touch {
+            impedances: touch.impedances[..softest].to_vec(),
+            ..touch.clone()
+        });
+        let tried = still_frequencies(model, &asked, options)?
+            .into_par_iter()
+            .map(|hz| at(model, &asked, options, hz))
+            .collect::<Result<Vec<_>>>()?;
+        let borne = tried
+            .iter()
+            .filter_map(|f| Some((f.frequency_hz, f.touched_kappa?)));
+        let enough = borne.filter(|(_, kappa)| *kappa >= touch.kappa_least);
+        if let Some((hz, kappa)) = enough.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            return Ok(Some((hz, kappa, name.clone())));
+        }
+    }
+    Ok(None)
+}
+
+/// Frequencies near that of the scene where a finger takes least of its own motion, Hz.
+fn still_frequencies(
+    model: &ModalModel,
+    scene: &Scene,
+    options: &RenderOptions,
+) -> Result<Vec<f64>> {
+    let [reach, step] = tolerances::TOUCH_SEARCH_HZ;
+    let steps = (reach / step) as i32;
+    let mut candidates: Vec<(f64, f64)> = Vec::new();
+    for k in (-steps..=steps).filter(|&k| k != 0) {
+        let frequency_hz = scene.frequency_hz + f64::from(k) * step;
+        let there = Scene {
+            frequency_hz,
+            ..scene.clone()
+        };
+        let calibration = scene.actuators.calibration.as_deref();
+        let covered = calibration.is_none_or(|known| known.covers(frequency_hz));
+        if !is_in_band(model, frequency_hz) || !covered || there.limits().is_err() {
+            continue;
+        }
+        let setup = Setup::new(model, &there, &options.drift)?;
+        if let Some(plan) = &setup.touch {
+            candidates.push((plan.loss_db(plan.touch.impedances.len()), frequency_hz));
+        }
+    }
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    candidates.truncate(tolerances::TOUCH_TRIED);
+    Ok(candidates.into_iter().map(|(_, hz)| hz).collect())
+}
+
+/// The mode nearest to `frequency_hz` within twice its bandwidth, Hz: one that a finger moves
+/// across it.
+pub(crate) fn mode_near(model: &ModalModel, frequency_hz: f64) -> Option<f64> {
+    let distance = |hz: f64| (hz - frequency_hz).abs();
+    let near = model
+        .in_band_modes()
+        .filter(|mode| distance(mode.frequency_hz) <= 2.0 * mode.loss_factor * mode.frequency_hz);
+    near.map(|mode| mode.frequency_hz)
+        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+}

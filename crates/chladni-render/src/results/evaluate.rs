@@ -1,0 +1,201 @@
+//! Given weights on other data: the measured line at the drive frequency, or another
+//! model.
+
+use crate::judging::indices::{AreaIndices, Indices, PointIndices};
+use crate::judging::shortcomings::strength;
+use crate::panel::drive::Drive;
+use crate::panel::field::{AreaField, Field};
+use crate::panel::operator::Operator;
+use crate::problems::setup::{lay_zones, scene_findings};
+use crate::results::weights::Weights;
+use crate::rig::{gain_of, Calibrated};
+use crate::scene::drift::Drift;
+use crate::scene::limits::Limits;
+use crate::scene::scene_file::Scene;
+use crate::scene::zones::ZoneMap;
+use chladni_frf::{Dof, Error, Finding, FrfSet, ModalModel, Result};
+
+/// The data that the weights are judged on.
+#[derive(Debug, Clone, Copy)]
+pub enum On<'a> {
+    /// A modal model.
+    Model(&'a ModalModel),
+    /// Measured FRFs: their line nearest to the drive frequency.
+    Frf(&'a FrfSet),
+}
+
+/// Performance of given weights on other data.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+#[non_exhaustive]
+pub struct Evaluation {
+    /// Frequency at which they were judged, Hz: the line's, where FRFs were given.
+    pub frequency_hz: f64,
+    /// Indices.
+    pub indices: Indices,
+    /// Velocities at the responses.
+    pub field: Field,
+    /// Velocities between them; `None` where they carry no area.
+    pub area: Option<AreaField>,
+    /// The zones, laid over the responses.
+    pub zones: ZoneMap,
+    /// Velocity limits.
+    pub limits: Limits,
+    /// Everything the user should know.
+    pub findings: Vec<Finding>,
+    /// The same of the other tones of the weights.
+    pub other_tones: Vec<Evaluation>,
+}
+
+/// The indices of `weights` in `scene` on other data, tone by tone. Only reports: weights
+/// that fail are no error.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`]: a driven actuator that the data lack, other
+/// units, no line at the drive frequency, no hot or no cold response;
+/// [`chladni_frf::ErrorKind::UnknownFrfKind`].
+pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
+    let first = evaluate_tone(weights, scene, on)?;
+    let other_tones = weights
+        .other_tones
+        .iter()
+        .map(|tone| evaluate_tone(tone, scene, on))
+        .collect::<Result<_>>()?;
+    Ok(Evaluation {
+        other_tones,
+        ..first
+    })
+}
+
+/// The same of one tone.
+fn evaluate_tone(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
+    let On::Model(model) = on else {
+        return judged(weights, scene, on);
+    };
+    let at = Some(weights.frequency_hz);
+    let Calibrated {
+        model,
+        scene,
+        findings,
+    } = Calibrated::new(model, scene, at, &Drift::default())?;
+    let mut evaluation = judged(weights, &scene, On::Model(&model))?;
+    evaluation.findings.extend(findings);
+    Ok(evaluation)
+}
+
+/// The indices of one tone, calibrated or not.
+fn judged(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> {
+    let Laid {
+        operator,
+        drive,
+        limits,
+        zones,
+        mut findings,
+    } = laid(weights, scene, on)?;
+    let field = Field::new(&operator, &zones, &drive);
+    let points = PointIndices::of_field(&field, &zones, &limits, &drive, operator.unit)?;
+    let area = field.area(&zones);
+    findings.extend(strength(&field, &limits));
+    Ok(Evaluation {
+        frequency_hz: operator.frequency_hz,
+        indices: Indices {
+            points,
+            area: area
+                .as_ref()
+                .map(|area| AreaIndices::of_area(area, &zones, &limits)),
+        },
+        field,
+        area,
+        zones,
+        limits,
+        findings,
+        other_tones: Vec::new(),
+    })
+}
+
+/// Given weights and a scene, laid over other data.
+pub(crate) struct Laid {
+    pub(crate) operator: Operator,
+    pub(crate) drive: Drive,
+    pub(crate) limits: Limits,
+    pub(crate) zones: ZoneMap,
+    pub(crate) findings: Vec<Finding>,
+}
+
+/// Lays `weights` and `scene` over the data.
+///
+/// # Errors
+/// As [`evaluate`].
+pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
+    let frequency_hz = weights.frequency_hz;
+    let (scene, other_frequency) = tone_at(scene, frequency_hz);
+    let driven: Vec<Dof> = weights
+        .weights
+        .iter()
+        .filter(|weight| weight.value().norm() > 0.0)
+        .map(|weight| weight.reference)
+        .collect();
+    // Silence is judged with any actuator: its column does not matter.
+    let only = (!driven.is_empty()).then_some(driven.as_slice());
+    let mut operator = match on {
+        On::Model(model) => Operator::of_model(model, frequency_hz, only),
+        On::Frf(frf) => Operator::of_line(frf, frequency_hz, only),
+    }
+    .map_err(rename_field)?;
+    // what a calibration says of the channels holds for measured lines, too
+    let columns = operator.mobility.columns_mut().into_iter();
+    for (mut column, &reference) in columns.zip(&operator.references) {
+        let gain = gain_of(&scene.actuators, reference, frequency_hz)?;
+        column.mapv_inplace(|value| value * gain);
+    }
+    weights.check_unit(operator.unit)?;
+    let drive = drive_on(&operator, weights);
+    let limits = scene.limits()?;
+    let zones = lay_zones(&scene, &operator);
+    let mut findings = scene_findings(&scene, &operator, &zones);
+    findings.extend(other_frequency);
+    Ok(Laid {
+        operator,
+        drive,
+        limits,
+        zones,
+        findings,
+    })
+}
+
+/// The tone of a scene at a frequency; where it has none, the scene as it would be there,
+/// and the finding that says so.
+fn tone_at(scene: &Scene, frequency_hz: f64) -> (Scene, Option<Finding>) {
+    if let Some(tone) = scene.tone_at(frequency_hz) {
+        return (tone, None);
+    }
+    let tones = scene.tones();
+    let asked: Vec<String> = tones
+        .iter()
+        .map(|tone| tone.frequency_hz.to_string())
+        .collect();
+    let words = format!(
+        "the weights are for {frequency_hz} Hz and are judged there, not at the scene's {} Hz",
+        asked.join(", ")
+    );
+    let there = Scene {
+        frequency_hz,
+        ..scene.clone()
+    };
+    (there, Some(Finding::caution("judged-elsewhere", words)))
+}
+
+/// The weights in the order of the operator's columns; a reference of the opposite sense
+/// turns its weight round.
+pub(crate) fn drive_on(operator: &Operator, weights: &Weights) -> Drive {
+    weights.at(&operator.references).into()
+}
+
+/// A missing actuator is here a matter of the weights, not of the scene's list.
+fn rename_field(mut error: Error) -> Error {
+    if error.field.as_deref() == Some("actuators.use") {
+        error.message = "the data lack an actuator that the weights drive".into();
+        error.field = Some("weights".into());
+    }
+    error
+}
