@@ -12,7 +12,9 @@ use super::seen::{see, Seen};
 use super::structured::Structured;
 use crate::methods::method::Method;
 use crate::methods::options::RenderOptions;
+use crate::methods::solution::Solution;
 use crate::panel::drive::Drive;
+use crate::problems::problem::Problem;
 use crate::problems::setup::Setup;
 use crate::render::under_fingers;
 use crate::results::outcome::Outcome;
@@ -49,13 +51,7 @@ pub fn calibrate(
     played: &[(Weights, MeasuredField, Option<String>)],
     options: &RenderOptions,
 ) -> Result<(Weights, Calibration)> {
-    if !scene.other_tones.is_empty() {
-        return Err(Error::bad_data("a correction is of one tone")
-            .field("frequency_hz")
-            .found(format!("{} tones", scene.tones().len()))
-            .expected("one frequency")
-            .help("correct the tones one by one"));
-    }
+    check_one_tone(scene)?;
     let (own, asked) = (model, scene);
     let before = asked.actuators.calibration.as_deref();
     let Calibrated {
@@ -69,68 +65,33 @@ pub fn calibrate(
         drift: Some(drift),
         ..scene.into_owned()
     };
+    // learn
     let setup = Setup::new(model, scene, &drift)?;
     findings.extend(setup.findings.iter().cloned());
-    let seen = see(
-        &setup,
-        scene,
-        model,
-        played,
-        &dead_of(&asked.actuators),
-        &mut findings,
-    )?;
+    let dead = dead_of(&asked.actuators);
+    let seen = see(&setup, scene, model, played, &dead, &mut findings)?;
     let learned = Learned::of(model, &setup, scene, &seen)?;
     findings.extend(learned.findings.iter().cloned());
-    let operator = learned.operator();
-    let covariance = operator
-        .covariance
-        .mapv(|value| value * learned.inflation());
-    let barred = |share: f64| {
-        let covariance = covariance.mapv(|value| value * share);
-        setup.with_operator(operator.mobility.clone(), covariance)
-    };
-    let corrected = barred(1.0)?;
-    let solve = |setup: &Setup| Method::Robust.solve(setup, model, options.effort, None);
-    let mut solution = solve(&corrected)?;
-    let expected = |drive: &Drive| corrected.problem.expected_ratio(drive);
-    let surest = expected(&solution.drive);
-    if surest < tolerances::DARE_BELOW {
-        // the surest drive is sure of nothing: one that trusts the operator more may serve more
-        let daring = solve(&barred(tolerances::DARING)?)?;
-        if expected(&daring.drive) > surest {
-            solution = daring;
-        }
-    }
     let known = before.and_then(|known| known.at(asked.frequency_hz));
     let fields = seen.len() + known.map_or(0, |known| known.fields);
-    let hope = expected(&solution.drive);
-    if fields >= tolerances::EXPECTATION_FIELDS && hope < tolerances::EXPECTATION_BELOW {
-        // no drive is sure of all rows: one that gives up a few
-        let mut starts: Vec<Drive> = seen.iter().map(|seen| seen.drive.clone()).collect();
-        starts.push(solution.drive.clone());
-        let most = most_expected(&corrected.problem, &starts)?;
-        if let Some(most) = most.filter(|most| expected(most) > hope) {
-            solution.drive = most;
-        }
-    }
+    // solve
+    let corrected = learned.laid(&setup, 1.0)?;
+    let solve = |setup: &Setup| Method::Robust.solve(setup, model, options.effort, None);
+    let solution = surest_drive(&corrected, solve, || {
+        learned.laid(&setup, tolerances::DARING)
+    })?;
+    let more = most_expected_drive(&corrected.problem, &solution.drive, &seen, fields)?;
     findings.extend(solution.findings);
+    // choose
     let newest = played
         .last()
         .and_then(|(weights, ..)| weights.correction.as_ref());
     let was_kept = newest.is_some_and(|correction| correction.kept);
-    let given = best_of(&corrected, solution.drive, &seen, (fields, was_kept));
+    let new = more.unwrap_or(solution.drive);
+    let given = best_of(&corrected, new, &seen, (fields, was_kept));
+    // tell
     let correction = corrected_by(&setup, &seen, &learned, &given);
-    let structured = &learned.estimators.structured;
-    if learned.chosen == Estimator::Structured {
-        let phases = seen.iter().any(|seen| !seen.magnitudes_only);
-        findings.extend(common_factor(structured, phases));
-    }
-    // one dead channel can leave as little of a field's form: it explains the rest
-    let explained = structured.scales.unexplained < tolerances::SCAN_UNEXPLAINED
-        && structured.odd.len() < tolerances::MOST_ODD;
-    findings.retain(|finding| !(explained && finding.code == "field-unlike"));
-    findings.retain(|finding| finding.code != "scan-due");
-    findings.extend(correction.scan_reason.as_deref().map(scan_due));
+    findings_of_correction(&mut findings, &learned, &seen, &correction);
     let calibration = learned.calibration([own, model], &corrected, before, &correction);
     let outcome = Outcome::of(&corrected, &given.drive)?;
     let touch = under_fingers(model, scene, &corrected, &given.drive);
@@ -144,6 +105,79 @@ pub fn calibrate(
         ..outcome.weights(&corrected, scene, &given.drive, Method::Robust)
     };
     Ok((weights, calibration))
+}
+
+/// Refuses a scene of several tones.
+fn check_one_tone(scene: &Scene) -> Result<()> {
+    if scene.other_tones.is_empty() {
+        return Ok(());
+    }
+    Err(Error::bad_data("a correction is of one tone")
+        .field("frequency_hz")
+        .found(format!("{} tones", scene.tones().len()))
+        .expected("one frequency")
+        .help("correct the tones one by one"))
+}
+
+/// The most robust drive on the operator that the fields tell; where it is expected to meet few
+/// rows, the drive for a smaller error bar if that one is expected to meet more.
+///
+/// * `daring`: the scene over the same operator, with a smaller error bar
+fn surest_drive(
+    corrected: &Setup,
+    solve: impl Fn(&Setup) -> Result<Solution>,
+    daring: impl FnOnce() -> Result<Setup>,
+) -> Result<Solution> {
+    let surest = solve(corrected)?;
+    let expected = |drive: &Drive| corrected.problem.expected_ratio(drive);
+    let ratio = expected(&surest.drive);
+    if ratio >= tolerances::DARE_BELOW {
+        return Ok(surest);
+    }
+    let daring = solve(&daring()?)?;
+    Ok(match expected(&daring.drive) > ratio {
+        true => daring,
+        false => surest,
+    })
+}
+
+/// A drive that gives up a few rows to meet more of the others. It is sought where the fields
+/// are enough and `drive` is expected to meet few rows; `None`: no drive is expected to meet
+/// more.
+fn most_expected_drive(
+    problem: &Problem,
+    drive: &Drive,
+    seen: &[Seen],
+    fields: usize,
+) -> Result<Option<Drive>> {
+    let hope = problem.expected_ratio(drive);
+    if fields < tolerances::EXPECTATION_FIELDS || hope >= tolerances::EXPECTATION_BELOW {
+        return Ok(None);
+    }
+    let mut starts: Vec<Drive> = seen.iter().map(|seen| seen.drive.clone()).collect();
+    starts.push(drive.clone());
+    let most = most_expected(problem, &starts)?;
+    Ok(most.filter(|most| problem.expected_ratio(most) > hope))
+}
+
+/// Adds the findings of the correction, and takes out those that it explains or renews.
+fn findings_of_correction(
+    findings: &mut Vec<Finding>,
+    learned: &Learned,
+    seen: &[Seen],
+    correction: &Correction,
+) {
+    let structured = &learned.estimators.structured;
+    if learned.chosen == Estimator::Structured {
+        let phases = seen.iter().any(|seen| !seen.magnitudes_only);
+        findings.extend(common_factor(structured, phases));
+    }
+    // one dead channel can leave as little of a field's form: it explains the rest
+    let explained = structured.scales.unexplained < tolerances::SCAN_UNEXPLAINED
+        && structured.odd.len() < tolerances::MOST_ODD;
+    findings.retain(|finding| !(explained && finding.code == "field-unlike"));
+    findings.retain(|finding| finding.code != "scan-due");
+    findings.extend(correction.scan_reason.as_deref().map(scan_due));
 }
 
 /// The result of the fields `seen`.

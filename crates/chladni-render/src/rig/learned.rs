@@ -106,17 +106,31 @@ impl Learned {
     }
 
     /// The operator of the estimator that counts.
-    pub(super) fn operator(&self) -> &KalmanOperator {
+    fn operator(&self) -> &KalmanOperator {
         self.estimators.operator(self.chosen)
     }
 
     /// Factor on the covariance: where the newest field was not what was foretold, the
     /// error bars were too small by that much. Of a first field nothing is known.
-    pub(super) fn inflation(&self) -> f64 {
+    fn inflation(&self) -> f64 {
         match self.nis.as_slice() {
             [_, .., newest] => newest.max(1.0),
             _ => 1.0,
         }
+    }
+
+    /// The scene over the operator of the estimator that counts, with `share` of its covariance.
+    ///
+    /// # Errors
+    /// Those of the factorisation of the covariance.
+    pub(super) fn laid(&self, setup: &Setup, share: f64) -> Result<Setup> {
+        let operator = self.operator();
+        let inflation = self.inflation();
+        let covariance = operator
+            .covariance
+            .mapv(|value| value * inflation)
+            .mapv(|value| value * share);
+        setup.with_operator(operator.mobility.clone(), covariance)
     }
 
     /// The present knowledge of the rig.
