@@ -235,8 +235,12 @@ pub fn correct(
             let text = chladni_text::read_text(weights, "weights, JSON")?;
             let read =
                 chladni_render::Weights::parse(&text).map_err(|error| error.file(weights))?;
-            let sha256 = Some(chladni_io::sha256_of(weights)?);
-            played.push((read, chladni_io::read_field(field)?, sha256));
+            let weights_sha256 = Some(chladni_io::sha256_of(weights)?);
+            played.push(chladni_render::PlayedField {
+                weights: read,
+                field: chladni_io::read_field(field)?,
+                weights_sha256,
+            });
         }
         let options = RenderOptions::default();
         let (weights, calibration) =

@@ -16,7 +16,7 @@ use crate::journal::{nan, Journal};
 use crate::scene::{measured_and_fitted, MeasuredPanel, ScenePanel};
 use crate::wild::random::Random;
 use chladni_frf::{ModalModel, Result};
-use chladni_render::{correct, render, RenderOptions, Rendering, Scene};
+use chladni_render::{correct, render, PlayedField, RenderOptions, Rendering, Scene};
 use fault::Faults;
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -235,7 +235,7 @@ impl Bench {
                 match way {
                     RigWay::Correct => {
                         let field = rig.measured(&drive, &first.field);
-                        played.push((weights, field, None));
+                        played.push(PlayedField::new(weights, field));
                         let clock = Instant::now();
                         let options = RenderOptions::default();
                         weights = correct(&self.model, scene, &played, &options)?;

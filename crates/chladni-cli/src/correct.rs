@@ -6,9 +6,11 @@ use chladni_console::input::{read_weights, source};
 use chladni_console::output::{Output, WEIGHTS};
 use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
-use chladni_frf::{Error, ErrorKind, MeasuredField, ModalModel, Result, Source};
+use chladni_frf::{Error, ErrorKind, ModalModel, Result, Source};
 use chladni_io::{is_same_place, read_field, read_model, sha256_of, write_atomically};
-use chladni_render::{calibrate, Calibration, Correction, RenderOptions, Scene, Weights};
+use chladni_render::{
+    calibrate, Calibration, Correction, PlayedField, RenderOptions, Scene, Weights,
+};
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 
@@ -65,11 +67,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     refuse_fields_counted_twice(&args.field, &scene)?;
     let mut played = Vec::new();
     for (weights, field) in args.weights.iter().zip(&args.field) {
-        played.push((
-            read_weights(weights)?,
-            read_field(field)?,
-            Some(sha256_of(weights)?),
-        ));
+        played.push(PlayedField {
+            weights: read_weights(weights)?,
+            field: read_field(field)?,
+            weights_sha256: Some(sha256_of(weights)?),
+        });
     }
     console.stage("correcting");
     let (weights, calibration) = corrected(&model, &scene, &played, &inputs)
@@ -100,7 +102,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 pub fn corrected(
     model: &ModalModel,
     scene: &Scene,
-    played: &[Pair],
+    played: &[PlayedField],
     inputs: &[PathBuf],
 ) -> Result<(Weights, Calibration)> {
     let (mut weights, mut calibration) =
@@ -116,9 +118,6 @@ pub fn corrected(
     Ok((weights, calibration))
 }
 
-/// A pair of weights and field, and the checksum of the weights.
-type Pair = (Weights, MeasuredField, Option<String>);
-
 /// The error with the file that it is about: of the field that it names, or of the first pair that
 /// is refused by itself.
 fn with_file(
@@ -126,7 +125,7 @@ fn with_file(
     args: &Args,
     model: &ModalModel,
     scene: &Scene,
-    played: &[Pair],
+    played: &[PlayedField],
 ) -> Error {
     let about = error.field.as_deref().unwrap_or_default();
     let number = about.rsplit_once(" of field ").map(|(_, number)| number);
@@ -148,7 +147,8 @@ fn with_file(
         if alone.message != error.message || alone.field != error.field {
             continue;
         }
-        let elsewhere = pair.1.frequency_hz != scene.frequency_hz && scene.other_tones.is_empty();
+        let elsewhere =
+            pair.field.frequency_hz != scene.frequency_hz && scene.other_tones.is_empty();
         return match error.field.as_deref() {
             Some("weights" | "weights.frequency_hz") => error.file(weights),
             Some("weights_sha256" | "response" | "unit") => error.file(field),

@@ -85,8 +85,8 @@ pub use results::weights::{StressRow, Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_V
 pub use rig::{
     calibrate, correct, evaluate_field, evaluate_signal, play, poles_of_fields, stress_in_time,
     Agreement, CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Correction, Estimator,
-    FieldEvaluation, GainTable, Hypothesis, KalmanOperator, Place, PointAgreement, PolesOfFields,
-    TableGain, TakenField, CALIBRATION_FORMAT, CALIBRATION_VERSION,
+    FieldEvaluation, GainTable, Hypothesis, KalmanOperator, Place, PlayedField, PointAgreement,
+    PolesOfFields, TableGain, TakenField, CALIBRATION_FORMAT, CALIBRATION_VERSION,
 };
 pub use scene::actuators::{Actuators, DEFAULT_MAX_FORCE_N};
 pub use scene::circuit::{Circuit, Load};

@@ -12,7 +12,7 @@ use chladni_console::output::{Output, TABLE, WEIGHTS};
 use chladni_console::Console;
 use chladni_frf::{Dof, Error, ErrorKind, MeasuredField, ModalModel, Result};
 use chladni_io::{field_csv, sha256_of, write_atomically};
-use chladni_render::{evaluate, evaluate_field, FieldEvaluation, On, Scene, Weights};
+use chladni_render::{evaluate, evaluate_field, FieldEvaluation, On, PlayedField, Scene, Weights};
 use chladni_report::RenderedScene;
 use serde_json::{json, Value};
 
@@ -56,7 +56,11 @@ pub(super) fn on_rig(
         &files.field,
     ]
     .map(Clone::clone);
-    let pair = (played.clone(), field, Some(sha256));
+    let pair = PlayedField {
+        weights: played.clone(),
+        field,
+        weights_sha256: Some(sha256),
+    };
     let (weights, _) = corrected(model, &scene, &[pair], &inputs)?;
     write_weights(
         &Output::new(&files.corrected, WEIGHTS, &[], console)?,

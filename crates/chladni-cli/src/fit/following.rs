@@ -4,7 +4,7 @@ use chladni_console::input::{read_weights, source};
 use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
 use chladni_io::{read_field, read_model, sha256_of};
-use chladni_render::{poles_of_fields, PolesOfFields};
+use chladni_render::{poles_of_fields, PlayedField, PolesOfFields};
 use chladni_rfp::{poles_of, MovedPoles};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -69,8 +69,12 @@ impl Args {
         let known = read_model(file)?;
         let mut played = Vec::new();
         for (weights, field) in self.weights.iter().zip(files) {
-            let sha256 = Some(sha256_of(weights)?);
-            played.push((read_weights(weights)?, read_field(field)?, sha256));
+            let weights_sha256 = Some(sha256_of(weights)?);
+            played.push(PlayedField {
+                weights: read_weights(weights)?,
+                field: read_field(field)?,
+                weights_sha256,
+            });
         }
         console.stage("following the poles");
         let PolesOfFields {

@@ -6,18 +6,16 @@ use super::rendered::Rendered;
 use super::session::Session;
 use crate::field_words::{cause, deviation, sentence};
 use chladni_console::quoting::shell_path;
-use chladni_frf::{Error, MeasuredField, Result};
+use chladni_frf::{Error, Result};
 use chladni_io::{parse_field, sha256_of_bytes};
 use chladni_render::{
-    calibrate, evaluate, evaluate_field, Calibration, Evaluation, On, RenderOptions, Weights,
+    calibrate, evaluate, evaluate_field, Calibration, Evaluation, On, PlayedField, RenderOptions,
+    Weights,
 };
 use chladni_report::{scene_data, RenderedScene, ReportInput};
 use serde_json::{json, Value};
 use std::path::Path;
 use std::sync::Arc;
-
-/// Weights, the field under them, and the checksum of their file.
-type Played = (Weights, MeasuredField, Option<String>);
 
 /// A corrected drive.
 pub struct Corrected {
@@ -35,14 +33,18 @@ impl Session {
     pub fn measured(&self, question: &MeasuredQuestion) -> Result<Value> {
         let rendered = self.rendered(&question.scene)?;
         let played = played(&rendered, question)?;
-        let (weights, field, sha256) = &played[played.len() - 1];
+        let PlayedField {
+            weights,
+            field,
+            weights_sha256,
+        } = &played[played.len() - 1];
         let name = &question.fields[played.len() - 1].name;
         let judged = evaluate_field(
             weights,
             &rendered.scene,
             &rendered.model,
             field,
-            sha256.as_deref(),
+            weights_sha256.as_deref(),
         )
         .map_err(|error| error.file(name))?;
         let input = ReportInput {
@@ -113,13 +115,13 @@ impl Corrected {
 
 /// The fields with the weights that each was measured under: those of the rendering, then
 /// those that the fields before correct.
-fn played(rendered: &Rendered, question: &MeasuredQuestion) -> Result<Vec<Played>> {
+fn played(rendered: &Rendered, question: &MeasuredQuestion) -> Result<Vec<PlayedField>> {
     if question.fields.is_empty() {
         return Err(Error::bad_data("no measured field")
             .field("fields")
             .expected("the text of a field file"));
     }
-    let mut played: Vec<Played> = Vec::new();
+    let mut played: Vec<PlayedField> = Vec::new();
     for file in &question.fields {
         let field = parse_field(&file.csv).map_err(|error| error.file(&file.name))?;
         let weights = match played.is_empty() {
@@ -127,12 +129,16 @@ fn played(rendered: &Rendered, question: &MeasuredQuestion) -> Result<Vec<Played
             false => corrected_by(rendered, &played)?.0,
         };
         let sha256 = sha256_of_bytes(weights.to_json()?.as_bytes());
-        played.push((weights, field, Some(sha256)));
+        played.push(PlayedField {
+            weights,
+            field,
+            weights_sha256: Some(sha256),
+        });
     }
     Ok(played)
 }
 
-fn corrected_by(rendered: &Rendered, played: &[Played]) -> Result<(Weights, Calibration)> {
+fn corrected_by(rendered: &Rendered, played: &[PlayedField]) -> Result<(Weights, Calibration)> {
     let options = RenderOptions::default();
     calibrate(&rendered.model, &rendered.scene, played, &options)
 }

@@ -7,6 +7,7 @@ use super::correction::{Correction, TakenField};
 use super::expectation::most_expected;
 use super::given::{best_of, measured_ratio, Count, Given};
 use super::learned::Learned;
+use super::played_field::PlayedField;
 use super::prior::prior_drift;
 use super::seen::{see, Seen};
 use super::structured::Structured;
@@ -22,7 +23,7 @@ use crate::results::weights::Weights;
 use crate::scene::scene_file::Scene;
 use crate::tolerances;
 use crate::touch::corrected_finding;
-use chladni_frf::{Dof, Error, Finding, MeasuredField, ModalModel, Result};
+use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
 use num_complex::Complex64;
 
 /// A drive for `scene`, corrected by the fields that were measured under earlier weights,
@@ -34,7 +35,7 @@ use num_complex::Complex64;
 pub fn correct(
     model: &ModalModel,
     scene: &Scene,
-    played: &[(Weights, MeasuredField, Option<String>)],
+    played: &[PlayedField],
     options: &RenderOptions,
 ) -> Result<Weights> {
     calibrate(model, scene, played, options).map(|(weights, _)| weights)
@@ -48,7 +49,7 @@ pub fn correct(
 pub fn calibrate(
     model: &ModalModel,
     scene: &Scene,
-    played: &[(Weights, MeasuredField, Option<String>)],
+    played: &[PlayedField],
     options: &RenderOptions,
 ) -> Result<(Weights, Calibration)> {
     check_one_tone(scene)?;
@@ -85,7 +86,7 @@ pub fn calibrate(
     // choose
     let newest = played
         .last()
-        .and_then(|(weights, ..)| weights.correction.as_ref());
+        .and_then(|newest| newest.weights.correction.as_ref());
     let was_kept = newest.is_some_and(|correction| correction.kept);
     let new = more.unwrap_or(solution.drive);
     let given = best_of(&corrected, new, &seen, (fields, was_kept));

@@ -11,13 +11,14 @@ use super::evidence::Tried;
 use super::field::{noise_assumed, LaidField};
 use super::lone_points::without_lone_points;
 use super::parts::Parts;
+use super::played_field::PlayedField;
 use super::seen::Seen;
 use super::structured::Structured;
 use crate::panel::drive::Drive;
 use crate::panel::operator::Operator;
 use crate::results::weights::{Weight, Weights};
 use crate::tolerances;
-use chladni_frf::{Error, Finding, MeasuredField, ModalModel, Result};
+use chladni_frf::{Error, Finding, ModalModel, Result};
 use ndarray::Axis;
 
 /// A model with poles as fields tell them.
@@ -42,24 +43,21 @@ pub struct PolesOfFields {
 /// [`chladni_frf::ErrorKind::BadData`]: no field; weights of several frequencies, of
 /// actuators or in a unit that the model lacks; a field of other weights or in another unit;
 /// a model without modes in its band.
-pub fn poles_of_fields(
-    model: &ModalModel,
-    played: &[(Weights, MeasuredField, Option<String>)],
-) -> Result<PolesOfFields> {
-    let Some((first, _, _)) = played.first() else {
+pub fn poles_of_fields(model: &ModalModel, played: &[PlayedField]) -> Result<PolesOfFields> {
+    let Some(first) = played.first() else {
         return Err(Error::bad_data("no field to follow")
             .field("field")
             .found("none")
             .expected("at least one pair of weights and measured field")
             .help("play weights, measure the field, and give both"));
     };
-    let frequency_hz = first.frequency_hz;
+    let frequency_hz = first.weights.frequency_hz;
     let operator = Operator::of_model(model, frequency_hz, None)?;
     let (mut findings, mut assumed) = (Vec::new(), false);
     let mut seen = Vec::with_capacity(played.len());
-    for (weights, field, sha256) in played {
-        let drive = drive_of(weights, &operator, frequency_hz)?;
-        let mut field = LaidField::new(field, &operator, sha256.as_deref())?;
+    for pair in played {
+        let drive = drive_of(&pair.weights, &operator, frequency_hz)?;
+        let mut field = LaidField::new(&pair.field, &operator, pair.weights_sha256.as_deref())?;
         let mobility = operator.mobility.select(Axis(0), &field.rows);
         findings.extend(without_lone_points(
             &mut field,

@@ -4,13 +4,13 @@ use super::agreement::Likeness;
 use super::diagnosis::diagnose;
 use super::field::{noise_assumed, LaidField, Prediction};
 use super::lone_points::without_lone_points;
+use super::played_field::PlayedField;
 use crate::panel::drive::Drive;
 use crate::problems::setup::Setup;
 use crate::results::evaluate::{laid, Laid, On};
-use crate::results::weights::Weights;
 use crate::scene::scene_file::Scene;
 use crate::tolerances;
-use chladni_frf::{Dof, Error, Finding, MeasuredField, ModalModel, Result};
+use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 
@@ -68,13 +68,14 @@ pub(super) fn see(
     setup: &Setup,
     scene: &Scene,
     model: &ModalModel,
-    played: &[(Weights, MeasuredField, Option<String>)],
+    played: &[PlayedField],
     dead: &[Dof],
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<Seen>> {
     let mut assumed = false;
     let mut all = Vec::with_capacity(played.len());
-    for (number, (weights, field, sha256)) in (1..).zip(played) {
+    for (number, pair) in (1..).zip(played) {
+        let weights = &pair.weights;
         let asked = scene.frequency_hz;
         if (weights.frequency_hz - asked).abs() > tolerances::SAME_FREQUENCY * asked {
             return Err(Error::bad_data("the weights are for another frequency")
@@ -113,7 +114,8 @@ pub(super) fn see(
                 .expected("weights that drive at least one sound actuator")
                 .help("give the weights that were played"));
         }
-        let mut field = LaidField::new(field, &setup.operator, sha256.as_deref())?;
+        let mut field =
+            LaidField::new(&pair.field, &setup.operator, pair.weights_sha256.as_deref())?;
         let mobility = setup.operator.mobility.select(Axis(0), &field.rows);
         let responses = &setup.operator.responses;
         let off = without_lone_points(&mut field, &mobility, responses)?;

@@ -4,7 +4,8 @@ use crate::common::rig::{magnitudes, Rig};
 use crate::common::{cell_scene, truth};
 use chladni_frf::MeasuredField;
 use chladni_render::{
-    calibrate, correct, poles_of_fields, render, Calibration, Finger, RenderOptions, Scene, Weights,
+    calibrate, correct, poles_of_fields, render, Calibration, Finger, PlayedField, RenderOptions,
+    Scene, Weights,
 };
 use num_complex::Complex64;
 use std::sync::Arc;
@@ -64,7 +65,7 @@ fn course(
         means[0] += served(&rig, &weights) / RIGS as f64;
         for mean in &mut means[1..] {
             let field = seen(rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>()));
-            played.push((weights, field, None));
+            played.push(PlayedField::new(weights, field));
             weights = correct(truth(), &corner(), &played, &RenderOptions::default()).unwrap();
             *mean += served(&rig, &weights) / RIGS as f64;
         }
@@ -91,7 +92,8 @@ fn one_field_tells_a_common_shift_within_its_bars() {
         for seed in 0..12 {
             let mut rig = Rig::new(300.0, seed).shifted(shift).scattered(0.02, 2.0);
             let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
-            let found = poles_of_fields(truth(), &[(weights.clone(), field, None)]).unwrap();
+            let found =
+                poles_of_fields(truth(), &[PlayedField::new(weights.clone(), field)]).unwrap();
             assert!(found.common_shift_std < 4e-3, "{}", found.common_shift_std);
             for (before, after) in truth().modes.iter().zip(&found.model.modes) {
                 assert_eq!(before.shape, after.shape);
@@ -155,7 +157,7 @@ fn a_correction_tells_gains_and_keeps_what_was_best() {
     rig.gains[5] *= Complex64::from_polar(1.05, 0.02);
     let weights = first_drive();
     let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
-    let played = [(weights, field, None)];
+    let played = [PlayedField::new(weights, field)];
     let corrected = correct(truth(), &corner(), &played, &RenderOptions::default()).unwrap();
     let told = corrected.correction.as_ref().unwrap();
     let dead = &told.gains[channel(0)];
@@ -189,7 +191,7 @@ fn a_drive_that_served_as_measured_is_given_again_after_three_fields() {
         let mut played = Vec::new();
         for fields in 1..=3 {
             let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
-            played.push((weights, field, None));
+            played.push(PlayedField::new(weights, field));
             weights = correct(truth(), &corner(), &played, &RenderOptions::default()).unwrap();
             let told = weights.correction.as_ref().unwrap();
             let ratios = told.fields.iter().map(|field| field.min_ratio.unwrap());
@@ -199,7 +201,7 @@ fn a_drive_that_served_as_measured_is_given_again_after_three_fields() {
             }
             let best = told.best_measured.unwrap() - 1;
             assert!(told.kept, "{seed}: {told:?}");
-            assert_eq!(played[best].0.weights, weights.weights);
+            assert_eq!(played[best].weights.weights, weights.weights);
             assert!(told.fields[best].min_ratio.unwrap() >= REACHED);
             given_again += 1;
         }
@@ -224,7 +226,7 @@ fn rendered(scene: &Scene) -> Weights {
 fn taught_in(scene: &Scene, rig: &mut Rig) -> (Weights, Calibration) {
     let weights = rendered(scene);
     let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
-    let played = [(weights, field, None)];
+    let played = [PlayedField::new(weights, field)];
     calibrate(truth(), scene, &played, &RenderOptions::default()).unwrap()
 }
 
@@ -292,7 +294,7 @@ fn a_dead_channel_is_not_driven_again() {
     assert!(served_in(&scene, &rig, &weights) >= 0.99);
     // the next correction begins where this one ended
     let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
-    let played = [(weights, field, None)];
+    let played = [PlayedField::new(weights, field)];
     let (again, calibration) =
         calibrate(truth(), &scene, &played, &RenderOptions::default()).unwrap();
     let told = again.correction.unwrap();
@@ -356,7 +358,7 @@ fn a_correction_by_a_few_responses_carries_a_caution() {
         ((0..8).collect(), false),
     ] {
         let field = rig.measured(&weights, NOISE, &rows);
-        let played = [(weights.clone(), field, None)];
+        let played = [PlayedField::new(weights.clone(), field)];
         let corrected = correct(truth(), &corner(), &played, &RenderOptions::default()).unwrap();
         let mut findings = corrected.findings.iter();
         let swapped = findings
@@ -377,7 +379,7 @@ fn a_correction_says_whether_the_fingers_of_the_scene_are_borne() {
         let weights = rendered(&scene);
         let mut rig = Rig::new(frequency_hz, 2).scattered(scatter, 100.0 * scatter);
         let field = rig.measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
-        let played = [(weights, field, None)];
+        let played = [PlayedField::new(weights, field)];
         let corrected = correct(truth(), &scene, &played, &RenderOptions::default()).unwrap();
         let told = corrected.touch.as_ref().expect("touched indices");
         assert_eq!(told.firmest.as_deref() == Some("mid"), borne, "{told:?}");
@@ -392,7 +394,7 @@ fn a_correction_says_whether_the_fingers_of_the_scene_are_borne() {
     }
     let weights = first_drive();
     let field = Rig::new(300.0, 1).measured(&weights, NOISE, &(0..77).collect::<Vec<_>>());
-    let played = [(weights, field, None)];
+    let played = [PlayedField::new(weights, field)];
     let plain = correct(truth(), &corner(), &played, &RenderOptions::default()).unwrap();
     assert!(plain.touch.is_none());
 }

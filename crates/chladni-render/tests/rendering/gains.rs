@@ -5,7 +5,7 @@ use crate::common::{cell_scene, truth};
 use chladni_frf::Finding;
 use chladni_render::{
     calibrate, evaluate, play, render, sweep, Calibration, ChannelGain, On, PlayOptions,
-    RenderOptions, Scene, Weights,
+    PlayedField, RenderOptions, Scene, Weights,
 };
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -183,7 +183,7 @@ fn what_fields_teach_comes_on_top_of_a_table() {
     scene.actuators.calibration = Some(Arc::new(table()));
     let weights = rendered(&scene);
     let field = rig.measured(&weights, 0.01, &(0..77).collect::<Vec<_>>());
-    let played = [(weights, field, None)];
+    let played = [PlayedField::new(weights, field)];
     let (_, learned) = calibrate(truth(), &scene, &played, &RenderOptions::default()).unwrap();
     assert_eq!(learned.gain_tables, table().gain_tables);
     let again = Calibration::parse(&learned.to_json().unwrap()).unwrap();

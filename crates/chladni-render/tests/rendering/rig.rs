@@ -5,7 +5,7 @@ use crate::common::{cell_scene, truth};
 use chladni_frf::{Direction, Dof};
 use chladni_render::{
     correct, evaluate_field, poles_of_fields, render, FieldEvaluation, Finger, Hypothesis, Place,
-    RenderOptions, Scene, Weights,
+    PlayedField, RenderOptions, Scene, Weights,
 };
 
 /// Trials of each cause.
@@ -217,7 +217,7 @@ fn a_field_in_the_wrong_unit_is_said_first_and_teaches_nothing() {
         for field in [field.clone(), magnitudes(field)] {
             let judged = evaluate_field(&weights, &scene, truth(), &field, None).unwrap();
             assert_eq!(judged.findings[0].code, "field-level-off");
-            let played = [(weights.clone(), field, None)];
+            let played = [PlayedField::new(weights.clone(), field)];
             let error = correct(truth(), &scene, &played, &RenderOptions::default()).unwrap_err();
             assert_eq!(error.field.as_deref(), Some("unit"), "{error}");
             let error = poles_of_fields(truth(), &played).unwrap_err();
@@ -228,7 +228,7 @@ fn a_field_in_the_wrong_unit_is_said_first_and_teaches_nothing() {
     for weight in &mut still.weights {
         (weight.re, weight.im, weight.amplitude) = (0.0, 0.0, 0.0);
     }
-    let played = [(still, right.clone(), None)];
+    let played = [PlayedField::new(still, right.clone())];
     let error = correct(truth(), &scene, &played, &RenderOptions::default()).unwrap_err();
     assert_eq!(error.found.as_deref(), Some("weights of zero"), "{error}");
     let judged = evaluate_field(&weights, &scene, truth(), &right, None).unwrap();

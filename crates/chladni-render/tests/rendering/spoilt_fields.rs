@@ -4,7 +4,7 @@ use crate::common::rig::{magnitudes, Rig};
 use crate::common::{cell_scene, truth};
 use chladni_frf::MeasuredField;
 use chladni_render::{
-    calibrate, evaluate_field, poles_of_fields, render, Calibration, FieldEvaluation,
+    calibrate, evaluate_field, poles_of_fields, render, Calibration, FieldEvaluation, PlayedField,
     RenderOptions, Scene, Weights,
 };
 use num_complex::Complex64;
@@ -24,7 +24,7 @@ fn measured(weights: &Weights, mut rig: Rig) -> MeasuredField {
 }
 
 fn calibrated(weights: &Weights, field: MeasuredField) -> (Weights, Calibration) {
-    let played = [(weights.clone(), field, None)];
+    let played = [PlayedField::new(weights.clone(), field)];
     calibrate(truth(), &corner(), &played, &RenderOptions::default()).unwrap()
 }
 
@@ -51,7 +51,7 @@ fn a_factor_of_all_channels_makes_none_of_them_odd() {
             let moved = mode.frequency_hz / mode.model_hz - 1.0;
             assert!(moved.abs() < 2e-3, "{factor}: {mode:?}");
         }
-        let poles = poles_of_fields(truth(), &[(weights.clone(), field, None)]).unwrap();
+        let poles = poles_of_fields(truth(), &[PlayedField::new(weights.clone(), field)]).unwrap();
         assert!(
             poles.common_shift.abs() < 1e-3,
             "{factor}: {}",
@@ -114,7 +114,7 @@ fn a_field_that_turns_the_wrong_way_is_refused_and_one_of_other_weights_is_named
     }
     let judged = evaluate_field(&weights, &corner(), truth(), &turned, None).unwrap();
     assert_eq!(judged.findings[0].code, "field-conjugated");
-    let played = [(weights.clone(), turned, None)];
+    let played = [PlayedField::new(weights.clone(), turned)];
     let error = calibrate(truth(), &corner(), &played, &RenderOptions::default()).unwrap_err();
     assert_eq!(error.field.as_deref(), Some("velocity"), "{error}");
     let other = render(
@@ -212,8 +212,8 @@ fn a_second_field_that_turns_the_wrong_way_is_refused() {
     let (again, _) = calibrated(&weights, first.clone());
     let mut turned = measured(&again, Rig::new(300.0, 8));
     let both = |second: &MeasuredField| {
-        let first = (weights.clone(), first.clone(), None);
-        let played = [first, (again.clone(), second.clone(), None)];
+        let first = PlayedField::new(weights.clone(), first.clone());
+        let played = [first, PlayedField::new(again.clone(), second.clone())];
         calibrate(truth(), &corner(), &played, &RenderOptions::default())
     };
     both(&turned).unwrap();

@@ -5,8 +5,8 @@ use chladni_frf::{ErrorKind, FieldPoint, MeasuredField, ModalModel, Scaling};
 use chladni_plate::{simulate, Panel, Simulation};
 use chladni_render::{
     calibrate, evaluate, finger_places, play, render, stress, sweep, Drift, Finger, Ground, Method,
-    On, PlayOptions, RenderOptions, Scene, StressOptions, StressRow, Threshold, ThresholdTable,
-    Weights,
+    On, PlayOptions, PlayedField, RenderOptions, Scene, StressOptions, StressRow, Threshold,
+    ThresholdTable, Weights,
 };
 use ndarray::Array1;
 use num_complex::Complex64;
@@ -425,7 +425,7 @@ fn a_calibrated_rig_errs_by_what_its_calibration_left() {
             })
             .collect(),
     };
-    let played = [(weights, seen, None)];
+    let played = [PlayedField::new(weights, seen)];
     let options = RenderOptions::default();
     let (_, calibration) =
         calibrate(&simulation().truth, &corner(330.0), &played, &options).unwrap();
