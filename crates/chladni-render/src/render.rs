@@ -138,7 +138,8 @@ fn render_tone(
     let counted = options.actuators != Count::All;
     findings.extend(found.shortcomings(&outcome, ceiling.as_ref(), counted, through));
     let (setup, drive, method) = (&found.setup, &found.drive, found.method);
-    // what is quick must stay so, and what is not met needs no limit of what it endures
+    // pressure matching and the baselines stay quick without it; a scene that is not met has no
+    // use for it
     let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
     let endurance = endures.then(|| Endurance::of(setup, model, drive, gain_error));
     findings.extend(endurance.iter().filter_map(Endurance::finding));
@@ -223,7 +224,7 @@ impl Found {
         let used = fewer.as_ref().unwrap_or(&setup);
         let decision = options.method.decide(&used.problem, options.effort);
         let named = scene.drift.unwrap_or(options.drift).drive_relative;
-        // what touch and time ask for takes the margin that there is
+        // fingers and events in time take the margin that there is: then no error is assumed
         let asks_more = scene.touch.is_some() || scene.time.is_some();
         let is_open = named.is_none() && scene.learned.is_none() && !asks_more;
         let bears = match is_open && decision.method == Method::Robust {
@@ -253,8 +254,8 @@ impl Found {
         })
     }
 
-    /// Proves what no drive can do. That takes as long as a conic program: who asked for
-    /// less does not wait for it.
+    /// Proves what no drive can do. The proof takes as long as a conic program: it is made for
+    /// `best`, and for scenes that a conic method does not meet.
     fn ceiling(&self, feasible: bool, options: &RenderOptions) -> Result<Option<Ceiling>> {
         let best = options.method == MethodChoice::Best;
         let thorough = best && !feasible;
@@ -267,8 +268,12 @@ impl Found {
         }
     }
 
-    /// Tells what the drive does not serve: in this model, replayed `through` what judges
-    /// it, and between the responses, where actuators are `counted`.
+    /// Findings of what the drive does not serve: in this model, in its replay, and between
+    /// the responses.
+    ///
+    /// * `counted`: true where fewer actuators than all were asked for; only then is ground
+    ///   between the responses looked at
+    /// * `through`: the name of what it is replayed through
     fn shortcomings(
         &self,
         outcome: &Outcome,

@@ -193,10 +193,11 @@ fn touched_ratio(setup: &Setup, model: &ModalModel, drive: &Drive) -> Option<f64
     least
 }
 
-/// A frequency near that of the scene at which firmer fingers are borne than here, Hz, the κ
-/// there and the fingertip: the best of a few where a finger takes least of its own motion.
+/// A frequency near that of the scene at which a firmer finger is borne, Hz, with the κ there
+/// and the name of the fingertip. It is the best of the few frequencies at which a finger
+/// takes least of its own motion.
 ///
-/// * `firmest`: what is borne here
+/// * `firmest`: the firmest fingertip that is borne at the scene's own frequency
 pub(crate) fn bearing_frequency(
     model: &ModalModel,
     scene: &Scene,

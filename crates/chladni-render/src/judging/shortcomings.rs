@@ -8,8 +8,10 @@ use crate::scene::limits::Limits;
 use crate::tolerances;
 use chladni_frf::Finding;
 
-/// Tells where a drive serves fewer responses than in the model with so many `modes`, of
-/// `all` that it has.
+/// Tells that a drive, replayed `through` the whole model or the measured line, serves fewer
+/// responses than in the model that it was found in.
+///
+/// * `[modes, all]`: number of the modes that this model sums, and that it could sum
 pub(crate) fn replayed_worse(
     replayed: f64,
     points: &PointIndices,

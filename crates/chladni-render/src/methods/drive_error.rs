@@ -1,17 +1,17 @@
 //! The error of its amplifiers that a drive bears where its scene names none.
 //!
-//! A drive that bears the usual error survives on rigs where another fails, and gives up
-//! margin for it. Between modes margin is plenty; beside a mode ground between the
-//! responses goes next, and then less is borne (docs/accuracy.md, "The default of
-//! `drive_relative`").
+//! A drive that bears the usual error survives on rigs where another fails, and pays with
+//! margin. Between modes there is plenty of it. Beside a mode it would cost ground between
+//! the responses, so that a smaller error or none is borne there (docs/accuracy.md, "The
+//! default of `drive_relative`").
 
 use crate::methods::mls;
 use crate::problems::setup::Setup;
 use crate::tolerances;
 use chladni_frf::{Finding, Result};
 
-/// The largest of the usual errors, relative, under which the drive that the climb of
-/// `robust` starts from has the κ that the climb seeks already.
+/// The largest of the usual errors, relative, that costs no ground; 0 where each does. Under
+/// it the drive from which `robust` starts its climb already has the κ that the climb seeks.
 ///
 /// # Errors
 /// Those of the factorisations.

@@ -1,7 +1,8 @@
 //! The gain of a drive, and its force limit.
 //!
-//! The gain is found on predicted counts, min(hot, cold) first: by the target the error
-//! of the fit would set it, and by the total of both silence would often win.
+//! The gain is found on predicted counts, the smaller of hot and cold first. Found from the
+//! target, it would be set by the error of the fit; found from the sum of both counts,
+//! silence would often win.
 
 use crate::methods::solution::Solution;
 use crate::panel::drive::{amplitude, Drive};

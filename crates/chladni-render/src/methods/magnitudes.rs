@@ -88,7 +88,7 @@ pub(crate) struct Race<'a> {
     steps: &'a Steps<'a>,
     /// Axes (actuator, drive).
     drives: Array2<Complex64>,
-    /// By what factor each wants its rows inside their limits.
+    /// Margin of the rows that each aims at, as a factor.
     margins: Vec<f64>,
 }
 

@@ -77,8 +77,8 @@ impl Method {
         )
     }
 
-    /// The least number of explicit modes with which it finds a drive; residual terms alone
-    /// do for all but the one that goes through modal coefficients.
+    /// The least number of explicit modes with which it finds a drive. Only `modal`, which
+    /// goes through modal coefficients, needs one; the others do with residual terms alone.
     pub(crate) fn least_modes(self) -> usize {
         usize::from(self == Self::Modal)
     }

@@ -20,7 +20,7 @@ pub(crate) fn solve(problem: &Problem, between: Option<&Rows>, effort: Effort) -
     let mut climb = Climb::new(problem)?.rounds(effort.conic_rounds);
     let (kappa, drive) = climb.reach_kappa(&start, problem.kappa_of_confidence())?;
     if kappa == 0.0 {
-        // nothing keeps every limit: whoever serves more responses
+        // no drive keeps every limit: the one that serves more responses is taken
         let mut contest = mls::Contest::new(problem, problem, problem.kappa_least);
         contest.offer(problem, &start);
         contest.offer(problem, &drive);

@@ -14,8 +14,8 @@
 //! The problem is not convex, so several starts compete: pressure matching, contrast
 //! control, and hot zones with a phase that runs across; first on the responses alone,
 //! their leaders with several margins, and the leaders of these also with rows
-//! interpolated between the responses. Winner is who serves most responses, then has some
-//! κ, then serves most ground between the responses.
+//! interpolated between the responses. The winner serves most responses. Among equals κ
+//! decides, up to what is enough, then the ground that is served between the responses.
 
 use crate::methods::contrast;
 use crate::methods::gain::within_drive_limit;
@@ -198,7 +198,7 @@ impl<'a> Contest<'a> {
 
     /// The key of a drive with these scores, which is kept where it is the best.
     fn compare(&mut self, drive: &Drive, [points, ground]: [Score; 2]) -> Key {
-        // conic programs that were asked for so much end a rounding above or below it
+        // conic programs that aim at such a κ end a rounding above or below it
         let up_to = |kappa: f64, enough: f64| kappa.min(enough * (1.0 - tolerances::SAME_KAPPA));
         let robust = [
             up_to(points.kappa, self.enough),

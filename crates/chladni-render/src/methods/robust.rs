@@ -9,9 +9,10 @@
 //! falls with the first error of the model.
 //!
 //! Rows interpolated between the responses take part, too. Where κ would fall below
-//! `Problem::kappa_least` with all of them, the responses keep that much, and as much of
-//! the ground between them is served as that leaves. The climb starts from `mls`,
-//! and where no drive serves every response, the one of both is taken that serves more.
+//! `Problem::kappa_least` with all of them, only the responses keep that κ, and as much of
+//! the ground between them is served as possible. The climb starts from the drive of `mls`.
+//! Where no drive serves every response, the one that serves more is taken, that of `mls`
+//! or that of the climb.
 
 use crate::methods::effort::Effort;
 use crate::methods::mls;
@@ -74,7 +75,7 @@ fn climb_from(setup: &Setup, starts: &[Drive], effort: Effort) -> Result<Drive> 
         others.offer(problem, start);
         let (kappa, on_points) =
             climb_on(problem)?.reach_kappa(start, enough / tolerances::KEEP)?;
-        // another start counts where it leads to more than the first
+        // a further start counts only where it leads to more κ than those before
         if number > 0 && kappa <= most + tolerances::KAPPA_GAIN {
             continue;
         }

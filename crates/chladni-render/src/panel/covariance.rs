@@ -12,9 +12,9 @@
 //! options, added as squares. This is what stops a drive from leaning on a mode at
 //! resonance, whose frequency moves with temperature and touch. An isotropic part, one
 //! row s·I, stands for everything else: errors of residual terms, of the measurement.
-//! Participations are taken to be as sure as the shape they belong to; their errors, and
-//! those of the drives themselves, are another one at each actuator: they stand on the
-//! diagonal.
+//! Participations are taken to be as sure as the shape they belong to. Their errors, and
+//! those of the drives themselves, are independent from actuator to actuator: they stand
+//! on the diagonal.
 //!
 //! Poles outside the band stand for the world outside; their own standard deviations are
 //! those of a surrogate and are left out, the drift is not. Viscous models use the same
@@ -190,7 +190,8 @@ struct RowDeviation {
     /// √( mean_k [ |ψ_nk|²·σ_γ² + |γ_n|²·σ_ψ,nk² ] ): the same error under every
     /// actuator.
     common: f64,
-    /// |γ_n| √( mean_k |ψ_nk|² ) σ_φ with the participations as sure as the shape: another error under each.
+    /// |γ_n| √( mean_k |ψ_nk|² ) σ_φ with the participations as sure as the shape: an error of
+    /// its own under each actuator.
     each: f64,
 }
 

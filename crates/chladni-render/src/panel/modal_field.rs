@@ -34,8 +34,8 @@ pub(crate) fn halves(
 }
 
 /// Factor from the product of a mode's saved shape to ψψᵀ: 1 where the model is
-/// mass-scaled, else a guess of how much every mode moves the responses for what it moves
-/// the actuators (`tolerances::RESPONSES_OVER_ACTUATORS`).
+/// mass-scaled. Elsewhere it is a guess, by which the rms of a mode at the responses is
+/// `tolerances::RESPONSES_OVER_ACTUATORS` times that at the actuators.
 pub(crate) fn guessed_scale(model: &ModalModel, operator: &Operator, mode: &Mode) -> f64 {
     if model.scaling == Scaling::UnitModalMass {
         return 1.0;
@@ -54,7 +54,7 @@ pub(crate) fn guessed_scale(model: &ModalModel, operator: &Operator, mode: &Mode
 /// conjugates of both, with its natural frequency multiplied by `factor`.
 pub(crate) fn answer(law: Damping, mode: &Mode, frequency_hz: f64, factor: f64) -> [Complex64; 2] {
     let omega = TAU * frequency_hz;
-    // f times the frequencies of a mode: its receptance at ω is that at ω/f, over f²
+    // at f times its natural frequency a mode has at ω the receptance of ω/f, over f²
     let (at, mobility) = (
         omega / factor,
         FrfKind::Mobility.from_receptance(omega) / factor.powi(2),

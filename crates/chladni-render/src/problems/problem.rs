@@ -19,8 +19,8 @@ pub(crate) struct Rows {
     pub(crate) hot: usize,
     /// Position of each row, m.
     pub(crate) positions_m: Vec<Position>,
-    /// By what factor the limit of each row exceeds the scene's; its mobility is divided
-    /// by it already.
+    /// Factor of each row's limit over the scene's; the mobility of the row is divided by it
+    /// already.
     pub(crate) levels: Array1<f64>,
 }
 
@@ -40,8 +40,8 @@ pub(crate) struct Problem {
     pub(crate) threshold_m_per_s: f64,
     /// Force or voltage limits.
     pub(crate) drive_limits: DriveLimits,
-    /// κ of the responses that the ground between them may not cost:
-    /// `tolerances::KAPPA_LEAST`, more where a field was measured.
+    /// κ that the responses keep, whatever that costs of the ground between them:
+    /// `tolerances::KAPPA_LEAST`, or more once fields have corrected the mobility.
     pub(crate) kappa_least: f64,
 }
 
@@ -158,8 +158,8 @@ impl Problem {
         self.rows.mobility.dot(drive)
     }
 
-    /// The drive with the phase that gives the mean velocity of the hot rows phase 0: a
-    /// drive whose phase is free then has one that no order of rows or axes chooses.
+    /// The drive, turned so that the mean velocity of the hot rows has phase 0. A free phase
+    /// then depends on no order of rows or axes.
     pub(crate) fn in_phase(&self, drive: Drive) -> Drive {
         let mean = self.rows.hot_rows().dot(&drive).sum();
         match mean.norm() {
@@ -168,7 +168,8 @@ impl Problem {
         }
     }
 
-    /// By how much a row of this amplitude keeps its limit, m/s of the panel.
+    /// Distance of a row of this amplitude from its limit, m/s of the panel; negative where it
+    /// misses.
     pub(crate) fn slack(&self, row: usize, amplitude: f64) -> f64 {
         let limit = match row < self.rows.hot {
             true => self.limits.hot_m_per_s,
@@ -177,7 +178,7 @@ impl Problem {
         (amplitude - limit) * self.slack_per_speed(row)
     }
 
-    /// The slope of that over the amplitude: the level of a hot row, −1 of a cold one.
+    /// Slope of [`Self::slack`] over the amplitude: the level of a hot row, −1 of a cold one.
     pub(crate) fn slack_per_speed(&self, row: usize) -> f64 {
         match row < self.rows.hot {
             true => self.rows.levels[row],
@@ -230,8 +231,8 @@ impl Problem {
         [hot, cold]
     }
 
-    /// For a mobility that fields have corrected: the ground between the responses, which no
-    /// field shows, takes only the κ that these can spare.
+    /// Lets the ground between the responses take only the κ that these can spare. For a
+    /// mobility that fields have corrected: no field shows that ground.
     pub(crate) fn put_responses_first(&mut self) {
         self.kappa_least = self.kappa_of_confidence();
     }

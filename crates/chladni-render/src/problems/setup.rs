@@ -34,11 +34,11 @@ pub(crate) struct Setup {
     pub(crate) judged: Vec<usize>,
     /// Judged rows, limits and error bar.
     pub(crate) problem: Problem,
-    /// The responses as nodes of interpolation, where they carry an area; found when a
-    /// method asks for them, never from several threads at once: products inside may wait
+    /// The responses as nodes of interpolation, where they carry an area. They are found when
+    /// a method first asks. Several threads must not ask at once: products inside may wait
     /// for each other.
     nodes: OnceLock<Option<Nodes>>,
-    /// Rows between them, coarse and fine; the same.
+    /// Rows between them, coarse and fine; found in the same way.
     between: [OnceLock<Option<Rows>>; 2],
     /// Modes of the model that are summed explicitly, rising.
     pub(crate) modes: Vec<usize>,

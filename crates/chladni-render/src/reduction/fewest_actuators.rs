@@ -110,7 +110,7 @@ struct Stage<'a> {
     kappa: f64,
     /// The margin that every response must keep.
     asked: Asked,
-    /// The last drive that kept it, of all actuators.
+    /// The last drive that kept it, with a weight for each of all actuators.
     drive: Drive,
 }
 

@@ -130,8 +130,8 @@ impl Judge {
     }
 
     /// True where the error of `reduced` fits into the slack that `drive` has in it, at
-    /// every response. What not even the whole model explains of a measured line is
-    /// noise, and no reason for more modes.
+    /// every response. The part of a measured line that not even the whole model explains
+    /// is noise, and asks for no more modes.
     fn error_fits(&self, reduced: &Problem, drive: &Drive) -> bool {
         let (seen, predicted, whole) = (
             self.points.field(drive),
@@ -217,7 +217,8 @@ fn fewest(
     let Decision { method, .. } = options.method.decide(&setup.problem, options.effort);
     for explicit in method.least_modes()..ranked.len() {
         let smaller = reduced(&setup, model, &ranked, explicit);
-        // the whole model's own drive tells cheaply where the search cannot end yet
+        // the drive of the whole model is a cheap test: where the error of so few modes does
+        // not fit into its slack, the search goes on without a solution
         if wanted[0] == 1.0 && !judge.error_fits(&smaller.problem, &whole) {
             continue;
         }

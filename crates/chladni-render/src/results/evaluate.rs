@@ -135,7 +135,7 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
         .filter(|weight| weight.value().norm() > 0.0)
         .map(|weight| weight.reference)
         .collect();
-    // Silence is judged with any actuator: its column does not matter.
+    // Without a driven actuator any columns will do: the field is zero whatever they hold.
     let only = (!driven.is_empty()).then_some(driven.as_slice());
     let mut operator = match on {
         On::Model(model) => Operator::of_model(model, frequency_hz, only),
@@ -163,8 +163,8 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     })
 }
 
-/// The tone of a scene at a frequency; where it has none, the scene as it would be there,
-/// and the finding that says so.
+/// The tone of a scene at a frequency. Where the scene has none: the scene with that
+/// frequency, and a finding that says so.
 fn tone_at(scene: &Scene, frequency_hz: f64) -> (Scene, Option<Finding>) {
     if let Some(tone) = scene.tone_at(frequency_hz) {
         return (tone, None);
@@ -191,7 +191,7 @@ pub(crate) fn drive_on(operator: &Operator, weights: &Weights) -> Drive {
     weights.at(&operator.references).into()
 }
 
-/// A missing actuator is here a matter of the weights, not of the scene's list.
+/// Blames the weights, not the list of the scene, for an actuator that the data lack.
 fn rename_field(mut error: Error) -> Error {
     if error.field.as_deref() == Some("actuators.use") {
         error.message = "the data lack an actuator that the weights drive".into();

@@ -133,7 +133,7 @@ impl Weight {
                 .expected(format!("at most {:e} {unit}", tolerances::MOST_WEIGHT)));
         }
         let said = Complex64::from_polar(self.amplitude, self.phase_deg.to_radians());
-        // the least of numbers know no angle
+        // numbers next to zero have no angle
         if (said - value).norm() <= tolerances::SAME_WEIGHT * size + f64::MIN_POSITIVE {
             return Ok(());
         }
@@ -169,8 +169,8 @@ impl Weights {
         references.iter().map(weight_of).collect()
     }
 
-    /// The reason, in words that follow "met, but", to doubt that a scene which is met in the model
-    /// is met on the rig.
+    /// A reason to doubt that a scene which is met in the model is met on the rig, in words that
+    /// follow "met, but"; `None`: no reason.
     pub fn reservation(&self) -> Option<String> {
         let finding = |code: &str| self.own_finding(code);
         let of_model = [
@@ -199,8 +199,8 @@ impl Weights {
         self.indices.points.min_ratio == 1.0
     }
 
-    /// The finding `code` of the first tone itself: those of the others stand behind it, each
-    /// with its frequency.
+    /// The finding `code` of the first tone. The texts of findings of other tones begin with
+    /// their frequency; these are left out.
     pub fn own_finding(&self, code: &str) -> Option<&Finding> {
         let others = self
             .other_tones

@@ -17,9 +17,9 @@ pub struct Drift {
     /// Of each entry of the mobility matrix, independent of all others, relative to the
     /// rms of the matrix.
     pub isotropic_relative: f64,
-    /// Of each actuator's force for its weight: gains and phases of amplifiers and coils;
-    /// `None`: none, but that method `robust` bears what costs no ground
-    /// (`tolerances::BORNE_DRIVE_ERRORS`).
+    /// Of each actuator's force for its weight: gains and phases of amplifiers and coils.
+    /// `None`: no error is assumed. Method `robust` then still withstands the largest usual
+    /// error that costs no ground (`tolerances::BORNE_DRIVE_ERRORS`).
     pub drive_relative: Option<f64>,
 }
 
@@ -32,7 +32,7 @@ impl Drift {
         }
     }
 
-    /// The same, where no error of each actuator's force is named with none.
+    /// The same with an error of 0 for each actuator's force where none is named.
     pub(crate) fn as_named(self) -> Self {
         Self {
             drive_relative: Some(self.drive_error()),

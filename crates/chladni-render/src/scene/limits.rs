@@ -5,13 +5,13 @@ use crate::tolerances;
 /// Velocity limits of a scene, m/s peak.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Threshold + limen, or the part of it that a line of a band owes: hot ground moves
-    /// at least so fast.
+    /// Threshold + limen; for a line of a band, its part of that. Hot ground moves at least
+    /// so fast.
     pub hot_m_per_s: f64,
     /// Threshold.
     pub threshold_m_per_s: f64,
-    /// Threshold − limen, or the part of it that one of several tones may have: cold
-    /// ground moves at most so fast.
+    /// Threshold − limen; for one of several tones, its part of that. Cold ground moves at
+    /// most so fast.
     pub cold_m_per_s: f64,
 }
 

@@ -91,7 +91,7 @@ pub struct Zones {
     pub transition_m: f64,
 }
 
-/// The zones of a scene laid over a panel: says of every place what is asked of it.
+/// The zones of a scene laid over a panel: the demand on every place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZoneMap {
     area: Rectangle,
@@ -176,8 +176,8 @@ impl ZoneMap {
         }
     }
 
-    /// By what factor the limit at `point` exceeds the scene's: the largest level of the
-    /// hot polygons there, 1 elsewhere.
+    /// Factor of the limit at `point` over the scene's: the largest level of the hot
+    /// polygons there, 1 elsewhere.
     pub fn level_at(&self, point: Position) -> f64 {
         if self.levels.iter().all(|&level| level == 1.0) {
             return 1.0;

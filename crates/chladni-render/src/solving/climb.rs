@@ -202,8 +202,8 @@ impl<'a> Climb<'a> {
 
     /// The largest factor between every row and its limit; below 1 where some miss.
     fn raise_margin(&mut self, start: Drive) -> Result<(f64, Drive)> {
-        // both sides share the margin: the drive is divided by it in the end, and may be
-        // that much larger before
+        // hot and cold rows share the margin: in the end the drive is divided by the factor,
+        // so that before it may exceed its limits by as much
         self.raise_contrast(start, |factor| factor.max(1.0))
     }
 
