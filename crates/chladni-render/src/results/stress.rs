@@ -1,7 +1,7 @@
 //! Performance of given weights when the world is not the model: the stress table.
 
 use crate::judging::indices::PointIndices;
-use crate::judging::rig_draw::{Draw, StressOptions};
+use crate::judging::rig_draw::{worst_twentieth, Draw, StressOptions};
 use crate::panel::drive::Drive;
 use crate::panel::field::Field;
 use crate::panel::finger::{finger_rows, Finger};
@@ -174,11 +174,8 @@ fn one_dead(drive: &Drive) -> impl Iterator<Item = Drive> + '_ {
 impl StressRow {
     /// The row of what was judged; `None` for no case.
     fn of(trial: &str, judged: &[[f64; 2]]) -> Option<Self> {
-        let worst = |which: usize| {
-            let mut values: Vec<f64> = judged.iter().map(|shares| shares[which]).collect();
-            values.sort_by(f64::total_cmp);
-            values.get(values.len() / 20).copied()
-        };
+        let worst =
+            |which: usize| worst_twentieth(judged.iter().map(|shares| shares[which]).collect());
         Some(Self {
             trial: trial.into(),
             cases: judged.len(),

@@ -1,7 +1,7 @@
 //! Performance of a drive in time when the world is not the model: the stress table of
 //! bursts, fades and moving spots.
 
-use crate::judging::rig_draw::{Draw, StressOptions};
+use crate::judging::rig_draw::{worst_twentieth, Draw, StressOptions};
 use crate::panel::finger::{finger_rows_of, Finger};
 use crate::scene::plane::Rectangle;
 use crate::scene::scene_file::Scene;
@@ -43,9 +43,7 @@ const UNDISTURBED: &str = "none";
 impl TimeStressRow {
     fn of(trial: &str, judged: &[TimeMeasure]) -> Option<Self> {
         let worst = |of: &dyn Fn(&TimeMeasure) -> Option<f64>| {
-            let mut values: Vec<f64> = judged.iter().filter_map(of).collect();
-            values.sort_by(f64::total_cmp);
-            values.get(values.len() / 20).copied()
+            worst_twentieth(judged.iter().filter_map(of).collect())
         };
         let mean = |of: &dyn Fn(&TimeMeasure) -> f64| {
             judged.iter().map(of).sum::<f64>() / judged.len() as f64
