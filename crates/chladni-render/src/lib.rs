@@ -83,10 +83,10 @@ pub use results::signals::signal_csv;
 pub use results::stress::stress;
 pub use results::weights::{StressRow, Weight, Weights, WEIGHTS_FORMAT, WEIGHTS_VERSION};
 pub use rig::{
-    calibrate, correct, evaluate_field, evaluate_signal, play, poles_of_fields, stress_in_time,
-    Agreement, CalibratedMode, CalibratedOperator, Calibration, ChannelGain, Correction, Estimator,
-    FieldEvaluation, GainTable, Hypothesis, KalmanOperator, Place, PlayedField, PointAgreement,
-    PolesOfFields, TableGain, TakenField, CALIBRATION_FORMAT, CALIBRATION_VERSION,
+    calibrate, correct, evaluate_field, poles_of_fields, Agreement, CalibratedMode,
+    CalibratedOperator, Calibration, ChannelGain, Correction, Estimator, FieldEvaluation,
+    GainTable, Hypothesis, KalmanOperator, Place, PlayedField, PointAgreement, PolesOfFields,
+    TableGain, TakenField, CALIBRATION_FORMAT, CALIBRATION_VERSION,
 };
 pub use scene::actuators::{Actuators, DEFAULT_MAX_FORCE_N};
 pub use scene::circuit::{Circuit, Load};
@@ -101,10 +101,10 @@ pub use scene::threshold::{Threshold, ThresholdTable};
 pub use scene::tones::{Share, Tone};
 pub use scene::zones::{Ground, PolygonKind, ZoneLayout, ZoneMap, ZonePolygon, Zones};
 pub use time::{
-    modal_ramp, AreaFrames, AreaMeasures, Burst, Channel, ChannelMap, Fade, Level, Mapped, Measure,
-    Move, PlayOptions, Played, RampTime, Ramps, Recorded, SampleFormat, Sidecar, Signal,
-    SignalOptions, TimeEvent, TimeFrames, TimeIndices, TimeMeasure, TimeStressRow, TimeTable,
-    TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
+    evaluate_signal, modal_ramp, play, stress_in_time, AreaFrames, AreaMeasures, Burst, Channel,
+    ChannelMap, Fade, Level, Mapped, Measure, Move, PlayOptions, Played, RampTime, Ramps, Recorded,
+    SampleFormat, Sidecar, Signal, SignalOptions, TimeEvent, TimeFrames, TimeIndices, TimeMeasure,
+    TimeStressRow, TimeTable, TimeTraces, SIGNAL_FORMAT, SIGNAL_VERSION,
 };
 pub use tolerances::AREA_STEP_M;
 pub use touch::{Touch, TouchCriterion, TouchIndices, TouchPlaces, TouchPoints, Touching};

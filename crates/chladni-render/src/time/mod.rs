@@ -3,7 +3,8 @@
 //!
 //! `table` (what a scene says) → `plan` (chains of places and ramps) → `voice` (the panel
 //! about each carrier, the steady drives) → `tracks` (the drive over time) → `simulate`
-//! → `judge`; `modal_ramp` makes ramps that every mode follows.
+//! → `judge`; `modal_ramp` makes ramps that every mode follows. `on_rig` does all that for a
+//! rig that a calibration knows.
 
 mod auto_ramp;
 mod causal;
@@ -17,6 +18,7 @@ mod indices;
 mod judge;
 mod listener;
 mod modal_ramp;
+mod on_rig;
 mod passages;
 mod plan;
 mod play;
@@ -41,11 +43,12 @@ pub use frames::{AreaFrames, TimeFrames};
 pub use indices::{AreaMeasures, TimeEvent, TimeIndices};
 pub use judge::{TimeMeasure, TimeTraces};
 pub use modal_ramp::modal_ramp;
-pub use play::{play, PlayOptions, Played};
+pub use on_rig::{evaluate_signal, play, stress_in_time};
+pub use play::{PlayOptions, Played};
 pub(crate) use read_table::read_time;
-pub use recorded::{evaluate_signal, Recorded};
+pub use recorded::Recorded;
 pub use sidecar::{Channel, Sidecar, SIGNAL_FORMAT, SIGNAL_VERSION};
 pub use signal::{Signal, SignalOptions};
-pub use stress::{stress_in_time, TimeStressRow};
+pub use stress::TimeStressRow;
 pub use table::{Burst, Fade, Level, Measure, Move, RampTime, Ramps, TimeTable};
 pub use wav_file::SampleFormat;

@@ -1,12 +1,15 @@
-//! Drives in time over a calibrated rig: what `time` does, with the model and the scene that
-//! the calibration makes.
+//! Drives in time on a calibrated rig: with the model and the scene that the calibration
+//! makes.
 
-use super::calibrated::Calibrated;
 use crate::judging::rig_draw::StressOptions;
 use crate::results::weights::Weights;
+use crate::rig::Calibrated;
 use crate::scene::drift::Drift;
 use crate::scene::scene_file::Scene;
-use crate::time::{self, PlayOptions, Played, Recorded, TimeEvent, TimeIndices, TimeStressRow};
+use crate::time::indices::{TimeEvent, TimeIndices};
+use crate::time::play::{self, PlayOptions, Played};
+use crate::time::recorded::{self, Recorded};
+use crate::time::stress::{self, TimeStressRow};
 use chladni_frf::{Finding, ModalModel, Result};
 
 /// The drive of a scene over time, on the panel of `model` as the calibration of the scene
@@ -26,7 +29,7 @@ pub fn play(
     options: &PlayOptions,
 ) -> Result<Played> {
     let rig = over(model, scene, &options.render.drift)?;
-    let mut played = time::play(&rig.model, &rig.scene, given, options)?;
+    let mut played = play::play(&rig.model, &rig.scene, given, options)?;
     played.findings.extend(rig.findings);
     Ok(played)
 }
@@ -34,7 +37,7 @@ pub fn play(
 /// The indices of a signal that was made or recorded elsewhere.
 ///
 /// # Errors
-/// As [`play`]; several tones, channels that the model lacks.
+/// As [`play()`]; several tones, channels that the model lacks.
 pub fn evaluate_signal(
     recorded: &Recorded,
     events: &[TimeEvent],
@@ -42,7 +45,8 @@ pub fn evaluate_signal(
     model: &ModalModel,
 ) -> Result<(TimeIndices, Vec<Finding>)> {
     let rig = over(model, scene, &Drift::default())?;
-    let (indices, mut findings) = time::evaluate_signal(recorded, events, &rig.scene, &rig.model)?;
+    let (indices, mut findings) =
+        recorded::evaluate_signal(recorded, events, &rig.scene, &rig.model)?;
     findings.extend(rig.findings);
     Ok((indices, findings))
 }
@@ -50,7 +54,7 @@ pub fn evaluate_signal(
 /// Judges a drive in time when the panel is not the model.
 ///
 /// # Errors
-/// As [`play`].
+/// As [`play()`].
 pub fn stress_in_time(
     played: &Played,
     scene: &Scene,
@@ -58,7 +62,7 @@ pub fn stress_in_time(
     options: &StressOptions,
 ) -> Result<(Vec<TimeStressRow>, Vec<Finding>)> {
     let rig = over(model, scene, &options.drift)?;
-    time::stress_in_time(played, &rig.scene, &rig.model, options)
+    stress::stress_in_time(played, &rig.scene, &rig.model, options)
 }
 
 /// A mobility that was learned at one frequency is of no use to several tones.
