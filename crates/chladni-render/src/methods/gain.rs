@@ -139,8 +139,8 @@ pub(crate) fn within_drive_limit(
         problem.drive_limits.binding(&solution.drive),
         100.0 * score.success_ratio
     );
-    solution
-        .findings
-        .push(Finding::caution("limit-binds", words));
+    solution.findings.push(
+        Finding::caution("limit-binds", words).help("raise the limit, or use more actuators"),
+    );
     Ok(solution)
 }

@@ -35,7 +35,8 @@ impl Solution {
         let mut findings = Vec::new();
         if problem.drive_limits.allowed_gain(&drive) <= 1.0 + tolerances::AT_LIMIT {
             let words = format!("{} binds", problem.drive_limits.binding(&drive));
-            findings.push(Finding::caution("limit-binds", words));
+            let finding = Finding::caution("limit-binds", words);
+            findings.push(finding.help("raise the limit, or use more actuators"));
         }
         Self {
             findings,

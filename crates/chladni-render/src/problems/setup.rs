@@ -285,14 +285,16 @@ pub(crate) fn scene_findings(scene: &Scene, operator: &Operator, zones: &ZoneMap
             "{zone_count} hot cells or polygons for {actuators} actuators: these cannot set them \
              apart from each other"
         );
-        findings.push(Finding::caution("more-zones-than-actuators", words));
+        let finding = Finding::caution("more-zones-than-actuators", words);
+        findings.push(finding.help("mark fewer zones, or use more actuators"));
     }
     if operator.references.len() == 1 {
         let words = format!(
             "a single actuator ({}) can only scale one pattern, not shape it",
             operator.references[0]
         );
-        findings.push(Finding::caution("one-actuator", words).dofs([operator.references[0]]));
+        let finding = Finding::caution("one-actuator", words).dofs([operator.references[0]]);
+        findings.push(finding.help("use more actuators"));
     }
     findings
 }

@@ -78,6 +78,7 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
             subset.columns.len()
         );
         Finding::caution("too-few-actuators", words)
+            .help("let the scene choose their number (`actuators`: `auto`)")
     });
     if count != Count::Auto {
         subset.columns.truncate(target);
@@ -99,6 +100,7 @@ fn all_needed(scenes: usize) -> Finding {
     let words =
         format!("all actuators are used: not even all of them serve every response of {which}");
     Finding::caution("all-actuators-needed", words)
+        .help("widen transition_m, use more actuators, or another frequency")
 }
 
 /// A scene on its way to few actuators.
