@@ -163,7 +163,7 @@ def estimate(
         Local rational or polynomial method, or where averaged blocks take the noise to be.
         Without it: "lrm" for long records of continuous random excitation, else "h1".
     window : {"hann", "rectangular", "exponential"}, optional
-        Without it: Hann for one long record, none for several runs.
+        Without it: Hann for one long record, none for several runs, and for one whose force ends before it.
     exponential_window_per_s : float, optional
         Decay of an exponential window, 1/s.
     block : int, optional

@@ -31,16 +31,34 @@ pub fn float64<'py>(
     Ok(made.cast_into::<PyArrayDyn<f64>>()?)
 }
 
-/// NumPy's array of `values`, of whatever type.
+/// NumPy's array of `values`, of whatever type; NaN where values are masked.
 fn any_array<'py>(
     field: &str,
     values: &Bound<'py, PyAny>,
     expected: &str,
 ) -> PyResult<Bound<'py, PyUntypedArray>> {
     let py = values.py();
-    let made = py.import("numpy")?.call_method1("asarray", (values,));
+    let unmasked = unmasked(values);
+    let made = unmasked.and_then(|values| py.import("numpy")?.call_method1("asarray", (values,)));
     made.and_then(|array| Ok(array.cast_into::<PyUntypedArray>()?))
         .map_err(|error| no_array(py, field, error.value(py), expected))
+}
+
+/// The values, with NaN for those that a mask hides.
+fn unmasked<'py>(values: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let masks = values.py().import("numpy")?.getattr("ma")?;
+    if !masks.call_method1("is_masked", (values,))?.is_truthy()? {
+        return Ok(values.clone());
+    }
+    let is_whole = matches!(
+        values.getattr("dtype")?.getattr("kind")?.extract()?,
+        'i' | 'u'
+    );
+    let values = match is_whole {
+        true => values.call_method1("astype", ("float64",))?,
+        false => values.clone(),
+    };
+    masks.call_method1("filled", (values, f64::NAN))
 }
 
 fn no_array(

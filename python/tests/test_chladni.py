@@ -138,6 +138,28 @@ def test_numbers_of_any_type_are_an_axis_and_values_may_be_lists(model):
     assert all(np.array_equal(one, again[-1], equal_nan=True) for one in again)
 
 
+def test_masked_values_are_missing():
+    values = np.ma.masked_greater(np.arange(10.0).reshape(1, 1, 10) + 0j, 7.5)
+    taken = chladni.FrfSet(np.arange(1, 11), values).values
+    assert np.isnan(taken[0, 0, 8:]).all() and np.array_equal(taken[0, 0, :8], np.arange(8))
+    axis = np.ma.array([1, 2, 3], mask=[False, True, False])
+    with pytest.raises(chladni.ChladniError):
+        chladni.FrfSet(axis, np.ones((1, 1, 3), complex))
+
+
+def test_records_with_gaps_and_dofs_that_occur_twice_are_refused():
+    noise = np.random.default_rng(5).standard_normal((1, 4096))
+    pair = np.vstack([noise, 2 * noise])
+    gap = pair.copy()
+    gap[1, 7] = np.nan
+    masked = np.ma.masked_where(np.isnan(gap), gap)
+    for responses in (gap, masked):
+        with pytest.raises(chladni.ChladniError, match="not finite"):
+            chladni.estimate(noise, responses, 1000)
+    with pytest.raises(chladni.ChladniError, match="occurs twice"):
+        chladni.estimate(noise, pair, 1000, response_names=["1:+Z", "1:+Z"])
+
+
 @pytest.mark.parametrize(
     "field, call",
     [

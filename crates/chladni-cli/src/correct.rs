@@ -59,8 +59,14 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         args.field.clone(),
     ]
     .concat();
-    let output = Output::asked(args.output.as_deref(), WEIGHTS, &inputs, console)?;
-    let calibration_output = Output::asked(args.calibration.as_deref(), WEIGHTS, &inputs, console)?;
+    let output = Output::asked("-o", args.output.as_deref(), WEIGHTS, &inputs, console)?;
+    let calibration_output = Output::asked(
+        "--calibration",
+        args.calibration.as_deref(),
+        WEIGHTS,
+        &inputs,
+        console,
+    )?;
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;

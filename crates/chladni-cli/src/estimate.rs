@@ -42,7 +42,7 @@ pub struct Args {
     #[arg(long, value_name = "WHICH", value_parser = PossibleValuesParser::new(Estimator::ALL.map(Estimator::name)).try_map(|name| name.parse::<Estimator>()))]
     estimator: Option<Estimator>,
     /// Window of each block; exponential needs --exponential-window [default: hann for
-    /// one long record, rectangular for several]
+    /// one long record, rectangular for several and where the force ends before the record]
     #[arg(long, value_name = "WINDOW", value_parser = PossibleValuesParser::new(["rectangular", "hann", "exponential"]))]
     window: Option<String>,
     /// Decay α of an exponential window e^(-αt) on references and responses, 1/s; a fit of
@@ -50,8 +50,8 @@ pub struct Args {
     #[arg(long, value_name = "1/S")]
     exponential_window: Option<f64>,
     /// Samples of a block; with lrm and lpm, sampling rate over distance of lines
-    /// [default: the whole record where there are several, else about 16 blocks; lrm and
-    /// lpm: a line of the FRFs for 13 of the record]
+    /// [default: the whole record where there are several or the force ends before it, else
+    /// about 16 blocks; lrm and lpm: a line of the FRFs for 13 of the record]
     #[arg(long, value_name = "SAMPLES")]
     block: Option<usize>,
     /// Overlap of blocks, as a part of their length [default: 2/3 with a Hann
@@ -64,8 +64,13 @@ pub struct Args {
     /// DOF of each channel, in the order of the file
     #[arg(long, value_name = "DOF", value_delimiter = ',')]
     dofs: Vec<Dof>,
-    /// Unit of each channel: N, V, m, m/s, m/s^2, g, ...
-    #[arg(long, value_name = "UNIT", value_delimiter = ',')]
+    /// Unit of each channel: N, V, m, m/s, m/s^2, g, ...; - leaves a channel out
+    #[arg(
+        long,
+        value_name = "UNIT",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
     units: Vec<String>,
     /// Factor of each channel from the file's numbers to its unit (of full scale, in WAV)
     #[arg(

@@ -143,7 +143,7 @@ pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
 /// trusted is a result.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
-    let output = Output::asked(args.output.as_deref(), MODEL, &files, console)?;
+    let output = Output::asked("-o", args.output.as_deref(), MODEL, &files, console)?;
     let mut options = args.fit_options()?;
     let panel = args.scale.panel(args.memory)?;
     let frf_bytes = frf_bytes(&files)?;

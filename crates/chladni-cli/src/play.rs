@@ -112,7 +112,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = args
         .output
         .as_deref()
-        .map(|path| SignalFiles::new(path, SIGNALS, &inputs, console))
+        .map(|path| SignalFiles::new("-o", path, SIGNALS, &inputs, console))
         .transpose()?;
     console.stage("reading");
     let model = read_model(&args.model)?;

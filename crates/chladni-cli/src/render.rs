@@ -243,7 +243,7 @@ impl Args {
         let signals = self
             .wav
             .as_deref()
-            .map(|path| SignalFiles::new(path, SIGNAL_OR_TABLE, inputs, console))
+            .map(|path| SignalFiles::new("--wav", path, SIGNAL_OR_TABLE, inputs, console))
             .transpose()?;
         let sidecar = signals.as_ref().and_then(SignalFiles::sidecar);
         let outputs = sidecar.zip(self.output.as_deref());
@@ -283,7 +283,7 @@ fn parse_share(text: &str) -> std::result::Result<f64, String> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = [args.model.clone(), args.scene.clone()];
     args.check()?;
-    let output = Output::asked(args.output.as_deref(), WEIGHTS, &inputs, console)?;
+    let output = Output::asked("-o", args.output.as_deref(), WEIGHTS, &inputs, console)?;
     let signals = args.signals(&inputs, console)?;
     console.stage("reading");
     let Given {

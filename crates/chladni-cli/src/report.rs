@@ -10,7 +10,9 @@ use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source}
 use chladni_io::try_place;
 use chladni_io::{detect_format, write_atomically, FileFormat};
 use chladni_render::{evaluate, Evaluation, On, Played, Scene, Weights};
-use chladni_report::{charts, html, ChartFormats, Curves, RenderedScene, ReportInput, Table};
+use chladni_report::{
+    charts, html, unlike, ChartFormats, Curves, RenderedScene, ReportInput, Table,
+};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -64,7 +66,7 @@ struct ShownWeights {
 /// # Errors
 /// Those of reading and writing; more than one model.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    let output = Output::asked(args.output.as_deref(), HTML, &args.files, console)?;
+    let output = Output::asked("-o", args.output.as_deref(), HTML, &args.files, console)?;
     if let Some(folder) = &args.charts {
         make_folder(folder, "--charts")?;
         unbroken(|| try_place(&folder.join("figure"), true))?;
@@ -147,14 +149,9 @@ impl Contents {
             .map(chladni_io::read_model)
             .transpose()?;
         let measured = match (&model_file, &model) {
-            (_, Some(model)) if !measured.is_empty() => Some(
-                read_frf(
-                    &expand(measured, console)?,
-                    &Reading::from_echo(&model.options),
-                    console,
-                )?
-                .0,
-            ),
+            (_, Some(model)) if !measured.is_empty() => {
+                Some(measured_named(measured, model, console)?)
+            }
             (Some(file), Some(model)) => measured_of(file, model, console),
             _ => None,
         };
@@ -320,6 +317,19 @@ fn subfolders(folder: &Path) -> Vec<PathBuf> {
         .collect();
     folders.sort();
     folders
+}
+
+/// The FRFs that the user names as those that a model was fitted to, read as they were then.
+///
+/// # Errors
+/// Those of reading; no FRF that the model has.
+pub fn measured_named(files: &[PathBuf], model: &ModalModel, console: &Console) -> Result<FrfSet> {
+    let reading = Reading::from_echo(&model.options);
+    let (frf, _) = read_frf(&expand(files, console)?, &reading, console)?;
+    if let Some(found) = unlike(model, &frf)? {
+        console.find(&found);
+    }
+    Ok(frf)
 }
 
 /// The FRFs that a model was fitted to, read as they were then; none where one of the

@@ -3,8 +3,8 @@
 use crate::explain::explain;
 use crate::fit::{distrust, summary, text};
 use crate::limits::AS_SEEN;
-use crate::report::measured_of;
-use chladni_console::input::{expand, read_frf, source, Reading};
+use crate::report::{measured_named, measured_of};
+use chladni_console::input::source;
 use chladni_console::output::{Output, MODEL};
 use chladni_console::table::{counted, significant};
 use chladni_console::Console;
@@ -110,10 +110,7 @@ impl Args {
     ) -> Result<ModalModel> {
         let frf = match self.measured.as_slice() {
             [] => measured_of(&self.model, model, console),
-            files => {
-                let reading = Reading::from_echo(&model.options);
-                Some(read_frf(&expand(files, console)?, &reading, console)?.0)
-            }
+            files => Some(measured_named(files, model, console)?),
         };
         let frf = frf.ok_or_else(|| {
             Error::bad_data("a mode is added by a new fit, and the FRFs are not at hand")

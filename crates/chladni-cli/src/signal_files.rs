@@ -19,11 +19,12 @@ pub struct SignalFiles {
 }
 
 impl SignalFiles {
-    /// Checks both places before the work.
+    /// Checks both places, of the path that `option` names, before the work.
     ///
     /// # Errors
     /// As [`Output::new`].
     pub fn new(
+        option: &str,
         path: &Path,
         extensions: &[&str],
         inputs: &[PathBuf],
@@ -35,13 +36,13 @@ impl SignalFiles {
             force: console.force,
             _claims: Vec::new(),
         };
-        Output::new(path, extensions, inputs, console)?;
+        Output::asked(option, Some(path), extensions, inputs, console)?;
         if is_standard_output(path) {
             return Ok(files);
         }
         if files.is("wav") {
             let sidecar = path.with_extension("json");
-            Output::new(&sidecar, &["json"], inputs, console)?;
+            Output::asked(option, Some(&sidecar), &["json"], inputs, console)?;
             files._claims.push(Claim::new(&sidecar)?);
             files.sidecar = Some(sidecar);
         }

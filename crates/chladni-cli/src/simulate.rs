@@ -80,7 +80,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = std::slice::from_ref(&args.panel);
     let output = Output::new(&args.output, FRF, inputs, console)?;
     check_truth(args)?;
-    let truth_output = Output::asked(args.truth.as_deref(), MODEL, inputs, console)?;
+    let truth_output = Output::asked("--truth", args.truth.as_deref(), MODEL, inputs, console)?;
     let panel = Panel::read(&args.panel, args.memory)?;
     if args.dry_run {
         return Ok(planned(args, &panel));

@@ -152,11 +152,12 @@ impl<'a> Output<'a> {
         })
     }
 
-    /// As [`Self::new`] for a path that may be left out.
+    /// As [`Self::new`] for the path that `option` names, which may be left out.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn asked(
+        option: &str,
         path: Option<&'a Path>,
         extensions: &[&str],
         inputs: &[PathBuf],
@@ -164,6 +165,7 @@ impl<'a> Output<'a> {
     ) -> Result<Option<Self>> {
         path.map(|path| Self::new(path, extensions, inputs, console))
             .transpose()
+            .map_err(|error| of_option(error, option))
     }
 
     /// Writes by `write(path, force)`, to its end even where an interruption comes
@@ -185,6 +187,13 @@ impl<'a> Output<'a> {
         bytes_to_stdout(&bytes)?;
         Ok(made)
     }
+}
+
+/// An error of an output that another option than `-o` names.
+fn of_option(error: Error, option: &str) -> Error {
+    let help = error.help.as_deref().unwrap_or_default();
+    let help = help.replace(" -o", &format!(" {option}"));
+    error.field(option).help(help)
 }
 
 fn not_kept(error: &io::Error) -> Error {

@@ -42,6 +42,11 @@ impl SignalUnit {
             _ => None,
         }
     }
+
+    /// True for a force or voltage.
+    pub fn is_drive(self) -> bool {
+        matches!(self, Self::Force | Self::Volt)
+    }
 }
 
 /// One signal of a run, in SI.
@@ -81,8 +86,23 @@ impl Run {
     pub fn references(&self) -> impl Iterator<Item = &Channel> {
         self.channels.iter().filter(|channel| channel.is_reference)
     }
-    /// Channels that answer.
+    /// Channels that answer. Beside channels of motion, forces and voltages do not.
     pub fn responses(&self) -> impl Iterator<Item = &Channel> {
-        self.channels.iter().filter(|channel| !channel.is_reference)
+        let moves = self.moves();
+        self.channels
+            .iter()
+            .filter(move |channel| !(channel.is_reference || moves && channel.unit.is_drive()))
+    }
+    /// Channels that neither excite nor answer: forces and voltages that are no reference,
+    /// beside channels of motion.
+    pub fn idle(&self) -> impl Iterator<Item = &Channel> {
+        let moves = self.moves();
+        self.channels
+            .iter()
+            .filter(move |channel| moves && !channel.is_reference && channel.unit.is_drive())
+    }
+    /// True where a channel measures a motion, or a quantity that the file does not tell.
+    fn moves(&self) -> bool {
+        self.channels.iter().any(|channel| !channel.unit.is_drive())
     }
 }

@@ -7,12 +7,15 @@ use chladni_frf::{Channel, Dof, Error, Result, Run, SignalUnit};
 /// Function type of time records, dataset 58.
 const TIME: i32 = 1;
 
+/// In place of a unit: the channel is left out.
+const LEFT_OUT: &str = "-";
+
 /// The user's settings of the channels of each file, in their order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ChannelOverride {
     /// DOFs; empty: as in the file.
     pub dofs: Vec<Dof>,
-    /// Units; empty: as in the file.
+    /// Units, or `-` where the channel is left out; empty: as in the file.
     pub units: Vec<String>,
     /// Units per unit of the file (of full scale, in WAV); empty: 1.
     pub scales: Vec<f64>,
@@ -21,6 +24,11 @@ pub struct ChannelOverride {
 }
 
 impl ChannelOverride {
+    /// True where channel `k` of the file is left out.
+    fn leaves_out(&self, k: usize) -> bool {
+        !self.units.is_empty() && self.units[k % self.units.len()] == LEFT_OUT
+    }
+
     /// The lists that are given, with their lengths.
     fn lists(&self) -> impl Iterator<Item = (&'static str, usize)> {
         let lists = [
@@ -111,8 +119,12 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
     }
     said.check_runs(count, &runs)
         .map_err(|error| error.file(&document.file))?;
-    runs.iter_mut()
-        .for_each(|run| mark_references(run, &said.references));
+    let mut channels = 0..;
+    for run in &mut runs {
+        let taken = |k| !said.leaves_out(k);
+        run.channels.retain(|_| channels.next().is_some_and(taken));
+        mark_references(run, &said.references);
+    }
     Ok(runs)
 }
 
@@ -157,7 +169,8 @@ pub(crate) fn signal_unit(label: &str) -> Option<(SignalUnit, f64)> {
     Some((measured, unit.factor))
 }
 
-/// Forces excite; where there is none, voltages do.
+/// Forces excite; where there is none, voltages do. Of what is measured at a DOF that was
+/// named, a motion does not.
 fn mark_references(run: &mut Run, named: &[Dof]) {
     let has_force = run
         .channels
@@ -168,13 +181,19 @@ fn mark_references(run: &mut Run, named: &[Dof]) {
     } else {
         SignalUnit::Volt
     };
+    let of_drives: Vec<Dof> = run
+        .channels
+        .iter()
+        .filter(|channel| channel.unit == excites)
+        .map(|channel| channel.dof)
+        .collect();
     for channel in &mut run.channels {
+        let excites = channel.unit == excites;
         channel.is_reference = match named {
-            [] => channel.unit == excites,
-            // a driving point is measured too: there, the force is the reference
+            [] => excites,
             named => {
-                named.contains(&channel.dof)
-                    && (channel.unit == excites || channel.unit.frf_kind().is_none())
+                let could = channel.unit.frf_kind().is_none() && !of_drives.contains(&channel.dof);
+                named.contains(&channel.dof) && (excites || could)
             }
         };
     }
@@ -183,7 +202,8 @@ fn mark_references(run: &mut Run, named: &[Dof]) {
 fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Channel> {
     let of = |count: usize| if count == 0 { None } else { Some(k % count) };
     let dof = of(said.dofs.len()).map_or(function.response, |at| said.dofs[at]);
-    let (unit, factor) = match of(said.units.len()) {
+    let named = of(said.units.len()).filter(|_| !said.leaves_out(k));
+    let (unit, factor) = match named {
         None => (unit_of(function), function.scale_to_si),
         Some(at) => signal_unit(&said.units[at]).ok_or_else(|| {
             Error::new(
@@ -192,7 +212,7 @@ fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Chan
             )
             .field("units")
             .found(&said.units[at])
-            .expected("N, V, m, m/s, m/s^2, g or the like")
+            .expected("N, V, m, m/s, m/s^2, g or the like; - leaves a channel out")
         })?,
     };
     let scale = factor * of(said.scales.len()).map_or(1.0, |at| said.scales[at]);
@@ -209,13 +229,14 @@ fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Chan
                 .expected("real samples"))
         }
     };
-    if let Some(masked) = samples.iter().position(|sample| !sample.is_finite()) {
+    let masked = samples.iter().position(|sample| !sample.is_finite());
+    if let Some(masked) = masked.filter(|_| !said.leaves_out(k)) {
         return Err(
             Error::bad_data("a time record with a sample that is not finite")
                 .field(format!("sample {}", masked + 1))
                 .found(samples[masked])
                 .expected("finite samples without gaps")
-                .help("cut the record, or leave this run out"),
+                .help("cut the record, or leave this run or channel out"),
         );
     }
     Ok(Channel {

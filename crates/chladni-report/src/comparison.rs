@@ -135,6 +135,27 @@ impl<'a> Comparison<'a> {
         }
     }
 
+    /// Rms difference over rms measured value of all FRFs in the band of the model; `None` where
+    /// nothing is measured there.
+    pub(crate) fn left_in_band(&self) -> Option<f64> {
+        let [low_hz, high_hz] = self.model?.band_hz;
+        let Sums {
+            measured,
+            difference,
+            ..
+        } = self.sums();
+        let (measured, difference) = (measured?, difference?);
+        let power = |sums: &[f64]| -> f64 {
+            let lines = self.frequency_hz.iter().zip(sums);
+            lines
+                .filter(|(f, root)| (low_hz..=high_hz).contains(*f) && root.is_finite())
+                .map(|(_, root)| root.powi(2))
+                .sum()
+        };
+        let left = (power(&difference) / power(&measured)).sqrt();
+        left.is_finite().then_some(left)
+    }
+
     fn pair(&self, at: (usize, usize), why: &str, sums: &Sums) -> Pair {
         let (response, reference) = at;
         let error = sums

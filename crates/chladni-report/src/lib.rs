@@ -42,6 +42,7 @@ mod sizes;
 mod structure;
 mod surface;
 mod text;
+mod unlike;
 
 pub use better_band::{better_band, BetterBand};
 pub use chart::{
@@ -53,6 +54,7 @@ pub use figures::{
 };
 pub use input::{CurvePoint, Curves, RenderedScene, ReportInput, ShownField, Table};
 pub use sentence::sentence;
+pub use unlike::unlike;
 
 use chladni_frf::{FrfSet, ModalModel, Result};
 use serde_json::Value;

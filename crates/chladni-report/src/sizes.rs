@@ -102,3 +102,9 @@ pub(crate) const HALF: f64 = 0.5;
 pub(crate) const ON_LINE: f64 = 1e-3;
 /// A response moves along that line where its direction agrees so far.
 pub(crate) const ALONG: f64 = 0.99;
+
+/// Part of measured FRFs, rms, that a model of another structure leaves at least: of FRFs that have
+/// nothing to do with it 1 and more.
+pub(crate) const UNEXPLAINED: f64 = 0.7;
+/// Part that it leaves at least, over that of the FRFs of its own fit.
+pub(crate) const WORSE_THAN_FIT: f64 = 2.0;

@@ -96,7 +96,7 @@ pub fn fit_watched(
     })
 }
 
-/// The fit under the known window. A caution is added if line shapes doubt that window and a
+/// The fit under the known window. It is not trusted if line shapes doubt that window and a
 /// fit without it leaves far less.
 ///
 /// # Errors
@@ -123,6 +123,7 @@ fn with_known_window(
         Err(_) => {}
         Ok(other) => {
             let found = window_bias::contradicted(window, [&fit.model, &other.model]);
+            fit.model.quality.trusted &= found.is_none();
             fit.model.quality.findings.extend(found);
         }
     }

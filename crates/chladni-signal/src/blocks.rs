@@ -25,14 +25,7 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
         .responses
         .par_iter()
         .map(|&response| {
-            let averages = Averages::of(
-                group.runs,
-                references,
-                response,
-                setting.window,
-                setting.block,
-                setting.hop(),
-            )?;
+            let averages = Averages::of(group.runs, references, response, setting);
             check(&averages, group)?;
             let lines = (0..averages.lines())
                 .map(|k| estimate_line(&averages, k, setting.estimator))
@@ -57,10 +50,13 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
             }
         }
         if too_few {
-            table.warn_once(Finding::caution(
-                "few-averages",
-                "too few blocks were averaged for a coherence and a variance",
-            ));
+            table.warn_once(
+                Finding::caution(
+                    "few-averages",
+                    "too few blocks were averaged for a coherence and a variance",
+                )
+                .help("measure more blows or a longer record, or set a shorter `block`"),
+            );
         }
     }
     Ok(())

@@ -16,8 +16,7 @@ pub(super) fn is_continuous_random(samples: &[f64]) -> bool {
     if samples.len() < LEAST_SAMPLES || !is_steady(samples) {
         return false;
     }
-    let mut lines = spectrum(samples);
-    lines[0] = Complex64::default();
+    let lines = spectrum_without_mean(samples);
     neighbours(&lines) < LARGEST_NEIGHBOUR && !repeats(lines)
 }
 
@@ -31,8 +30,7 @@ pub(super) fn against_local_fits(runs: &[Run]) -> Option<Forcing> {
             if samples.len() < LEAST_SAMPLES {
                 return None;
             }
-            let mut lines = spectrum(samples);
-            lines[0] = Complex64::default();
+            let lines = spectrum_without_mean(samples);
             if neighbours(&lines) > SMOOTH_NEIGHBOUR {
                 return Some(Forcing::Transient);
             }
@@ -65,9 +63,7 @@ pub(super) fn misses_period(runs: &[Run], block: usize) -> Option<Dof> {
         if whole.len() < LEAST_SAMPLES || course(&samples, block).is_some() {
             return false;
         }
-        let mut lines = spectrum(whole);
-        lines[0] = Complex64::default();
-        repeats(lines)
+        repeats(spectrum_without_mean(whole))
     };
     let reference = (0..references).find(misses)?;
     let run = runs.first()?;
@@ -148,6 +144,12 @@ fn offset(samples: &[f64]) -> f64 {
         true => median,
         false => 0.0,
     }
+}
+
+fn spectrum_without_mean(samples: &[f64]) -> Vec<Complex64> {
+    let mut lines = spectrum(samples);
+    lines[0] = Complex64::default();
+    lines
 }
 
 fn is_steady(samples: &[f64]) -> bool {

@@ -62,13 +62,18 @@ mod lpm;
 mod lrm;
 mod setting;
 mod spectra;
+mod still;
 mod table;
 mod units;
 mod whole_record;
 mod window;
 
-use chladni_frf::{BlockWindow, Dof, Error, Estimation, Estimator, Finding, FrfSet, Result, Run};
+use chladni_frf::{
+    BlockWindow, Channel, Dof, Error, Estimation, Estimator, Finding, FrfSet, Result, Run,
+};
 use setting::{groups, Setting};
+use std::collections::BTreeSet;
+use still::moving;
 use table::Table;
 
 /// Settings of the estimation of FRFs.
@@ -77,10 +82,11 @@ pub struct EstimateOptions {
     /// Estimator; `None`: [`Estimator::Lrm`] for long records of continuous random
     /// excitation where neither window nor overlap is given, else [`Estimator::H1`].
     pub estimator: Option<Estimator>,
-    /// Window; `None`: Hann for one long record, none for several short ones.
+    /// Window; `None`: Hann for one long record, none for several short ones, and for one whose
+    /// force ends before it.
     pub window: Option<BlockWindow>,
-    /// Samples of a block; `None`: the whole record where there are several, else so that
-    /// about [`BLOCKS`] half-overlapped ones fill it. With a local method the sampling rate
+    /// Samples of a block; `None`: the whole record where there are several, or where the
+    /// force ends before it, else so that about [`BLOCKS`] half-overlapped ones fill it. With a local method the sampling rate
     /// over the distance of lines; `None`: as fine as the shortest record allows.
     pub block: Option<usize>,
     /// Overlap of blocks, 0 to 0.95; `None`: two thirds with a Hann window, else none.
@@ -114,6 +120,7 @@ pub struct Estimate {
 /// blocks than references; a block longer than a record; too few lines for a local fit.
 pub fn estimate(runs: &[Run], options: &EstimateOptions) -> Result<Estimate> {
     let rate = common_rate(runs)?;
+    runs.iter().try_for_each(check_channels)?;
     let groups = groups(runs);
     let groups: Vec<Group> = groups.iter().map(|runs| Group::new(runs)).collect();
     groups.iter().try_for_each(Group::check)?;
@@ -127,6 +134,41 @@ pub fn estimate(runs: &[Run], options: &EstimateOptions) -> Result<Estimate> {
         }
     }
     table.finished(runs, &setting, rate)
+}
+
+/// Refuses samples that are not finite, and a DOF that two channels of one side have.
+fn check_channels(run: &Run) -> Result<()> {
+    let wrong = |message: &str, dof: Dof| {
+        Error::bad_data(message)
+            .file(&run.file)
+            .field(format!("channel {dof}"))
+    };
+    let finite = |channel: &&Channel| channel.samples.iter().all(|sample| sample.is_finite());
+    let used = || run.references().chain(run.responses());
+    if let Some(channel) = used().find(|channel| !finite(channel)) {
+        let at = channel
+            .samples
+            .iter()
+            .position(|sample| !sample.is_finite());
+        let at = at.unwrap_or_default();
+        return Err(wrong("a sample that is not finite", channel.dof)
+            .found(format!("{} at sample {}", channel.samples[at], at + 1))
+            .expected("finite samples without gaps")
+            .help("cut the record, or leave this run or channel out"));
+    }
+    let twice = |side: Vec<Dof>| {
+        let mut seen = BTreeSet::new();
+        side.into_iter().find(|dof| !seen.insert(*dof))
+    };
+    let references = run.references().map(|channel| channel.dof).collect();
+    let responses = run.responses().map(|channel| channel.dof).collect();
+    match twice(references).or_else(|| twice(responses)) {
+        None => Ok(()),
+        Some(dof) => Err(wrong("a DOF occurs twice", dof)
+            .found("two channels")
+            .expected("each DOF once among the references, and once among the responses")
+            .help("give the second channel a DOF of its own, or leave it out")),
+    }
 }
 
 /// Sampling rate of all runs, Hz.
@@ -157,6 +199,7 @@ fn common_rate(runs: &[Run]) -> Result<f64> {
 struct Group<'a> {
     runs: &'a [&'a Run],
     references: Vec<Dof>,
+    /// Those that move in at least one run.
     responses: Vec<Dof>,
 }
 
@@ -165,12 +208,13 @@ impl<'a> Group<'a> {
         Self {
             runs,
             references: runs[0].references().map(|channel| channel.dof).collect(),
-            responses: unique(runs.iter().flat_map(|run| run.responses()).map(|c| c.dof)),
+            responses: unique(runs.iter().flat_map(|run| moving(run)).map(|c| c.dof)),
         }
     }
 
     fn check(&self) -> Result<()> {
-        if !self.references.is_empty() && !self.responses.is_empty() {
+        let responses = self.runs[0].responses().count();
+        if !self.references.is_empty() && responses > 0 {
             return Ok(());
         }
         Err(
@@ -178,9 +222,8 @@ impl<'a> Group<'a> {
                 .file(&self.runs[0].file)
                 .field("channels")
                 .found(format!(
-                    "{} references and {} responses",
-                    self.references.len(),
-                    self.responses.len()
+                    "{} references and {responses} responses",
+                    self.references.len()
                 ))
                 .expected("at least one of each")
                 .help(match self.references.is_empty() {

@@ -105,3 +105,10 @@ pub(crate) const HANN_OVERLAP: f64 = 2.0 / 3.0;
 
 /// Largest prime factor of a transform's length: above it transforms slow down.
 pub(crate) const LARGEST_FACTOR: usize = 7;
+
+// window.rs
+
+/// Difference of the means of the third and the last quarter of a block over their own mean, up to
+/// which they tell an offset. Means of noise, or of the rest of an oscillation, agree so in one
+/// case of 16.
+pub(crate) const QUARTERS_AGREE: f64 = 0.2;

@@ -4,6 +4,7 @@
 use super::force_noise::{corrections, Correction, ForceNoise};
 use super::lpm::{LocalLine, Window};
 use super::setting::LocalSetting;
+use super::still::moving;
 use super::table::Table;
 use super::whole_record::{smooth_length, spectrum};
 use super::{lpm, lrm, Group};
@@ -34,7 +35,7 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &LocalSetting
             .iter()
             .filter_map(|dof| run.references().find(|channel| channel.dof == *dof))
             .collect();
-        let responses: Vec<&Channel> = run.responses().collect();
+        let responses: Vec<&Channel> = moving(run).collect();
         let reference_spectra = spectra(&references, samples);
         let room = SPECTRA_BYTES / (size_of::<Complex64>() * samples / 2).max(1);
         let together = room.saturating_sub(references.len()).max(1);
@@ -77,11 +78,11 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &LocalSetting
     }
 }
 
-/// Samples and records of each response.
+/// Samples and records of each response, where it moves.
 fn measured(group: &Group) -> BTreeMap<Dof, (usize, usize)> {
     let mut measured: BTreeMap<Dof, (usize, usize)> = BTreeMap::new();
     for run in group.runs {
-        for channel in run.responses() {
+        for channel in moving(run) {
             let sum = measured.entry(channel.dof).or_default();
             *sum = (sum.0 + run.samples(), sum.1 + 1);
         }

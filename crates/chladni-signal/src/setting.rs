@@ -9,6 +9,7 @@ use chladni_frf::{
     BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Forcing, Result, Run,
 };
 use ndarray::Array1;
+use std::collections::BTreeSet;
 
 /// Setting of the estimation of FRFs.
 pub(super) enum Setting {
@@ -144,16 +145,6 @@ impl Setting {
 /// True where every response was measured once, in a record long enough, under continuous
 /// random excitation.
 fn is_for_lrm(runs: &[Run], block: Option<usize>) -> bool {
-    let once = groups(runs).iter().all(|group| {
-        let mut dofs: Vec<Dof> = group
-            .iter()
-            .flat_map(|run| run.responses().map(|channel| channel.dof))
-            .collect();
-        let count = dofs.len();
-        dofs.sort_unstable();
-        dofs.dedup();
-        dofs.len() == count
-    });
     let long = |run: &Run| {
         let wanted = wanted_lines(run.references().count());
         block.is_none_or(|block| block * wanted <= smooth_length(run.samples()))
@@ -164,7 +155,18 @@ fn is_for_lrm(runs: &[Run], block: Option<usize>) -> bool {
                 .references()
                 .all(|channel| is_continuous_random(&channel.samples))
     };
-    once && runs.iter().all(long) && runs.iter().all(is_random)
+    measured_once(runs) && runs.iter().all(long) && runs.iter().all(is_random)
+}
+
+/// True where each response was measured once under each of its references.
+fn measured_once(runs: &[Run]) -> bool {
+    groups(runs).iter().all(|group| {
+        let mut seen = BTreeSet::new();
+        let responses = group.iter().flat_map(|run| run.responses());
+        responses
+            .map(|channel| channel.dof)
+            .all(|dof| seen.insert(dof))
+    })
 }
 
 impl LocalSetting {
@@ -223,9 +225,12 @@ impl BlockSetting {
 
     fn choose(runs: &[Run], options: &EstimateOptions, estimator: Estimator) -> Result<Self> {
         let shortest = runs.iter().map(Run::samples).min().unwrap_or(0);
-        let alone = groups(runs).iter().all(|group| group.len() == 1);
+        // a blow or a burst ends before its record: the record is the block
+        let course = forcing(runs, options.block.unwrap_or(shortest).max(1));
+        let ends = matches!(course, Some(Forcing::Transient | Forcing::Burst { .. }));
+        let cut = measured_once(runs) && !ends;
         let mut warnings = Vec::new();
-        let window = options.window.unwrap_or(if alone {
+        let window = options.window.unwrap_or(if cut {
             BlockWindow::Hann
         } else {
             BlockWindow::Rectangular
@@ -242,7 +247,7 @@ impl BlockSetting {
                 .expected(format!("0 to {MOST_OVERLAP}")));
         }
         let block = options.block.unwrap_or_else(|| {
-            if !alone {
+            if !cut {
                 return shortest;
             }
             // more overlap than a half gives more blocks, not longer ones

@@ -1,7 +1,9 @@
 //! Averaged products of the transforms of windowed blocks (Welch).
 
-use super::window::{independent_blocks, window_values};
-use chladni_frf::{BlockWindow, Dof, Result, Run};
+use super::setting::BlockSetting;
+use super::still::moving;
+use super::window::{independent_blocks, level, window_values};
+use chladni_frf::{Dof, Run};
 use chladni_linalg::fft::{self, Fft};
 use ndarray::{s, Array3};
 use num_complex::Complex64;
@@ -24,15 +26,14 @@ impl Averages {
         self.products.dim().0
     }
 
-    /// Averages over all runs that hold `response`.
+    /// Averages over all runs in which `response` moves.
     pub(super) fn of(
         runs: &[&Run],
         references: &[Dof],
         response: Dof,
-        window: BlockWindow,
-        block: usize,
-        hop: usize,
-    ) -> Result<Self> {
+        setting: &BlockSetting,
+    ) -> Self {
+        let (window, block, hop) = (setting.window, setting.block, setting.hop());
         let fft = fft::forward(block);
         let lines = block.div_ceil(2) - 1;
         let size = references.len() + 1;
@@ -42,7 +43,7 @@ impl Averages {
             independent: 0.0,
         };
         for run in runs {
-            let Some(answer) = run.responses().find(|channel| channel.dof == response) else {
+            let Some(answer) = moving(run).find(|channel| channel.dof == response) else {
                 continue;
             };
             let drives = references
@@ -59,14 +60,16 @@ impl Averages {
             let mut start = 0;
             let mut count = 0;
             while start + block <= run.samples() {
-                averages.add(&channels, start, &values, &fft, window == BlockWindow::Hann);
+                averages.add(&channels, start, &values, &fft, |block| {
+                    level(window, block)
+                });
                 start += hop;
                 count += 1;
             }
             averages.blocks += count;
             averages.independent += independent_blocks(&values, hop, count);
         }
-        Ok(averages)
+        averages
     }
 
     fn add(
@@ -75,23 +78,18 @@ impl Averages {
         start: usize,
         window: &[f64],
         fft: &Arc<dyn Fft<f64>>,
-        without_mean: bool,
+        level: impl Fn(&[f64]) -> f64,
     ) {
         let block = window.len();
         let spectra: Vec<Vec<Complex64>> = channels
             .iter()
             .map(|samples| {
                 let samples = &samples[start..start + block];
-                // a window spreads the mean over the lines beside 0 Hz
-                let mean = if without_mean {
-                    samples.iter().sum::<f64>() / block as f64
-                } else {
-                    0.0
-                };
+                let level = level(samples);
                 let mut buffer: Vec<Complex64> = samples
                     .iter()
                     .zip(window)
-                    .map(|(x, w)| Complex64::from((x - mean) * w))
+                    .map(|(x, w)| Complex64::from((x - level) * w))
                     .collect();
                 fft.process(&mut buffer);
                 buffer

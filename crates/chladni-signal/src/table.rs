@@ -3,9 +3,10 @@
 use super::clipped::clipped;
 use super::force_noise::Correction;
 use super::setting::Setting;
+use super::still::{self, is_still, moving, still_in_some};
 use super::{units, Estimate, Group};
 use chladni_frf::{
-    Channel, Dof, Error, Estimation, Finding, FrfSet, FrfValues, Geometry, Result, Run,
+    Dof, Error, Estimation, Finding, FrfSet, FrfValues, Geometry, Result, Run, SignalUnit,
 };
 use ndarray::{s, Array3, Axis};
 use num_complex::Complex64;
@@ -148,24 +149,23 @@ impl Table {
     /// # Errors
     /// No response moves.
     fn without_still(&mut self, runs: &[Run]) -> Result<Option<Finding>> {
-        let moves = |channel: &&Channel| !is_still(channel);
         let moving: BTreeSet<Dof> = runs
             .iter()
-            .flat_map(|run| run.responses().filter(moves))
+            .flat_map(moving)
             .map(|channel| channel.dof)
             .collect();
+        self.warnings.extend(still_in_some(runs, &moving));
         let (kept, dofs): (Vec<Dof>, Vec<Dof>) =
             self.responses.iter().partition(|dof| moving.contains(dof));
         let Some(first) = dofs.first() else {
             return Ok(None);
         };
-        let help = "look at the cable and the sensor of that channel";
         if moving.is_empty() {
             return Err(Error::bad_data("no response moves")
                 .field("responses")
                 .found("constant samples in every channel")
                 .expected("at least one response with a signal")
-                .help(help));
+                .help(still::HELP));
         }
         let rows: Vec<usize> = kept.iter().map(|&dof| self.row(dof)).collect();
         self.values = self.values.select(Axis(0), &rows);
@@ -177,7 +177,7 @@ impl Table {
             count => format!("{count} responses are constant, and left out; the first is {first}"),
         };
         let finding = Finding::caution("still-responses", words);
-        Ok(Some(finding.dofs(dofs).help(help)))
+        Ok(Some(finding.dofs(dofs).help(still::HELP)))
     }
 
     /// The FRFs, and how they were made.
@@ -190,6 +190,7 @@ impl Table {
         self.warnings.extend(self.masked_lines(runs)?);
         let still = self.without_still(runs)?;
         self.warnings.extend(still);
+        self.warnings.extend(idle(runs));
         self.warnings.extend(setting.block_not_a_period(runs));
         self.warnings.extend(clipped(runs));
         let (kind, reference_unit) = units::kind_of(runs)?;
@@ -224,10 +225,27 @@ impl Table {
     }
 }
 
-/// True where all samples of a channel are the same.
-fn is_still(channel: &Channel) -> bool {
-    let first = channel.samples.first();
-    channel.samples.iter().all(|sample| Some(sample) == first)
+/// The finding that names drives which neither excite nor answer.
+fn idle(runs: &[Run]) -> Option<Finding> {
+    let channels = || runs.iter().flat_map(Run::idle);
+    let first = channels().next()?;
+    let dofs: BTreeSet<Dof> = channels().map(|channel| channel.dof).collect();
+    let (what, at) = (first.unit.name(), first.dof);
+    let words = match dofs.len() {
+        1 => format!("the {what} at {at} is no reference, and left out"),
+        count => {
+            format!("{count} drives are no reference, and left out; the first is {what} at {at}")
+        }
+    };
+    // a force that acts without being counted is in the responses all the same
+    let acts = channels().any(|channel| channel.unit == SignalUnit::Force && !is_still(channel));
+    let finding = match acts {
+        true => Finding::caution("drives-left-out", words).help(
+            "name each force that acts in `references`; FRFs take the response to others for noise",
+        ),
+        false => Finding::note("drives-left-out", words),
+    };
+    Some(finding.dofs(dofs))
 }
 
 /// The finding of blows, or sweeps, under a Hann window.

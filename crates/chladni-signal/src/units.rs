@@ -11,35 +11,31 @@ pub(super) fn kind_of(runs: &[Run]) -> Result<(Option<FrfKind>, ReferenceUnit)> 
             .field("units")
             .found(b.name())
             .expected(a.name())
-            .help("estimate them apart"))
+            .help(
+                "estimate them apart: `-` in the list of `units` leaves a channel out, as in N,-,m/s",
+            ))
     };
-    let mut seen: [Option<SignalUnit>; 2] = [None, None];
+    let (mut response, mut reference) = (None, None);
     for run in runs {
-        for channel in &run.channels {
-            let slot = &mut seen[usize::from(channel.is_reference)];
-            match *slot {
-                Some(known) if known != channel.unit => {
-                    return disagree(
-                        if channel.is_reference {
-                            "references"
-                        } else {
-                            "responses"
-                        },
-                        known,
-                        channel.unit,
-                        run,
-                    )
-                }
-                _ => *slot = Some(channel.unit),
+        for channel in run.responses() {
+            let known = *response.get_or_insert(channel.unit);
+            if known != channel.unit {
+                return disagree("responses", known, channel.unit, run);
+            }
+        }
+        for channel in run.references() {
+            let known = *reference.get_or_insert(channel.unit);
+            if known != channel.unit {
+                return disagree("references", known, channel.unit, run);
             }
         }
     }
-    let unit = if seen[1] == Some(SignalUnit::Volt) {
+    let unit = if reference == Some(SignalUnit::Volt) {
         ReferenceUnit::Volt
     } else {
         ReferenceUnit::Newton
     };
-    let kind = match (seen[0], seen[1]) {
+    let kind = match (response, reference) {
         (Some(response), Some(SignalUnit::Force | SignalUnit::Volt)) => response.frf_kind(),
         _ => None,
     };

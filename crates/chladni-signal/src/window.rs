@@ -1,5 +1,6 @@
 //! Windows of blocks.
 
+use crate::limits::QUARTERS_AGREE;
 use chladni_frf::BlockWindow;
 use std::f64::consts::PI;
 
@@ -31,6 +32,34 @@ pub(super) fn independent_blocks(window: &[f64], hop: usize, count: usize) -> f6
         .map(|k| (1.0 - k as f64 / count as f64) * correlation(k * hop))
         .sum();
     count as f64 / (1.0 + 2.0 * sum)
+}
+
+/// Level to take off the samples of a block, as a window spreads it over the lines beside 0 Hz:
+/// under a Hann window the mean, of what dies out the offset of the sensor. 0 without a window.
+pub(super) fn level(window: BlockWindow, samples: &[f64]) -> f64 {
+    match window {
+        BlockWindow::Rectangular => 0.0,
+        BlockWindow::Hann => samples.iter().sum::<f64>() / samples.len() as f64,
+        BlockWindow::Exponential { .. } => offset(samples),
+    }
+}
+
+/// Offset of a sensor whose signal dies out: the mean of the last half. 0 where its two quarters
+/// do not agree on one, so that the rest of an oscillation is not taken for an offset.
+fn offset(samples: &[f64]) -> f64 {
+    let quarter = samples.len() / 4;
+    let taper = window_values(BlockWindow::Hann, quarter, 1.0);
+    let mean = |samples: &[f64]| {
+        let sum: f64 = samples.iter().zip(&taper).map(|(x, w)| x * w).sum();
+        sum / taper.iter().sum::<f64>()
+    };
+    let third = mean(&samples[samples.len() - 2 * quarter..][..quarter]);
+    let last = mean(&samples[samples.len() - quarter..]);
+    let offset = 0.5 * (third + last);
+    match (third - last).abs() < QUARTERS_AGREE * offset.abs() {
+        true => offset,
+        false => 0.0,
+    }
 }
 
 #[cfg(test)]

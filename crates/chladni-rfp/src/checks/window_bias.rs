@@ -70,7 +70,7 @@ pub(crate) fn contradicted(window: Window, models: [&ModalModel; 2]) -> Option<F
         100.0 * under
     );
     (less > limits::CONTRADICTS).then(|| {
-        Finding::caution("window-contradicted", words)
+        Finding::fault("window-contradicted", words)
             .value("relative_error", under)
             .value("relative_error_without", plain)
             .help("say that there was no window, or which other one")

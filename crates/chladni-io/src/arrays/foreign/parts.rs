@@ -28,7 +28,7 @@ pub(super) fn linear_label<'l>(source: Source<'_>, label: &'l str) -> Result<&'l
 }
 
 fn without_reference(entry: &Entry, label: &str) -> Error {
-    Error::bad_data("values in dB, of which nobody can make an FRF")
+    Error::bad_data("values in dB without a reference value")
         .field(&entry.path)
         .found(format!("unit `{label}`"))
         .expected("linear values, or a magnitude with its reference: `dB re 1 m/s/N`")
