@@ -50,8 +50,8 @@ fn one_record_whose_force_ends_before_it_is_one_block() {
         let moving = channel("1:+Z", SignalUnit::Velocity, echo.collect());
         let record = run(vec![channel("101:+Z", SignalUnit::Force, x), moving]);
         let h1 = EstimateOptions {
-            block: None,
-            ..options(Estimator::H1)
+            estimator: Some(Estimator::H1),
+            ..EstimateOptions::default()
         };
         let result = estimate(&[record], &h1).unwrap();
         assert_eq!(result.estimation.window, window, "{acting}");
