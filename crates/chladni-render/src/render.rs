@@ -136,7 +136,10 @@ fn render_tone(
         None => "whole model",
     };
     let counted = options.actuators != Count::All;
-    findings.extend(found.shortcomings(&outcome, ceiling.as_ref(), counted, through));
+    let [_, replayed, _] = found.judge.served(&found.drive);
+    findings.extend(found.shortcomings(&outcome, ceiling.as_ref(), counted, (through, replayed)));
+    // the whole model has the last word on what fewer modes promise
+    let keeps = measured.is_some() || replayed >= outcome.indices.points.success_ratio;
     let (setup, drive, method) = (&found.setup, &found.drive, found.method);
     // pressure matching and the baselines stay quick without it; a scene that is not met has no
     // use for it
@@ -161,6 +164,7 @@ fn render_tone(
         ceiling,
         endurance,
         modal: found.solution.modal,
+        feasible: feasible && keeps,
         touch,
         findings: findings.into(),
         ..outcome.weights(setup, scene, drive, method)
@@ -273,21 +277,27 @@ impl Found {
     ///
     /// * `counted`: true where fewer actuators than all were asked for; only then is ground
     ///   between the responses looked at
-    /// * `through`: the name of what it is replayed through
+    /// * `through`: the name of what it is replayed through, with the part that it serves there
     fn shortcomings(
         &self,
         outcome: &Outcome,
         ceiling: Option<&Ceiling>,
         counted: bool,
-        through: &str,
+        (through, replayed): (&str, f64),
     ) -> Vec<Finding> {
         let (setup, points) = (&self.setup, &outcome.indices.points);
         let feasible = outcome.is_feasible();
         let mut findings = Vec::new();
         if !feasible {
-            findings.push(shortfall(points, ceiling, &setup.limits, self.method));
+            let of_some = self.fewer.is_some().then_some(self.actuators);
+            findings.push(shortfall(
+                points,
+                ceiling,
+                of_some,
+                &setup.limits,
+                self.method,
+            ));
         }
-        let [_, replayed, _] = self.judge.served(&self.drive);
         let modes = [setup.modes.len(), self.all_modes];
         findings.extend(replayed_worse(replayed, points, modes, through));
         let area = outcome.indices.area.filter(|_| feasible && counted);

@@ -22,8 +22,8 @@ use ndarray::{concatenate, Array2, ArrayView2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-/// The contrast that a scene asks for, that its panel can give at most, and that the
-/// drive reached.
+/// The contrast that a scene asks for, that its panel can give at most with the actuators in
+/// use, and that the drive reached.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ceiling {
     /// No drive within the force limits gives more, dB: least hot amplitude over the

@@ -48,8 +48,10 @@ pub struct SweptFrequency {
 pub struct FrequencySweep {
     /// Rising.
     pub frequencies: Vec<SweptFrequency>,
-    /// The best of them in the fitted band: most responses served, touched ones first; among
-    /// equals the largest κ. `None` where no response is served anywhere in the band.
+    /// The best of them in the fitted band. Where every response is served at some of them: of
+    /// these the one with most responses under a finger, or the largest κ under the fingers of
+    /// the scene; else the one that serves most. Among equals the largest κ. `None` where no
+    /// response is served anywhere in the band.
     pub suggested_hz: Option<f64>,
 }
 
@@ -111,28 +113,29 @@ pub fn sweep(
 
 /// The best of some frequencies: see [`FrequencySweep::suggested_hz`].
 fn suggested_hz(model: &ModalModel, frequencies: &[SweptFrequency]) -> Option<f64> {
+    let in_band = || {
+        let frequencies = frequencies.iter();
+        frequencies.filter(|f| is_in_band(model, f.frequency_hz))
+    };
+    let is_met = |f: &&SweptFrequency| f.success_ratio == 1.0;
+    let some_met = in_band().any(|f| is_met(&f));
     let key = |f: &SweptFrequency| {
-        if let Some(kappa) = f.touched_kappa {
-            return [kappa, f.success_ratio, f.kappa.unwrap_or(f64::INFINITY)];
-        }
-        [
-            f.touched_ratio.unwrap_or(f.success_ratio),
-            f.success_ratio,
-            f.kappa.unwrap_or(f64::INFINITY),
-        ]
+        let touched = f.touched_kappa.or(f.touched_ratio).filter(|_| some_met);
+        let kappa = f.kappa.unwrap_or(f64::INFINITY);
+        [touched.unwrap_or(f.success_ratio), kappa]
     };
     let better = |best: &SweptFrequency, f: &SweptFrequency| {
         let (a, b) = (key(f), key(best));
         a[0] > b[0] + tolerances::SAME_SUCCESS
-            || ((a[0] - b[0]).abs() <= tolerances::SAME_SUCCESS && a[1..] > b[1..])
+            || ((a[0] - b[0]).abs() <= tolerances::SAME_SUCCESS && a[1] > b[1])
     };
-    let best = frequencies
-        .iter()
-        .filter(|f| is_in_band(model, f.frequency_hz))
-        .fold(None, |best: Option<&SweptFrequency>, f| match best {
+    let best = in_band().filter(|f| is_met(f) || !some_met).fold(
+        None,
+        |best: Option<&SweptFrequency>, f| match best {
             Some(best) if !better(best, f) => Some(best),
             _ => Some(f),
-        });
+        },
+    );
     best.filter(|best| best.success_ratio > 0.0)
         .map(|best| best.frequency_hz)
 }

@@ -36,9 +36,13 @@ pub(crate) fn replayed_worse(
 
 /// Tells what an infeasible scene got instead, what physics would allow, and what could
 /// help.
+///
+/// * `of_some`: number of the actuators that were chosen, where others were left out: what the
+///   ceiling proves holds for these alone
 pub(crate) fn shortfall(
     points: &PointIndices,
     ceiling: Option<&Ceiling>,
+    of_some: Option<usize>,
     limits: &Limits,
     method: Method,
 ) -> Finding {
@@ -56,8 +60,16 @@ pub(crate) fn shortfall(
             .value("possible_db", ceiling.possible_db)
             .value("asked_db", ceiling.asked_db)
     };
-    let finding = match ceiling {
-        Some(ceiling) if ceiling.forbids() => {
+    let finding = match (ceiling, of_some) {
+        (Some(ceiling), Some(actuators)) if ceiling.forbids() => {
+            let [possible, asked] = ceiling.in_words();
+            let words = format!(
+                "the scene is not met: the {actuators} actuators chosen give at most {possible} dB, \
+                 asked {asked} dB; {served}, with {contrast}"
+            );
+            of_ceiling(Finding::fault("scene-not-met", words), ceiling)
+        }
+        (Some(ceiling), None) if ceiling.forbids() => {
             let [possible, asked] = ceiling.in_words();
             let words = format!(
                 "the scene is impossible: possible {possible} dB, asked {asked} dB (certified: no \
@@ -66,7 +78,7 @@ pub(crate) fn shortfall(
             );
             of_ceiling(Finding::fault("scene-impossible", words), ceiling)
         }
-        Some(ceiling) => {
+        (Some(ceiling), _) => {
             let words = format!(
                 "the scene is not met: possible at most {:.1} dB, asked {:.1} dB, found {:.1} dB; \
                  {served}, with {contrast}",
@@ -74,7 +86,7 @@ pub(crate) fn shortfall(
             );
             of_ceiling(Finding::fault("scene-not-met", words), ceiling)
         }
-        None => {
+        (None, _) => {
             let words = format!(
                 "the scene is not met: {served}, with {contrast} where {:.1} dB are needed",
                 limits.apart_db()

@@ -12,7 +12,7 @@ use crate::scene::drift::Drift;
 use crate::scene::limits::Limits;
 use crate::scene::plane::{Position, Rectangle};
 use crate::scene::scene_file::Scene;
-use crate::scene::zones::{check_zones, Ground, ZoneMap};
+use crate::scene::zones::{check_zones, Ground, PolygonKind, ZoneLayout, ZoneMap};
 use crate::tolerances;
 use crate::touch::TouchPlan;
 use chladni_frf::{Error, Finding, ModalModel, ReferenceUnit, Result, Trust};
@@ -279,6 +279,7 @@ pub(crate) fn scene_findings(scene: &Scene, operator: &Operator, zones: &ZoneMap
         );
         findings.push(Finding::caution("area-beyond-responses", words));
     }
+    findings.extend(unmeasured_zones(scene, operator, zones));
     let (zone_count, actuators) = (zones.hot_outlines().len(), operator.references.len());
     if actuators > 1 && zone_count > actuators {
         let words = format!(
@@ -297,6 +298,30 @@ pub(crate) fn scene_findings(scene: &Scene, operator: &Operator, zones: &ZoneMap
         findings.push(finding.help("use more actuators"));
     }
     findings
+}
+
+/// The finding on hot polygons that hold no response: nothing says whether they are felt. Cells of
+/// a grid may be finer than the responses.
+fn unmeasured_zones(scene: &Scene, operator: &Operator, zones: &ZoneMap) -> Option<Finding> {
+    let ZoneLayout::Polygons(polygons) = &scene.zones.layout else {
+        return None;
+    };
+    let is_hot = |k: &usize| polygons[*k].kind == PolygonKind::Hot;
+    // as they are counted in the scene
+    let hot: Vec<usize> = (0..polygons.len()).filter(is_hot).collect();
+    let empty = zones.hot_without(&operator.positions_m);
+    let numbers: Vec<String> = empty.iter().map(|&k| (hot[k] + 1).to_string()).collect();
+    (!numbers.is_empty()).then(|| {
+        let words = format!(
+            "no response lies in hot polygon {}, outside its transition: nothing says whether it is \
+             felt",
+            numbers.join(", ")
+        );
+        Finding::caution("zone-without-response", words).help(
+            "check its corners against the positions of the nodes (metres), and transition_m \
+             against their spacing",
+        )
+    })
 }
 
 /// Refuses a scene without hot or without cold responses.

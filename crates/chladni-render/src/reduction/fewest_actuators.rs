@@ -73,8 +73,8 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
     let forced = subset.columns.len().saturating_sub(target);
     let finding = (count != Count::Auto && forced > 0).then(|| {
         let words = format!(
-            "{} actuators serve every response of this scene, {target} were asked for: the weakest \
-             {forced} were left out",
+            "{} actuators were found that serve every response, {target} were asked for: the \
+             weakest {forced} were left out; other {target} may serve more",
             subset.columns.len()
         );
         Finding::caution("too-few-actuators", words)

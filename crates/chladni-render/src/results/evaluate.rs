@@ -6,13 +6,14 @@ use crate::judging::shortcomings::strength;
 use crate::panel::drive::Drive;
 use crate::panel::field::{AreaField, Field};
 use crate::panel::operator::Operator;
-use crate::problems::setup::{lay_zones, scene_findings};
+use crate::problems::setup::{drive_limits, lay_zones, scene_findings};
 use crate::results::weights::Weights;
 use crate::rig::{gain_of, Calibrated};
 use crate::scene::drift::Drift;
 use crate::scene::limits::Limits;
 use crate::scene::scene_file::Scene;
 use crate::scene::zones::ZoneMap;
+use crate::tolerances;
 use chladni_frf::{Dof, Error, Finding, FrfSet, ModalModel, Result};
 
 /// The data that the weights are judged on.
@@ -61,9 +62,49 @@ pub fn evaluate(weights: &Weights, scene: &Scene, on: On) -> Result<Evaluation> 
         .iter()
         .map(|tone| evaluate_tone(tone, scene, on))
         .collect::<Result<_>>()?;
-    Ok(Evaluation {
+    let mut all = Evaluation {
         other_tones,
         ..first
+    };
+    all.findings.extend(silent_tones(weights, scene));
+    Ok(all)
+}
+
+/// The finding on tones of a scene that the weights, made for others of them, do not have.
+fn silent_tones(weights: &Weights, scene: &Scene) -> Option<Finding> {
+    let tones = scene.tones();
+    let driven: Vec<f64> = weights
+        .tones()
+        .filter_map(|tone| Some(scene.tone_at(tone.frequency_hz)?.frequency_hz))
+        .collect();
+    let silent: Vec<&Scene> = tones
+        .iter()
+        .filter(|tone| !driven.contains(&tone.frequency_hz))
+        .collect();
+    if driven.is_empty() || silent.is_empty() {
+        return None;
+    }
+    let silent: Vec<String> = silent
+        .iter()
+        .map(|tone| tone.frequency_hz.to_string())
+        .collect();
+    let words = format!(
+        "the scene has a tone at {} Hz for which there are no weights: it is not judged",
+        silent.join(", ")
+    );
+    Some(Finding::caution("tone-without-drive", words).help("render the scene again"))
+}
+
+/// The finding on a drive that a scene does not allow.
+fn beyond_limit(scene: &Scene, operator: &Operator, drive: &Drive) -> Option<Finding> {
+    // limits in another unit are those of another model
+    let (limits, _) = drive_limits(scene, operator.unit).ok()?;
+    let times = limits.allowed_gain(drive).recip();
+    let words = format!("the drive is {times:.3} times {}", limits.binding(drive));
+    (times > 1.0 + tolerances::AT_LIMIT).then(|| {
+        Finding::caution("drive-beyond-limit", words)
+            .value("times_limit", times)
+            .help("render the scene with this limit")
     })
 }
 
@@ -154,6 +195,7 @@ pub(crate) fn laid(weights: &Weights, scene: &Scene, on: On) -> Result<Laid> {
     let zones = lay_zones(&scene, &operator);
     let mut findings = scene_findings(&scene, &operator, &zones);
     findings.extend(other_frequency);
+    findings.extend(beyond_limit(&scene, &operator, &drive));
     Ok(Laid {
         operator,
         drive,

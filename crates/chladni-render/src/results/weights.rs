@@ -46,8 +46,8 @@ pub struct Weights {
     pub modes_used: usize,
     /// Weights that are not zero.
     pub actuators_used: usize,
-    /// No judged response misses its limit in the model, within the force limits, at this
-    /// frequency and all others.
+    /// No judged response misses its limit in the model, nor with all of its modes, within the
+    /// force limits, at this frequency and all others.
     pub feasible: bool,
     /// Every judged response keeps its limit under model errors of so many standard
     /// deviations; negative where one misses.
@@ -180,9 +180,13 @@ impl Weights {
             ),
             ("drive-outside-band", "only in a model of other frequencies"),
             ("field-of-residuals", "only in a model without modes"),
+            ("zone-without-response", "a hot zone holds no response"),
         ];
         if let Some((_, why)) = of_model.iter().find(|(code, _)| finding(code).is_some()) {
             return Some((*why).into());
+        }
+        if finding("replayed-worse").is_some() {
+            return Some(format!("only in the model with {} modes", self.modes_used));
         }
         finding("rig-sensitive")?;
         let on_drive = finding("mode-on-drive").map(|finding| finding.modes.first());

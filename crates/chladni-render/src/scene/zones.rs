@@ -204,6 +204,21 @@ impl ZoneMap {
         &self.hot
     }
 
+    /// Hot polygons without any hot one of the `places`: numbers from 0, in the order of
+    /// [`Self::hot_outlines`].
+    pub(crate) fn hot_without(&self, places: &[Position]) -> Vec<usize> {
+        let hot: Vec<Position> = places
+            .iter()
+            .copied()
+            .filter(|&place| self.classify(place) == Ground::Hot)
+            .collect();
+        let is_empty =
+            |outline: &[Position]| !hot.iter().any(|&place| polygon_contains(outline, place));
+        (0..self.hot.len())
+            .filter(|&k| is_empty(&self.hot[k]))
+            .collect()
+    }
+
     /// Width of the transition on each side of a hot border, m.
     pub fn transition_m(&self) -> f64 {
         self.transition_m

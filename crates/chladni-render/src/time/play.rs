@@ -115,6 +115,7 @@ pub fn play(
     };
     let of_voices = stage.voices.iter().flat_map(|voice| &voice.findings);
     let mut findings: Vec<Finding> = of_voices.cloned().collect();
+    findings.extend(given.and_then(|weights| tones_not_played(weights, scene)));
     let take = rehearsal.shortest(&mut findings)?;
     findings.extend(take.limited);
     let driven = take.driven;
@@ -148,6 +149,21 @@ pub fn play(
         plain,
         findings,
     })
+}
+
+/// The finding on tones of the weights that the scene does not have.
+fn tones_not_played(weights: &Weights, scene: &Scene) -> Option<Finding> {
+    let others: Vec<String> = weights
+        .tones()
+        .filter(|tone| scene.tone_at(tone.frequency_hz).is_none())
+        .map(|tone| tone.frequency_hz.to_string())
+        .collect();
+    let words = format!(
+        "the weights have a tone at {} Hz that the scene does not have: it is not played",
+        others.join(", ")
+    );
+    (!others.is_empty())
+        .then(|| Finding::caution("tone-not-played", words).help("play the scene of these weights"))
 }
 
 /// A scene whose ramps are not all known.
