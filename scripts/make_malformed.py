@@ -199,7 +199,7 @@ def universal_shapes():
         ("ids-only", IDS, "too short"),
         ("no-reals", IDS + types(1, 2, 2, 8, 2, 3) + f"{2:10}{4:10}{1:10}{1:10}\n", "too short"),
         ("node-without-values", head + good + f"{6:10}\n", "too short"),
-        ("node-twice", head + good + good, "stands twice"),
+        ("node-twice", head + good + good, "occurs twice"),
         ("node-zero", head + good.replace("         5", "         0"), "must be positive"),
         ("values-text", head + good.replace(e13(2), "         high"), "text instead of a number"),
         ("values-stars", head + good.replace(e13(2), "*" * 13), "did not fit its field"),
@@ -219,7 +219,7 @@ def universal_shapes():
         ("location", f"{1:10}\nMode 1\n{4:10}\n{IDS}" + types(1, 2, 2, 8, 2, 3) + integers + zeros * 2 + good, "unknown code"),
         ("no-reals", start + types(1, 2, 2, 8, 2, 3) + integers, "too short"),
         ("node-without-values", start + types(1, 2, 2, 8, 2, 3) + integers + zeros * 2 + f"{6:10}\n", "too short"),
-        ("node-twice", start + types(1, 2, 2, 8, 2, 3) + integers + zeros * 2 + good + good, "stands twice"),
+        ("node-twice", start + types(1, 2, 2, 8, 2, 3) + integers + zeros * 2 + good + good, "occurs twice"),
         ("data-type", start + types(1, 2, 2, 8, 7, 3) + integers + zeros * 2 + good, "unknown code"),
         ("components", start + types(1, 2, 2, 8, 2, -3) + integers + zeros * 2 + good, "unknown code"),
         ("values-text", start + types(1, 2, 2, 8, 2, 3) + integers + zeros * 2 + good.replace(e13(2), "         high"), "text instead of a number"),
@@ -269,7 +269,7 @@ def tables():
         case("csv-cell", f"{k}.csv", rows.replace("0.3", word), "not a finite number", found=word)
     for name, text, message in (
         ("falls", rows.replace("3.0,", "1.5,"), "falls"),
-        ("twice", rows.replace("3.0,", "2.0,"), "stands twice"),
+        ("twice", rows.replace("3.0,", "2.0,"), "occurs twice"),
         ("falls-at-once", rows.replace("1.0,", "9.0,"), "falls"),
     ):
         case("csv-axis", name + ".csv", text, message, found="after")
@@ -613,8 +613,8 @@ MESSAGES = {
     '`here` is no DOF': ['csv-remark/response-here.csv'],
     '`speed` is no FRF kind': ['csv-remark/frf_kind-speed.csv', 'h5-attributes/kind.h5'],
     '`x` is no time sign': ['csv-remark/time_sign-x.csv', 'h5-attributes/time-sign.h5'],
-    'a DOF stands twice': ['model-sizes/response-twice.json'],
-    'a node stands twice': ['model-sizes/node-twice.json'],
+    'a DOF occurs twice': ['model-sizes/response-twice.json'],
+    'a node occurs twice': ['model-sizes/node-twice.json'],
     'a row of another length': ['csv-long/short-row.csv', 'csv-row-length/cut.csv'],
     'a selection either keeps or drops': ['selection/both.toml'],
     'a unit factor must be positive': ['uff-units/negative.uff', 'uff-units/zero.uff'],

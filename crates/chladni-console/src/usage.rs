@@ -202,7 +202,7 @@ fn reason(answer: &clap::Error) -> Option<&Error> {
     std::error::Error::source(answer).and_then(|reason| reason.downcast_ref())
 }
 
-/// True for an option that stands twice, which clap calls a conflict with itself.
+/// True for an option that occurs twice, which clap calls a conflict with itself.
 fn is_twice(answer: &clap::Error) -> bool {
     let of = |kind| context(answer, kind);
     let argument = of(ContextKind::InvalidArg);

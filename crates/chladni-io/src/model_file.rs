@@ -142,7 +142,7 @@ fn check(model: &ModalModel) -> Result<()> {
     ] {
         let mut seen = std::collections::HashSet::new();
         if let Some(twice) = dofs.iter().find(|dof| !seen.insert(**dof)) {
-            return Err(Error::bad_data("a DOF stands twice")
+            return Err(Error::bad_data("a DOF occurs twice")
                 .field(field)
                 .found(twice)
                 .expected("every DOF once"));
@@ -159,7 +159,7 @@ fn check(model: &ModalModel) -> Result<()> {
         let field = format!("nodes, label {}", node.label);
         within(&field, node.xyz_m, FARTHEST_M)?;
         if !labels.insert(node.label) {
-            return Err(Error::bad_data("a node stands twice")
+            return Err(Error::bad_data("a node occurs twice")
                 .field("nodes")
                 .found(node.label)
                 .expected("every node once"));

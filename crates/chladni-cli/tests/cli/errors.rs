@@ -28,7 +28,7 @@ fit unknown.unv|65|bad_data|no FRF|dataset 999
 fit binary.dat|65|bad_data|binary.dat|binary file|UFF 58
 fit empty.csv|65|bad_data|empty.csv|0 bytes
 fit notes.txt|65|bad_data|notes.txt|line 1|measured on Monday|f,re,im
-fit twice.csv|65|bad_data|twice.csv|line 3|stands twice
+fit twice.csv|65|bad_data|twice.csv|line 3|occurs twice
 fit decibel.csv|65|bad_data|decibel.csv|column 2|mag [dB]|dB re 1
 fit headless.csv|65|bad_data|headless.csv|no row
 fit direction.csv|65|bad_data|direction.csv|line 2|found 9|-6 to 6

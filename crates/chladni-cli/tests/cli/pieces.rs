@@ -372,7 +372,7 @@ fn what_was_read_or_fitted_otherwise_is_not_resumed() {
         left_by_a_killed_run(&folder, line, output);
         let left = folder.read(&format!("{output}.resume"));
         for &(other, field, were, is) in others {
-            // the last of an option that stands twice is refused by the command line
+            // the last of an option that occurs twice is refused by the command line
             let name = other.split(' ').next().unwrap();
             let words: Vec<&str> = line.split(' ').collect();
             let at = words.iter().position(|word| *word == name);

@@ -182,7 +182,7 @@ fn refuse_two_forms(table: &Table, heads: &[Head], groups: &[Group]) -> Result<(
             && table.keyword("y axis type", group.first).is_none()
         {
             return Err(Error::bad_data(
-                "one FRF stands twice, as real and imaginary part and as magnitude and phase",
+                "one FRF occurs twice, as real and imaginary part and as magnitude and phase",
             )
             .field(format!("column {}", group.first + 1))
             .found(&table.names[group.first])

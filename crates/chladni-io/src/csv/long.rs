@@ -225,7 +225,7 @@ impl LongTable<'_> {
             });
             if let Some(before) = pairs[at].rows.last().filter(|before| f <= before.1) {
                 let what = if f == before.1 {
-                    "a frequency stands twice for one pair"
+                    "a frequency occurs twice for one pair"
                 } else {
                     "the frequency axis falls"
                 };

@@ -36,7 +36,7 @@ fn frequency_axis(table: &Table, said: &Said) -> Result<Vec<f64>> {
     for (k, pair) in raw.windows(2).enumerate() {
         if pair[1] <= pair[0] {
             let what = if pair[1] == pair[0] {
-                "a frequency stands twice"
+                "a frequency occurs twice"
             } else {
                 "the frequency axis falls"
             };

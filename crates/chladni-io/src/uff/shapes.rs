@@ -25,7 +25,7 @@ use std::collections::HashSet;
 ///
 /// # Errors
 /// A record that is missing, a field that is no number, a node without all its values or
-/// that stands twice.
+/// that occurs twice.
 pub(super) fn read<'a>(
     number: u32,
     line: u64,
@@ -102,7 +102,7 @@ fn read_values<'a>(
         reader.last_line = record.line;
         let node = node_label(record, reader.warnings)?;
         if !seen.insert(node) {
-            return Err(Error::bad_data("a node stands twice")
+            return Err(Error::bad_data("a node occurs twice")
                 .at_line(record.line)
                 .field("node")
                 .found(node)
@@ -301,7 +301,7 @@ mod tests {
         .unwrap_err()
         .to_string();
         assert!(
-            twice.contains("stands twice") && twice.contains("line 11"),
+            twice.contains("occurs twice") && twice.contains("line 11"),
             "{twice}"
         );
     }

@@ -237,7 +237,7 @@ fn what_is_wrong_is_named_with_line_or_field() {
         (
             "\"responses\": [\"1:+Z\"",
             "\"responses\": [\"2:-Z\"",
-            &["responses", "stands twice", "2:-Z"],
+            &["responses", "occurs twice", "2:-Z"],
         ),
         (
             "\"responses\": [\"1:+Z\", ",

@@ -276,3 +276,35 @@ pub(crate) fn mode_near(model: &ModalModel, frequency_hz: f64) -> Option<f64> {
     near.map(|mode| mode.frequency_hz)
         .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_model::test_model;
+    use chladni_frf::Damping;
+
+    #[test]
+    fn a_frequency_that_serves_every_response_is_better_than_one_that_a_finger_spares() {
+        let swept = |frequency_hz, success_ratio, touched: f64, kappa| SweptFrequency {
+            frequency_hz,
+            kappa: Some(kappa),
+            success_ratio,
+            touched_ratio: Some(touched),
+            touched_kappa: None,
+            largest_drive: 1.0,
+            on_mode_hz: None,
+        };
+        let model = test_model(Damping::Structural, &[(60.0, 0.01), (120.0, 0.01)], [4, 2]);
+        let [low_hz, high_hz] = model.band_hz;
+        let at = |part: f64| low_hz + part * (high_hz - low_hz);
+        let best = |swept: &[SweptFrequency]| suggested_hz(&model, swept).unwrap();
+        let met = swept(at(0.2), 1.0, 0.875, 1.1);
+        let spared = swept(at(0.4), 0.917, 0.917, -13.2);
+        let held = swept(at(0.6), 1.0, 0.9, 0.5);
+        assert_eq!(best(&[met, spared]), met.frequency_hz);
+        assert_eq!(best(&[met, spared, held]), held.frequency_hz);
+        // none is met: the nearest to it
+        let nearer = swept(at(0.8), 0.917, 0.5, -5.7);
+        assert_eq!(best(&[spared, nearer]), nearer.frequency_hz);
+    }
+}

@@ -74,7 +74,7 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
     let finding = (count != Count::Auto && forced > 0).then(|| {
         let words = format!(
             "{} actuators were found that serve every response, {target} were asked for: the \
-             weakest {forced} were left out; other {target} may serve more",
+             weakest ({forced}) were left out; other {target} may serve more",
             subset.columns.len()
         );
         Finding::caution("too-few-actuators", words)

@@ -186,7 +186,12 @@ impl Weights {
             return Some((*why).into());
         }
         if finding("replayed-worse").is_some() {
-            return Some(format!("only in the model with {} modes", self.modes_used));
+            let noun = if self.modes_used == 1 {
+                "mode"
+            } else {
+                "modes"
+            };
+            return Some(format!("only in the model with {} {noun}", self.modes_used));
         }
         finding("rig-sensitive")?;
         let on_drive = finding("mode-on-drive").map(|finding| finding.modes.first());
@@ -286,7 +291,7 @@ impl Weights {
         for weight in &self.weights {
             weight.check()?;
             if !seen.insert((weight.reference.node, weight.reference.direction.axis())) {
-                return Err(Error::bad_data("an actuator stands twice")
+                return Err(Error::bad_data("an actuator occurs twice")
                     .field("weights")
                     .found(weight.reference)
                     .expected("each actuator once"));

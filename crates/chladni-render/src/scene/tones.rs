@@ -85,7 +85,7 @@ pub(crate) fn read_tones(value: &Value) -> Result<Vec<Tone>> {
                 .any(|tone| is_same(tone.frequency_hz, frequency_hz))
             {
                 return Err(value.error(
-                    "a frequency stands twice",
+                    "a frequency occurs twice",
                     "each frequency once, and bands that do not touch",
                 ));
             }

@@ -200,6 +200,52 @@ fn silence_scores_the_cold_points() {
 }
 
 #[test]
+fn limits_and_tones_of_the_scene_that_weights_do_not_keep_are_named() {
+    let (scene, rendering) = corner();
+    let found = |scene: &Scene, code: &str| {
+        let evaluation = evaluate(&rendering.weights, scene, On::Model(truth())).unwrap();
+        let mut findings = evaluation.findings.into_iter();
+        findings.find(|finding| finding.code == code)
+    };
+    let largest = rendering.weights.indices.points.max_force_n.unwrap();
+    let at_most =
+        |limit: f64| cell_scene([2, 2], 1, &format!("[actuators]\nmax_force_n = {limit}"));
+    let beyond = found(&at_most(0.1 * largest), "drive-beyond-limit").unwrap();
+    assert!(beyond.text.contains("10.000 times"), "{beyond:?}");
+    assert!(found(&at_most(largest), "drive-beyond-limit").is_none());
+    let zones = "[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n";
+    let two = crate::common::scene(&format!("frequency_hz = [300.0, 310.0]\n{zones}"));
+    let silent = found(&two, "tone-without-drive").unwrap();
+    assert!(silent.text.contains("310 Hz"), "{silent:?}");
+    assert!(found(&scene, "tone-without-drive").is_none());
+}
+
+#[test]
+fn a_hot_polygon_without_a_response_is_named() {
+    let square = |x: f64| {
+        let far = x + 0.1;
+        format!("[[{x}, 0.02], [{far}, 0.02], [{far}, 0.06], [{x}, 0.06]]")
+    };
+    let polygon = |kind: &str, points: String| {
+        format!("[[zones.polygon]]\nkind = \"{kind}\"\npoints_m = {points}\n")
+    };
+    let scene = |second: String| {
+        let [ignored, first] = [polygon("ignore", square(0.2)), polygon("hot", square(0.0))];
+        crate::common::scene(&format!(
+            "frequency_hz = 300.0\n[zones]\n{ignored}{first}{second}"
+        ))
+    };
+    let of = |scene: &Scene| {
+        let weights = render(truth(), scene, &Default::default()).unwrap().weights;
+        let mut findings = weights.findings.iter().cloned();
+        findings.find(|finding| finding.code == "zone-without-response")
+    };
+    assert!(of(&scene(String::new())).is_none());
+    let far = of(&scene(polygon("hot", square(1.0)))).unwrap();
+    assert!(far.text.contains("polygon 3"), "{far:?}");
+}
+
+#[test]
 fn motion_far_above_the_threshold_is_warned_about() {
     let (scene, mut rendering) = corner();
     rendering

@@ -182,6 +182,15 @@ fn the_measured_line_judges_how_many_modes_are_enough() {
 }
 
 #[test]
+fn what_some_actuators_cannot_is_not_impossible() {
+    let scene = at(300.0, [2, 2], 1);
+    let weights = with_actuators(truth(), &scene, Count::Number(3)).weights;
+    let has = |code: &str| weights.findings.iter().any(|finding| finding.code == code);
+    assert!(!weights.feasible && weights.ceiling.unwrap().forbids());
+    assert!(has("too-few-actuators") && has("scene-not-met") && !has("scene-impossible"));
+}
+
+#[test]
 fn where_too_few_modes_are_asked_for_the_replay_says_so() {
     let scene = at(335.0, [2, 2], 1);
     let options = RenderOptions {
@@ -191,6 +200,9 @@ fn where_too_few_modes_are_asked_for_the_replay_says_so() {
     };
     let weights = render(truth(), &scene, &options).unwrap().weights;
     assert_eq!(weights.modes_used, 1);
+    assert!(!weights.feasible);
+    let doubt = weights.reservation().unwrap();
+    assert!(doubt.contains("with 1 mode"), "{doubt}");
     assert!(
         weights
             .findings

@@ -78,8 +78,8 @@ fn a_list_holds_tones_and_bands() {
     assert_eq!((shares[0], shares[4]), ([1.0, 0.2, 0.2], [0.25, 0.2, 0.2]));
     for (frequencies, message) in [
         ("[]", "no drive frequency"),
-        ("[300.0, 300.0]", "stands twice"),
-        ("[301.0, [300.0, 304.0], 302.0]", "stands twice"),
+        ("[300.0, 300.0]", "occurs twice"),
+        ("[301.0, [300.0, 304.0], 302.0]", "occurs twice"),
         ("[[310.0, 300.0]]", "not a band"),
         ("[[300.0]]", "wrong number of entries"),
         ("[0.0, 300.0]", "greater than zero"),

@@ -95,7 +95,7 @@ fn damaged_files_are_refused_with_the_reason() {
             "chladni.weights version 1",
         ),
         ("\"version\": 1", "\"version\": 2", "version 2"),
-        ("\"102:+Z\"", "\"101:-Z\"", "an actuator stands twice"),
+        ("\"102:+Z\"", "\"101:-Z\"", "an actuator occurs twice"),
         ("\"102:+Z\"", "\"102\"", "no DOF"),
         (
             "\"frequency_hz\": 300.0",

@@ -150,7 +150,7 @@ impl Partial {
     /// One partial of many, in whatever order: the bits depend on the blocks alone.
     ///
     /// # Errors
-    /// Nothing to merge, pieces of different fits, a block or an FRF that stands twice.
+    /// Nothing to merge, pieces of different fits, a block or an FRF that occurs twice.
     pub fn merge(partials: impl IntoIterator<Item = Self>) -> Result<Self, Error> {
         let mut partials = partials.into_iter();
         let nothing = || {
@@ -187,7 +187,7 @@ impl Partial {
             .windows(2)
             .find(|pair| pair[0].key() == pair[1].key())
         {
-            return Err(Error::bad_data("a block stands twice")
+            return Err(Error::bad_data("a block occurs twice")
                 .field("number of the block")
                 .found(twice[0].number)
                 .expected("every block once")

@@ -131,7 +131,7 @@ fn refuse_disorder(freq: &Entry, values: &[f64]) -> Result<()> {
         return Ok(());
     };
     let what = if pair[1] == pair[0] {
-        "a frequency stands twice"
+        "a frequency occurs twice"
     } else {
         "the frequency axis falls"
     };

@@ -94,7 +94,7 @@ fn an_axis_out_of_order_or_without_a_name_says_so() {
     );
     refused(
         &over("freq", &[1.0, 2.0, 2.0]),
-        &["/freq", "a frequency stands twice", "2 after 2"],
+        &["/freq", "a frequency occurs twice", "2 after 2"],
     );
     // another axis that rises is the right one
     let two = over("freq", &HZ).reals("x", &[5.0, 4.0, 3.0, 2.0, 1.0]);

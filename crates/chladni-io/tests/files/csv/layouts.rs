@@ -168,7 +168,7 @@ fn commented_rows_are_no_data() {
 fn columns_that_belong_nowhere_are_named() {
     for (header, words) in [
         ("f,re,im,noise,offset", "column 4"),
-        ("f,re,im,mag,phase", "stands twice"),
+        ("f,re,im,mag,phase", "occurs twice"),
         ("f,Re(1Z:3Z),Im(2Z:3Z),re(2Z:3Z),im(1Z:3Z)", ""),
         ("f,1Z re,1Z im,2Z real,3Z imag", "column"),
         ("f,re,im,re2,", "column"),

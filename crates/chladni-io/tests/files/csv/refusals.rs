@@ -6,7 +6,7 @@ use chladni_io::{Duplicates, ReadOptions};
 #[test]
 fn every_refusal_names_the_row_and_what_to_do() {
     for (text, words) in [
-        ("f,re,im\n1,2,3\n1,2,3\n", &["line 3", "stands twice"][..]),
+        ("f,re,im\n1,2,3\n1,2,3\n", &["line 3", "occurs twice"][..]),
         ("f,re,im\n2,2,3\n1,2,3\n", &["line 3", "falls", "1 after 2"]),
         (
             "f,re,im\n1,2,3\n2,x,3\n",

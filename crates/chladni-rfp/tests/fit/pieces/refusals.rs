@@ -11,7 +11,7 @@ fn pieces_that_do_not_belong_together_are_refused_by_name() {
     let error = |partials: Vec<Partial>| Partial::merge(partials).unwrap_err().to_string();
     assert!(error(Vec::new()).contains("nothing to merge"));
     let twice = error(vec![parts[0].clone(), parts[0].clone()]);
-    assert!(twice.contains("block stands twice"), "{twice}");
+    assert!(twice.contains("block occurs twice"), "{twice}");
 
     let block = rows(&set.frf, 0..10);
     let with = |options: FitOptions| reduce(&block, &options, 7, Vec::new(), None).unwrap();
