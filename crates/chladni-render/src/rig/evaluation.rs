@@ -103,12 +103,10 @@ pub fn evaluate_field(
         (&prediction, covariance.deviation(&drive)),
         &likeness,
     )?;
-    findings.extend(swapped);
     // one dead channel can leave as little of a field's form
-    let is_open = matches!(
-        agreement.hypotheses[0].kind.as_str(),
-        "unexplained" | "channels"
-    );
+    let likeliest = agreement.hypotheses[0].kind.as_str();
+    let is_open = swapped.is_none() && matches!(likeliest, "unexplained" | "channels");
+    findings.extend(swapped);
     let told = |finding: &Finding| is_open || finding.code != "field-unlike";
     findings.splice(0..0, likeness.finding().filter(told));
     // between few responses nothing is interpolated
