@@ -9,6 +9,7 @@ use numpy::{
     PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
 
 /// Array of real numbers, float64: what a caller gave as a list, or in another type of
 /// number.
@@ -47,6 +48,11 @@ fn any_array<'py>(
 /// The values, with NaN for those that a mask hides.
 fn unmasked<'py>(values: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let masks = values.py().import("numpy")?.getattr("ma")?;
+    let is_list = values.is_instance_of::<PyList>() || values.is_instance_of::<PyTuple>();
+    let values = &match is_list {
+        true => masks.call_method1("array", (values,))?,
+        false => values.clone(),
+    };
     if !masks.call_method1("is_masked", (values,))?.is_truthy()? {
         return Ok(values.clone());
     }

@@ -10,7 +10,7 @@ use chladni_console::input::{expand, read_frf, source, Reading};
 use chladni_console::output::{Output, SIGNAL_OR_TABLE, WEIGHTS};
 use chladni_console::Console;
 use chladni_console::Outcome;
-use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
+use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Severity, Source};
 use chladni_io::{is_same_place, read_model, write_atomically};
 use chladni_render::{
     render_with_others, stress, sweep, Count, FrequencySweep, Method, MethodChoice, RenderOptions,
@@ -349,10 +349,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 
 /// The reason not to take a drive for one that serves its scene.
 pub fn doubt(feasible: bool, findings: &[Finding]) -> Option<String> {
-    let untrusted = findings
-        .iter()
-        .any(|finding| finding.code == "untrusted-model");
-    match (feasible, untrusted) {
+    let has = |code: &str| findings.iter().any(|finding| finding.code == code);
+    let is_fault =
+        |finding: &Finding| finding.code == "replayed-worse" && finding.severity == Severity::Fault;
+    match (feasible, has("untrusted-model")) {
+        (false, _) if findings.iter().any(is_fault) => {
+            Some("the scene is not met in the whole model: see above".into())
+        }
         (false, _) => Some("the scene is not met: see above".into()),
         (true, true) => Some("the model is not to be trusted: see above".into()),
         (true, false) => None,

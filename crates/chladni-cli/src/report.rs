@@ -325,9 +325,15 @@ fn subfolders(folder: &Path) -> Vec<PathBuf> {
 /// Those of reading; no FRF that the model has.
 pub fn measured_named(files: &[PathBuf], model: &ModalModel, console: &Console) -> Result<FrfSet> {
     let reading = Reading::from_echo(&model.options);
-    let (frf, _) = read_frf(&expand(files, console)?, &reading, console)?;
-    if let Some(found) = unlike(model, &frf)? {
-        console.find(&found);
+    let (frf, sources) = read_frf(&expand(files, console)?, &reading, console)?;
+    let is_same = |source: &Source| {
+        model
+            .source
+            .iter()
+            .any(|known| known.checksum == source.checksum)
+    };
+    if !sources.iter().all(is_same) {
+        console.find_all(unlike(model, &frf)?.iter());
     }
     Ok(frf)
 }

@@ -139,7 +139,7 @@ impl<'a> Output<'a> {
                 format!(".{extension}")
             })
             .expected(known.join(", "))
-            .help("the extension of -o decides the format"));
+            .help("choose a name with -o: its extension decides the format"));
         }
         refuse_output_among_inputs(path, inputs)?;
         refuse_place(path, console.force)?;
@@ -189,11 +189,13 @@ impl<'a> Output<'a> {
     }
 }
 
-/// An error of an output that another option than `-o` names.
+/// An error of an output that `option` names; it speaks of `-o`.
 fn of_option(error: Error, option: &str) -> Error {
-    let help = error.help.as_deref().unwrap_or_default();
-    let help = help.replace(" -o", &format!(" {option}"));
-    error.field(option).help(help)
+    let help = error.help.as_deref();
+    match help.map(|help| help.replace("with -o", &format!("with {option}"))) {
+        Some(help) => error.field(option).help(help),
+        None => error.field(option),
+    }
 }
 
 fn not_kept(error: &io::Error) -> Error {

@@ -101,8 +101,10 @@ impl Run {
             .iter()
             .filter(move |channel| moves && !channel.is_reference && channel.unit.is_drive())
     }
-    /// True where a channel measures a motion, or a quantity that the file does not tell.
+    /// True where a channel that is no reference measures a motion, or a quantity that the file
+    /// does not tell.
     fn moves(&self) -> bool {
-        self.channels.iter().any(|channel| !channel.unit.is_drive())
+        let mut channels = self.channels.iter();
+        channels.any(|channel| !channel.is_reference && !channel.unit.is_drive())
     }
 }

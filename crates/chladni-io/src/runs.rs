@@ -45,12 +45,21 @@ impl ChannelOverride {
         misfit.map_or(Ok(()), |list| Err(no_fit(list, records)))
     }
 
-    /// Refuses lists that are neither of all time records nor of the channels of each run.
-    fn check_runs(&self, records: usize, runs: &[Run]) -> Result<()> {
+    /// True where record `k` of so many is the first of a run, as the list says that leaves
+    /// channels of each run out.
+    fn begins_run(&self, k: usize, records: usize) -> bool {
+        let in_run = self.units.len();
+        let leaves_out = self.units.iter().any(|unit| unit == LEFT_OUT);
+        leaves_out && in_run < records && k.is_multiple_of(in_run)
+    }
+
+    /// Refuses lists that are neither of all time records nor of the channels of each run;
+    /// `sizes`: how many these are, those left out among them.
+    fn check_runs(&self, records: usize, sizes: &[usize]) -> Result<()> {
         let fits = |&(name, count): &(&str, usize)| {
             // one factor may be that of all channels
             let of_all = count == records || (count, name) == (1, "scales");
-            of_all || runs.iter().all(|run| run.channels.len() == count)
+            of_all || sizes.iter().all(|size| *size == count)
         };
         let misfit = self.lists().find(|list| !fits(list));
         misfit.map_or(Ok(()), |list| Err(no_fit(list, records)))
@@ -94,38 +103,54 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
     said.check_lengths(count)
         .map_err(|error| error.file(&document.file))?;
     let mut runs: Vec<Run> = Vec::new();
+    // channels of each run, those left out among them
+    let mut sizes: Vec<usize> = Vec::new();
     for (k, function) in records.into_iter().enumerate() {
-        let rate = sample_rate(function).map_err(|error| at(function, error))?;
-        let channel = channel(function, k, said).map_err(|error| at(function, error))?;
-        let fits = |run: &Run| {
-            !run.channels
-                .iter()
-                .any(|known| known.dof == channel.dof && known.unit == channel.unit)
+        let taken = match said.leaves_out(k) {
+            true => None,
+            false => Some(taken(function, k, said).map_err(|error| at(function, error))?),
         };
-        match runs.last_mut().filter(|run| fits(run)) {
-            Some(run) => {
-                refuse_other_sampling(run, &channel, rate).map_err(|error| at(function, error))?;
+        let fits = |run: &Run| match &taken {
+            None => true,
+            Some((channel, _)) => !run
+                .channels
+                .iter()
+                .any(|known| known.dof == channel.dof && known.unit == channel.unit),
+        };
+        if said.begins_run(k, count) || !runs.last().is_some_and(fits) {
+            runs.push(Run {
+                file: document.file.clone(),
+                line: function.line,
+                sample_rate_hz: 0.0,
+                channels: Vec::new(),
+            });
+            sizes.push(0);
+        }
+        if let (Some(run), Some(size)) = (runs.last_mut(), sizes.last_mut()) {
+            *size += 1;
+            if let Some((channel, rate)) = taken {
+                match run.channels.is_empty() {
+                    true => run.sample_rate_hz = rate,
+                    false => refuse_other_sampling(run, &channel, rate)
+                        .map_err(|error| at(function, error))?,
+                }
                 run.channels.push(channel);
-            }
-            None => {
-                runs.push(Run {
-                    file: document.file.clone(),
-                    line: function.line,
-                    sample_rate_hz: rate,
-                    channels: vec![channel],
-                });
             }
         }
     }
-    said.check_runs(count, &runs)
+    said.check_runs(count, &sizes)
         .map_err(|error| error.file(&document.file))?;
-    let mut channels = 0..;
+    runs.retain(|run| !run.channels.is_empty());
     for run in &mut runs {
-        let taken = |k| !said.leaves_out(k);
-        run.channels.retain(|_| channels.next().is_some_and(taken));
         mark_references(run, &said.references);
     }
     Ok(runs)
+}
+
+/// A channel with its sampling rate, Hz.
+fn taken(function: &Function, k: usize, said: &ChannelOverride) -> Result<(Channel, f64)> {
+    let rate = sample_rate(function)?;
+    Ok((channel(function, k, said)?, rate))
 }
 
 /// Refuses a channel that was not sampled as the others of its run.
@@ -202,8 +227,7 @@ fn mark_references(run: &mut Run, named: &[Dof]) {
 fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Channel> {
     let of = |count: usize| if count == 0 { None } else { Some(k % count) };
     let dof = of(said.dofs.len()).map_or(function.response, |at| said.dofs[at]);
-    let named = of(said.units.len()).filter(|_| !said.leaves_out(k));
-    let (unit, factor) = match named {
+    let (unit, factor) = match of(said.units.len()) {
         None => (unit_of(function), function.scale_to_si),
         Some(at) => signal_unit(&said.units[at]).ok_or_else(|| {
             Error::new(
@@ -229,8 +253,7 @@ fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Chan
                 .expected("real samples"))
         }
     };
-    let masked = samples.iter().position(|sample| !sample.is_finite());
-    if let Some(masked) = masked.filter(|_| !said.leaves_out(k)) {
+    if let Some(masked) = samples.iter().position(|sample| !sample.is_finite()) {
         return Err(
             Error::bad_data("a time record with a sample that is not finite")
                 .field(format!("sample {}", masked + 1))
@@ -291,28 +314,37 @@ mod tests {
 
     #[test]
     fn a_list_is_of_all_records_or_of_the_channels_of_each_run() {
-        let channel = |node: u64| Channel {
-            dof: Dof::new(node, chladni_frf::Direction::PLUS_Z),
-            unit: SignalUnit::Velocity,
-            is_reference: false,
-            samples: Vec::new(),
-        };
-        let run = |channels: usize| Run {
-            file: "take.csv".into(),
-            line: 0,
-            sample_rate_hz: 1000.0,
-            channels: (1..=channels as u64).map(channel).collect(),
-        };
-        let taken = |scales: usize, units: usize, runs: &[Run]| {
+        let taken = |scales: usize, units: usize, sizes: &[usize]| {
             let said = ChannelOverride {
                 scales: vec![1.0; scales],
                 units: vec!["m/s".into(); units],
                 ..ChannelOverride::default()
             };
-            said.check_runs(4, runs).is_ok()
+            said.check_runs(4, sizes).is_ok()
         };
-        let (one, two) = ([run(4)], [run(2), run(2)]);
+        let (one, two) = ([4], [2, 2]);
         assert!(taken(4, 4, &one) && taken(2, 2, &two) && taken(1, 0, &one));
         assert!(!taken(2, 0, &one) && !taken(0, 2, &one) && !taken(0, 1, &one));
+    }
+
+    #[test]
+    fn a_dash_in_place_of_a_unit_leaves_its_channel_out() {
+        let text = "t,1:+Z_N,1:+Z_N,2:+Z_m/s\n0,1,5,2\n1,3,NaN,4\n2,5,5,6\n";
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("take.csv");
+        std::fs::write(&file, text).unwrap();
+        let document = crate::read_documents(&[file], &crate::ReadOptions::default()).unwrap();
+        let said = ChannelOverride {
+            units: ["N", "-", "m/s"].map(String::from).to_vec(),
+            ..ChannelOverride::default()
+        };
+        let runs = runs_of(&document[0], &said).unwrap();
+        let [run] = &runs[..] else {
+            panic!("{runs:?}");
+        };
+        let units: Vec<SignalUnit> = run.channels.iter().map(|channel| channel.unit).collect();
+        assert_eq!(units, [SignalUnit::Force, SignalUnit::Velocity]);
+        assert_eq!(run.channels[1].samples, [2.0, 4.0, 6.0]);
+        assert!(runs_of(&document[0], &ChannelOverride::default()).is_err());
     }
 }

@@ -3,7 +3,7 @@
 use crate::judging::ceiling::Ceiling;
 use crate::judging::endurance::Endurance;
 use crate::judging::frequency_sweep::{bearing_frequency, mode_near};
-use crate::judging::shortcomings::{ground_lost, replayed_worse, shortfall, strength};
+use crate::judging::shortcomings::{ground_lost, replayed_worse, shortfall, strength, Replay};
 use crate::methods::choice::MethodChoice;
 use crate::methods::drive_error;
 use crate::methods::method::Method;
@@ -131,19 +131,19 @@ fn render_tone(
     let outcome = Outcome::of(&found.setup, &found.drive)?;
     let feasible = outcome.is_feasible();
     let ceiling = found.ceiling(feasible, options)?;
-    let through = match measured {
-        Some(_) => "measured line",
-        None => "whole model",
+    let [_, success_ratio, _] = found.judge.served(&found.drive);
+    let replay = Replay {
+        is_measured: measured.is_some(),
+        success_ratio,
     };
     let counted = options.actuators != Count::All;
-    let [_, replayed, _] = found.judge.served(&found.drive);
-    findings.extend(found.shortcomings(&outcome, ceiling.as_ref(), counted, (through, replayed)));
-    // the whole model has the last word on what fewer modes promise
-    let keeps = measured.is_some() || replayed >= outcome.indices.points.success_ratio;
+    findings.extend(found.shortcomings(&outcome, ceiling.as_ref(), counted, replay));
+    let refuted = replay.refutes(&outcome.indices.points);
     let (setup, drive, method) = (&found.setup, &found.drive, found.method);
     // pressure matching and the baselines stay quick without it; a scene that is not met has no
     // use for it
-    let endures = feasible && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
+    let endures =
+        feasible && !refuted && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
     let endurance = endures.then(|| Endurance::of(setup, model, drive, gain_error));
     findings.extend(endurance.iter().filter_map(Endurance::finding));
     let bears = found.bears.filter(|_| feasible);
@@ -164,7 +164,7 @@ fn render_tone(
         ceiling,
         endurance,
         modal: found.solution.modal,
-        feasible: feasible && keeps,
+        feasible: feasible && !refuted,
         touch,
         findings: findings.into(),
         ..outcome.weights(setup, scene, drive, method)
@@ -277,13 +277,12 @@ impl Found {
     ///
     /// * `counted`: true where fewer actuators than all were asked for; only then is ground
     ///   between the responses looked at
-    /// * `through`: the name of what it is replayed through, with the part that it serves there
     fn shortcomings(
         &self,
         outcome: &Outcome,
         ceiling: Option<&Ceiling>,
         counted: bool,
-        (through, replayed): (&str, f64),
+        replay: Replay,
     ) -> Vec<Finding> {
         let (setup, points) = (&self.setup, &outcome.indices.points);
         let feasible = outcome.is_feasible();
@@ -299,7 +298,7 @@ impl Found {
             ));
         }
         let modes = [setup.modes.len(), self.all_modes];
-        findings.extend(replayed_worse(replayed, points, modes, through));
+        findings.extend(replayed_worse(replay, points, modes));
         let area = outcome.indices.area.filter(|_| feasible && counted);
         findings.extend(area.and_then(|area| ground_lost(&area, self.actuators)));
         findings

@@ -21,20 +21,25 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
         .expected("one")
         .help("use h1 or hv"));
     }
+    let tells = |averages: &Averages| averages.blocks >= references.len();
     let done: Vec<(Dof, Averages, Vec<LineEstimate>)> = group
         .responses
         .par_iter()
         .map(|&response| {
             let averages = Averages::of(group.runs, references, response, setting);
-            check(&averages, group)?;
-            let lines = (0..averages.lines())
-                .map(|k| estimate_line(&averages, k, setting.estimator))
-                .collect();
-            Ok((response, averages, lines))
+            let lines = (0..averages.lines()).filter(|_| tells(&averages));
+            let lines = lines.map(|k| estimate_line(&averages, k, setting.estimator));
+            let lines = lines.collect();
+            (response, averages, lines)
         })
-        .collect::<Result<_>>()?;
+        .collect();
+    // a response may lack records; that of all of them is an error
+    match done.iter().find(|(_, averages, _)| tells(averages)) {
+        None if !done.is_empty() => return Err(too_few_blocks(done[0].1.blocks, group)),
+        _ => {}
+    }
     let columns = table.columns(group);
-    for (response, averages, lines) in done {
+    for (response, averages, lines) in done.into_iter().filter(|(_, of, _)| tells(of)) {
         table.count(averages.blocks);
         let row = table.row(response);
         let too_few = averages.blocks <= references.len();
@@ -55,27 +60,19 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
                     "few-averages",
                     "too few blocks were averaged for a coherence and a variance",
                 )
-                .help("measure more blows or a longer record, or set a shorter `block`"),
+                .help("average more blows or records; of continuous noise, set a shorter `block`"),
             );
         }
     }
     Ok(())
 }
 
-fn check(averages: &Averages, group: &Group) -> Result<()> {
+fn too_few_blocks(blocks: usize, group: &Group) -> Error {
     let references = group.references.len();
-    if averages.blocks >= references {
-        return Ok(());
-    }
-    Err(
-        Error::bad_data("fewer blocks than references: their FRFs cannot be told apart")
-            .file(&group.runs[0].file)
-            .field("block")
-            .found(format!(
-                "{} blocks for {references} references",
-                averages.blocks
-            ))
-            .expected("at least as many blocks as references, better ten times as many")
-            .help("choose a shorter `block`, or measure more records"),
-    )
+    Error::bad_data("fewer blocks than references: their FRFs cannot be told apart")
+        .file(&group.runs[0].file)
+        .field("block")
+        .found(format!("{blocks} blocks for {references} references"))
+        .expected("at least as many blocks as references, better ten times as many")
+        .help("choose a shorter `block`, or measure more records")
 }

@@ -85,9 +85,10 @@ pub struct EstimateOptions {
     /// Window; `None`: Hann for one long record, none for several short ones, and for one whose
     /// force ends before it.
     pub window: Option<BlockWindow>,
-    /// Samples of a block; `None`: the whole record where there are several, or where the
-    /// force ends before it, else so that about [`BLOCKS`] half-overlapped ones fill it. With a local method the sampling rate
-    /// over the distance of lines; `None`: as fine as the shortest record allows.
+    /// Samples of a block; `None`: the whole record where there are several, or where the force
+    /// ends before it, else so that about [`BLOCKS`] half-overlapped ones fill it. With a local
+    /// method the sampling rate over the distance of lines; `None`: as fine as the shortest record
+    /// allows.
     pub block: Option<usize>,
     /// Overlap of blocks, 0 to 0.95; `None`: two thirds with a Hann window, else none.
     pub overlap: Option<f64>,
@@ -116,8 +117,9 @@ pub struct Estimate {
 /// FRFs of all runs.
 ///
 /// # Errors
-/// Runs of different sampling rates, without reference or response, of mixed kinds; fewer
-/// blocks than references; a block longer than a record; too few lines for a local fit.
+/// Runs of different sampling rates, without reference or response, of mixed kinds; samples that are
+/// not finite; a DOF of two channels of one side; fewer blocks than references; a block longer than a
+/// record; too few lines for a local fit.
 pub fn estimate(runs: &[Run], options: &EstimateOptions) -> Result<Estimate> {
     let rate = common_rate(runs)?;
     runs.iter().try_for_each(check_channels)?;
@@ -213,7 +215,7 @@ impl<'a> Group<'a> {
     }
 
     fn check(&self) -> Result<()> {
-        let responses = self.runs[0].responses().count();
+        let responses = self.runs.iter().flat_map(|run| run.responses()).count();
         if !self.references.is_empty() && responses > 0 {
             return Ok(());
         }

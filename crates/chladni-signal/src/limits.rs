@@ -101,6 +101,10 @@ pub(crate) const LEAST_DENOMINATOR: f64 = 1e-6;
 /// has a hop of a third for which its squares add up to a constant).
 pub(crate) const HANN_OVERLAP: f64 = 2.0 / 3.0;
 
+/// Part of a record in which a burst acts at most, where the record is taken whole: after a later end
+/// there is no time to die out.
+pub(crate) const BURST_MOST: f64 = 0.9;
+
 // whole_record.rs
 
 /// Largest prime factor of a transform's length: above it transforms slow down.
@@ -110,5 +114,7 @@ pub(crate) const LARGEST_FACTOR: usize = 7;
 
 /// Difference of the means of the third and the last quarter of a block over their own mean, up to
 /// which they tell an offset. Means of noise, or of the rest of an oscillation, agree so in one
-/// case of 16.
-pub(crate) const QUARTERS_AGREE: f64 = 0.2;
+/// case of 31.
+pub(crate) const QUARTERS_AGREE: f64 = 0.1;
+/// Least offset over the largest value of a block: smaller ones are what is left of an oscillation.
+pub(crate) const OFFSET_LEAST: f64 = 1e-3;

@@ -4,7 +4,7 @@ use super::excitation::{against_local_fits, forcing, is_continuous_random, misse
 use super::lpm::wanted_lines;
 use super::whole_record::{smooth_length, Grid};
 use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
-use crate::limits::HANN_OVERLAP;
+use crate::limits::{BURST_MOST, HANN_OVERLAP};
 use chladni_frf::{
     BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Forcing, Result, Run,
 };
@@ -169,6 +169,22 @@ fn measured_once(runs: &[Run]) -> bool {
     })
 }
 
+/// True where records are cut into blocks rather than averaged as they are. `block`: samples of the
+/// shortest record, or those asked for.
+fn is_cut(runs: &[Run], block: usize) -> bool {
+    let groups = groups(runs);
+    let can_be_whole = groups
+        .iter()
+        .all(|group| group.len() >= group[0].references().count());
+    match forcing(runs, block) {
+        Some(Forcing::Continuous) => measured_once(runs),
+        // a blow or a burst ends before its record
+        Some(Forcing::Transient) => !can_be_whole,
+        Some(Forcing::Burst { part }) if part < BURST_MOST => !can_be_whole,
+        _ => groups.iter().all(|group| group.len() == 1),
+    }
+}
+
 impl LocalSetting {
     fn choose(runs: &[Run], options: &EstimateOptions, estimator: Estimator) -> Result<Self> {
         let samples = runs
@@ -225,10 +241,7 @@ impl BlockSetting {
 
     fn choose(runs: &[Run], options: &EstimateOptions, estimator: Estimator) -> Result<Self> {
         let shortest = runs.iter().map(Run::samples).min().unwrap_or(0);
-        // a blow or a burst ends before its record: the record is the block
-        let course = forcing(runs, options.block.unwrap_or(shortest).max(1));
-        let ends = matches!(course, Some(Forcing::Transient | Forcing::Burst { .. }));
-        let cut = measured_once(runs) && !ends;
+        let cut = is_cut(runs, options.block.unwrap_or(shortest).max(1));
         let mut warnings = Vec::new();
         let window = options.window.unwrap_or(if cut {
             BlockWindow::Hann

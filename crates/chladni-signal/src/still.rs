@@ -27,7 +27,7 @@ pub(super) fn still_in_some(runs: &[Run], moves: &BTreeSet<Dof>) -> Option<Findi
     let words = match lost().count() {
         1 => format!("the response {of_first} is constant; that record of it is left out"),
         count => format!(
-            "responses are constant in {count} records, which are left out for them; the first is \
+            "{count} records of single responses are constant, and left out; the first is that of \
              {of_first}"
         ),
     };

@@ -237,11 +237,21 @@ fn idle(runs: &[Run]) -> Option<Finding> {
             format!("{count} drives are no reference, and left out; the first is {what} at {at}")
         }
     };
-    // a force that acts without being counted is in the responses all the same
-    let acts = channels().any(|channel| channel.unit == SignalUnit::Force && !is_still(channel));
+    // a force that acts without being counted is in the responses all the same, and a voltage
+    // elsewhere may be a sensor without a unit
+    let of_references: BTreeSet<Dof> = runs
+        .iter()
+        .flat_map(Run::references)
+        .map(|channel| channel.dof)
+        .collect();
+    let acts = channels().any(|channel| {
+        let is_beside = channel.unit == SignalUnit::Volt && of_references.contains(&channel.dof);
+        !is_beside && !is_still(channel)
+    });
     let finding = match acts {
         true => Finding::caution("drives-left-out", words).help(
-            "name each force that acts in `references`; FRFs take the response to others for noise",
+            "name each force that acts in `references`: what the others move counts as noise; say \
+                 the unit of a sensor in `units`",
         ),
         false => Finding::note("drives-left-out", words),
     };

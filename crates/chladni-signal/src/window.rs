@@ -1,6 +1,6 @@
 //! Windows of blocks.
 
-use crate::limits::QUARTERS_AGREE;
+use crate::limits::{OFFSET_LEAST, QUARTERS_AGREE};
 use chladni_frf::BlockWindow;
 use std::f64::consts::PI;
 
@@ -45,7 +45,7 @@ pub(super) fn level(window: BlockWindow, samples: &[f64]) -> f64 {
 }
 
 /// Offset of a sensor whose signal dies out: the mean of the last half. 0 where its two quarters
-/// do not agree on one, so that the rest of an oscillation is not taken for an offset.
+/// do not agree on one, and where it is small, so that the rest of an oscillation is not taken for an offset.
 fn offset(samples: &[f64]) -> f64 {
     let quarter = samples.len() / 4;
     let taper = window_values(BlockWindow::Hann, quarter, 1.0);
@@ -56,7 +56,11 @@ fn offset(samples: &[f64]) -> f64 {
     let third = mean(&samples[samples.len() - 2 * quarter..][..quarter]);
     let last = mean(&samples[samples.len() - quarter..]);
     let offset = 0.5 * (third + last);
-    match (third - last).abs() < QUARTERS_AGREE * offset.abs() {
+    let largest = samples
+        .iter()
+        .fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    let is_seen = offset.abs() > OFFSET_LEAST * largest;
+    match is_seen && (third - last).abs() < QUARTERS_AGREE * offset.abs() {
         true => offset,
         false => 0.0,
     }

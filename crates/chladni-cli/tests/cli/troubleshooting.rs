@@ -18,13 +18,14 @@ const CODED: [&str; 7] = [
 /// Code of sentences that files of earlier versions hold.
 const UNCODED: &str = "earlier-version";
 /// Crates that make findings.
-const CRATES: [&str; 8] = [
+const CRATES: [&str; 9] = [
     "chladni-frf",
     "chladni-io",
     "chladni-signal",
     "chladni-rfp",
     "chladni-render",
     "chladni-plate",
+    "chladni-report",
     "chladni-console",
     "chladni-cli",
 ];

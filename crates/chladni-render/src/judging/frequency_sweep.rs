@@ -303,6 +303,13 @@ mod tests {
         let held = swept(at(0.6), 1.0, 0.9, 0.5);
         assert_eq!(best(&[met, spared]), met.frequency_hz);
         assert_eq!(best(&[met, spared, held]), held.frequency_hz);
+        // of two that are met, the one that bears the fingers of the scene
+        let under = |swept: SweptFrequency, kappa| SweptFrequency {
+            touched_kappa: Some(kappa),
+            ..swept
+        };
+        let fingers = [under(met, 0.9), under(held, 0.2), under(spared, 3.0)];
+        assert_eq!(best(&fingers), met.frequency_hz);
         // none is met: the nearest to it
         let nearer = swept(at(0.8), 0.917, 0.5, -5.7);
         assert_eq!(best(&[spared, nearer]), nearer.frequency_hz);

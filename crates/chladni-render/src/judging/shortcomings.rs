@@ -6,27 +6,50 @@ use crate::methods::method::Method;
 use crate::panel::field::Field;
 use crate::scene::limits::Limits;
 use crate::tolerances;
-use chladni_frf::Finding;
+use chladni_frf::{Finding, Severity};
 
-/// Tells that a drive, replayed `through` the whole model or the measured line, serves fewer
-/// responses than in the model that it was found in.
+/// A drive replayed through other data than those that it was found in.
+#[derive(Clone, Copy)]
+pub(crate) struct Replay {
+    /// True on the measured line, false through the whole model.
+    pub(crate) is_measured: bool,
+    /// Part of the responses that it serves there.
+    pub(crate) success_ratio: f64,
+}
+
+impl Replay {
+    /// True where the whole model does not keep what fewer modes promise.
+    pub(crate) fn refutes(self, points: &PointIndices) -> bool {
+        !self.is_measured && self.success_ratio < points.success_ratio
+    }
+}
+
+/// Tells that a drive serves fewer responses in its replay than in the model that it was found
+/// in. A fault where the scene is met in that model, and not in the whole one.
 ///
 /// * `[modes, all]`: number of the modes that this model sums, and that it could sum
 pub(crate) fn replayed_worse(
-    replayed: f64,
+    replay: Replay,
     points: &PointIndices,
     [modes, all]: [usize; 2],
-    through: &str,
 ) -> Option<Finding> {
-    (replayed < points.success_ratio).then(|| {
+    (replay.success_ratio < points.success_ratio).then(|| {
+        let through = match replay.is_measured {
+            true => "measured line",
+            false => "whole model",
+        };
         let words = format!(
             "replayed through the {through}, {:.1} % of the responses keep their limit, where \
              {:.1} % do in the model with {modes} modes",
-            100.0 * replayed,
+            100.0 * replay.success_ratio,
             100.0 * points.success_ratio,
         );
-        Finding::caution("replayed-worse", words)
-            .value("replayed_ratio", replayed)
+        let severity = match replay.refutes(points) && points.success_ratio == 1.0 {
+            true => Severity::Fault,
+            false => Severity::Caution,
+        };
+        Finding::new(severity, "replayed-worse", words)
+            .value("replayed_ratio", replay.success_ratio)
             .help(match modes < all {
                 true => "sum more modes (`modes`)",
                 false => "all modes are summed: measure the field and correct the drive",
@@ -154,9 +177,11 @@ mod tests {
             max_voltage_v: None,
         };
         let help = |modes| {
-            replayed_worse(0.9, &points, [modes, 14], "measured line")
-                .unwrap()
-                .help
+            let replay = Replay {
+                is_measured: true,
+                success_ratio: 0.9,
+            };
+            replayed_worse(replay, &points, [modes, 14]).unwrap().help
         };
         assert!(help(13).starts_with("sum more modes"), "{}", help(13));
         assert!(help(14).contains("correct the drive"), "{}", help(14));

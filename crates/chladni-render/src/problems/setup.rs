@@ -313,13 +313,12 @@ fn unmeasured_zones(scene: &Scene, operator: &Operator, zones: &ZoneMap) -> Opti
     let numbers: Vec<String> = empty.iter().map(|&k| (hot[k] + 1).to_string()).collect();
     (!numbers.is_empty()).then(|| {
         let words = format!(
-            "no response lies in hot polygon {}, outside its transition: nothing says whether it is \
-             felt",
+            "no response is judged in hot polygon {}: nothing says whether it is felt",
             numbers.join(", ")
         );
         Finding::caution("zone-without-response", words).help(
-            "check its corners against the positions of the nodes (metres), and transition_m \
-             against their spacing",
+            "check its corners against the positions of the nodes (metres), transition_m against \
+             their spacing, and area_m and polygons of the kind ignore that cover it",
         )
     })
 }

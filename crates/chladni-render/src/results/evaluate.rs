@@ -97,10 +97,19 @@ fn silent_tones(weights: &Weights, scene: &Scene) -> Option<Finding> {
 
 /// The finding on a drive that a scene does not allow.
 fn beyond_limit(scene: &Scene, operator: &Operator, drive: &Drive) -> Option<Finding> {
+    let named = &scene.actuators;
+    let is_limited = named.max_force_n.is_some()
+        || named.max_voltage_v.is_some()
+        || named.max_effort.is_some()
+        || named.circuit.is_some();
+    if !is_limited {
+        return None;
+    }
     // limits in another unit are those of another model
     let (limits, _) = drive_limits(scene, operator.unit).ok()?;
     let times = limits.allowed_gain(drive).recip();
-    let words = format!("the drive is {times:.3} times {}", limits.binding(drive));
+    let (limit, unit) = (limits.binding(drive), operator.unit);
+    let words = format!("the drive is {times:.3} times {limit} ({unit})");
     (times > 1.0 + tolerances::AT_LIMIT).then(|| {
         Finding::caution("drive-beyond-limit", words)
             .value("times_limit", times)

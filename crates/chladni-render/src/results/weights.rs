@@ -10,7 +10,7 @@ use crate::rig::Correction;
 use crate::scene::tones::is_same;
 use crate::tolerances;
 use crate::touch::TouchIndices;
-use chladni_frf::{Dof, Error, Finding, Findings, ReferenceUnit, Result, Source};
+use chladni_frf::{Dof, Error, Finding, Findings, ReferenceUnit, Result, Severity, Source};
 use chladni_text::json_error;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -46,8 +46,9 @@ pub struct Weights {
     pub modes_used: usize,
     /// Weights that are not zero.
     pub actuators_used: usize,
-    /// No judged response misses its limit in the model, nor with all of its modes, within the
-    /// force limits, at this frequency and all others.
+    /// No judged response misses its limit in the model, within the force limits, at this
+    /// frequency and all others; nor in the whole model, where fewer modes were summed and no
+    /// measured line judged them.
     pub feasible: bool,
     /// Every judged response keeps its limit under model errors of so many standard
     /// deviations; negative where one misses.
@@ -185,13 +186,17 @@ impl Weights {
         if let Some((_, why)) = of_model.iter().find(|(code, _)| finding(code).is_some()) {
             return Some((*why).into());
         }
-        if finding("replayed-worse").is_some() {
+        if let Some(worse) = finding("replayed-worse") {
             let noun = if self.modes_used == 1 {
                 "mode"
             } else {
                 "modes"
             };
-            return Some(format!("only in the model with {} {noun}", self.modes_used));
+            let used = self.modes_used;
+            return Some(match worse.severity {
+                Severity::Fault => format!("only with {used} {noun}, not in the whole model"),
+                _ => "not on the measured line".into(),
+            });
         }
         finding("rig-sensitive")?;
         let on_drive = finding("mode-on-drive").map(|finding| finding.modes.first());

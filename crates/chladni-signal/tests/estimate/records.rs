@@ -91,7 +91,10 @@ fn a_record_in_which_a_response_is_constant_is_left_out_of_its_average() {
     }
     let named = |finding: &&Finding| finding.code == "still-responses";
     let finding = result.findings.iter().find(named).unwrap();
-    assert!(finding.contains("2 records"), "{finding:?}");
+    assert!(
+        finding.contains("2 records of single responses"),
+        "{finding:?}"
+    );
 }
 
 #[test]
@@ -147,4 +150,61 @@ fn a_constant_response_is_named_and_left_out() {
     let later = channel("2:+Z", SignalUnit::Velocity, filtered(&x, FILTER));
     let runs = [run(vec![force(), stuck()]), run(vec![force(), later])];
     assert!(estimate(&runs, &h1).is_ok());
+}
+
+#[test]
+fn records_of_two_forces_are_enough_for_all_responses_or_for_some() {
+    let blocks = 2;
+    let mut noise = Noise::new(45);
+    let mut pair = || [noise.take(BLOCK), noise.take(BLOCK)];
+    let taken: Vec<Run> = (0..blocks)
+        .map(|k| {
+            let [a, b] = pair();
+            let sum: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - 2.0 * b).collect();
+            let second = if k == 0 {
+                sum.clone()
+            } else {
+                vec![0.0; BLOCK]
+            };
+            run(vec![
+                channel("101:+Z", SignalUnit::Force, a),
+                channel("102:+Z", SignalUnit::Force, b),
+                channel("1:+Z", SignalUnit::Velocity, sum),
+                channel("2:+Z", SignalUnit::Velocity, second),
+            ])
+        })
+        .collect();
+    let h1 = EstimateOptions {
+        window: Some(BlockWindow::Rectangular),
+        block: Some(BLOCK),
+        ..options(Estimator::H1)
+    };
+    let frf = estimate(&taken, &h1).unwrap().frf;
+    let of = |row, column| frf.values.get(row, column, 3);
+    assert!((of(0, 0) - 1.0).norm() < 1e-9 && (of(0, 1) + 2.0).norm() < 1e-9);
+    assert!(of(1, 0).re.is_nan());
+}
+
+#[test]
+fn a_burst_of_two_forces_in_one_record_is_cut_into_blocks() {
+    let samples = 64 * BLOCK;
+    let mut noise = Noise::new(46);
+    let mut burst = || -> Vec<f64> {
+        let acts = |k| f64::from(u8::from(k < samples / 2));
+        (0..samples).map(|k| acts(k) * noise.next()).collect()
+    };
+    let [a, b] = [burst(), burst()];
+    let sum = a.iter().zip(&b).map(|(a, b)| a - 2.0 * b).collect();
+    let record = run(vec![
+        channel("101:+Z", SignalUnit::Force, a),
+        channel("102:+Z", SignalUnit::Force, b),
+        channel("1:+Z", SignalUnit::Velocity, sum),
+    ]);
+    let h1 = EstimateOptions {
+        estimator: Some(Estimator::H1),
+        ..EstimateOptions::default()
+    };
+    let result = estimate(&[record], &h1).unwrap();
+    assert!(result.estimation.averages[0] > 2);
+    assert!((result.frf.values.get(0, 1, 3) + 2.0).norm() < 1e-9);
 }
