@@ -31,7 +31,6 @@ use crate::methods::plscf::plscf;
 use crate::methods::rfp::rfp;
 use crate::methods::survey::Survey;
 use crate::methods::vf::vf;
-use crate::model::build::misses_data;
 use crate::model::build::Shaped;
 use crate::model::exponential;
 use crate::model::identified::Identified;
@@ -248,11 +247,6 @@ pub(crate) fn walk<S: Source>(
         }
         (None, None) => {}
     }
-    // methods that take every residual for noise
-    let residual = match options.method != Method::Auto && misses_data(&fit.model) {
-        true => Residual::NotWhite,
-        false => residual,
-    };
     checked(&fitted, &seen, options, residual, &mut fit.model);
     Ok(fit)
 }

@@ -182,6 +182,21 @@ fn the_measured_line_judges_how_many_modes_are_enough() {
 }
 
 #[test]
+fn a_scene_that_one_mode_alone_meets_is_not_met() {
+    let scene = at(300.0, [2, 2], 1);
+    let options = RenderOptions {
+        modes: Count::Number(1),
+        ..Default::default()
+    };
+    let weights = render(&disturbed(truth(), FIT_40_DB, 1), &scene, &options)
+        .unwrap()
+        .weights;
+    assert!(weights.is_met() && !weights.feasible);
+    let doubt = weights.reservation().unwrap();
+    assert!(doubt.contains("with 1 mode, not in the whole"), "{doubt}");
+}
+
+#[test]
 fn what_some_actuators_cannot_is_not_impossible() {
     let scene = at(300.0, [2, 2], 1);
     let weights = with_actuators(truth(), &scene, Count::Number(3)).weights;
@@ -200,9 +215,6 @@ fn where_too_few_modes_are_asked_for_the_replay_says_so() {
     };
     let weights = render(truth(), &scene, &options).unwrap().weights;
     assert_eq!(weights.modes_used, 1);
-    assert!(!weights.feasible);
-    let doubt = weights.reservation().unwrap();
-    assert!(doubt.contains("with 1 mode"), "{doubt}");
     assert!(
         weights
             .findings

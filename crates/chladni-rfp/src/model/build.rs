@@ -330,11 +330,6 @@ impl Shaped {
     }
 }
 
-/// True where the model leaves far more of the data than their noise: its residual is none.
-pub(crate) fn misses_data(model: &ModalModel) -> bool {
-    model.quality.chi2_per_dof > limits::SHAPE_MISFIT
-}
-
 /// The finding of shapes that do not serve all references, or of a model that does not serve
 /// the only one.
 fn one_shape_worse(chi2_per_dof: f64, references: usize) -> Finding {
