@@ -32,3 +32,24 @@ pub fn unlike(model: &ModalModel, measured: &FrfSet) -> Result<Option<Finding>> 
     };
     Ok(left.filter(|left| *left > most).map(finding))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_plate::Synthetic;
+
+    #[test]
+    fn frfs_of_another_structure_are_told_from_those_of_the_model() {
+        let panel = |hz: [f64; 2]| {
+            let synthetic = Synthetic {
+                natural_frequency_hz: hz.to_vec(),
+                ..Synthetic::default()
+            };
+            synthetic.build().unwrap()
+        };
+        let [one, other] = [[60.0, 120.0], [75.0, 150.0]].map(panel);
+        assert_eq!(unlike(&one.truth, &one.frf).unwrap(), None);
+        let finding = unlike(&one.truth, &other.frf).unwrap().unwrap();
+        assert_eq!(finding.code, "measured-unlike");
+    }
+}

@@ -34,9 +34,9 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
         })
         .collect();
     // a response may lack records; that of all of them is an error
-    match done.iter().find(|(_, averages, _)| tells(averages)) {
-        None if !done.is_empty() => return Err(too_few_blocks(done[0].1.blocks, group)),
-        _ => {}
+    let none_tells = !done.iter().any(|(_, averages, _)| tells(averages));
+    if let Some((_, averages, _)) = done.first().filter(|_| none_tells) {
+        return Err(too_few_blocks(averages.blocks, group));
     }
     let columns = table.columns(group);
     for (response, averages, lines) in done.into_iter().filter(|(_, of, _)| tells(of)) {

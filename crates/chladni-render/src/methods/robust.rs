@@ -11,8 +11,8 @@
 //! Rows interpolated between the responses take part, too. Where κ would fall below
 //! `Problem::kappa_least` with all of them, only the responses keep that κ, and as much of
 //! the ground between them is served as possible. The climb starts from the drive of `mls`.
-//! Where no drive serves every response, the one that serves more is taken, that of `mls`
-//! or that of the climb.
+//! If no drive serves every response, the better of two is taken: that of `mls`, or that of
+//! the climb.
 
 use crate::methods::effort::Effort;
 use crate::methods::mls;

@@ -15,7 +15,7 @@ use crate::scene::scene_file::Scene;
 use crate::scene::zones::{check_zones, Ground, PolygonKind, ZoneLayout, ZoneMap};
 use crate::tolerances;
 use crate::touch::TouchPlan;
-use chladni_frf::{Error, Finding, ModalModel, ReferenceUnit, Result, Trust};
+use chladni_frf::{Error, Finding, ModalModel, ReferenceUnit, Result};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use std::sync::Arc;
@@ -98,8 +98,7 @@ impl Setup {
         if measured {
             problem.put_responses_first();
         }
-        let counts =
-            |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
+        let counts = |n: &usize| model.modes[*n].counts();
         let modes = (0..model.modes.len()).filter(counts).collect();
         if let Some(touch) = &scene.touch {
             touch.check_places(&operator.positions_m)?;

@@ -10,9 +10,7 @@ use crate::scene::actuators::Actuators;
 use crate::scene::drift::Drift;
 use crate::scene::scene_file::Scene;
 use crate::tolerances;
-use chladni_frf::{
-    ComplexMatrix, Dof, Error, Finding, FrfKind, ModalModel, ResidualTerm, Result, Trust,
-};
+use chladni_frf::{ComplexMatrix, Dof, Error, Finding, FrfKind, ModalModel, ResidualTerm, Result};
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::borrow::Cow;
@@ -344,6 +342,6 @@ fn applied(
 
 /// In-band modes that count, by their numbers in the model.
 pub(crate) fn movable_modes(model: &ModalModel) -> Vec<usize> {
-    let counts = |n: &usize| model.modes[*n].in_band && model.modes[*n].trust != Trust::Rejected;
+    let counts = |n: &usize| model.modes[*n].counts();
     (0..model.modes.len()).filter(counts).collect()
 }

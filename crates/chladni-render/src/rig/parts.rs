@@ -13,7 +13,7 @@ use crate::panel::drive::Drive;
 use crate::panel::modal_field::{answer, halves};
 use crate::panel::operator::Operator;
 use crate::tolerances;
-use chladni_frf::{Damping, ModalModel, Mode, Trust};
+use chladni_frf::{Damping, ModalModel, Mode};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -36,7 +36,7 @@ impl Parts {
     /// Takes the operator of `model` apart.
     pub(crate) fn new(model: &ModalModel, operator: &Operator) -> Self {
         let omega = TAU * operator.frequency_hz;
-        let counts = |mode: &&Mode| mode.in_band && mode.trust != Trust::Rejected;
+        let counts = |mode: &&Mode| mode.counts();
         let modes: Vec<&Mode> = model.modes.iter().filter(counts).collect();
         let rows: Vec<usize> = (0..operator.responses.len()).collect();
         let [shapes, mut pulls] = halves(model.damping, &modes, operator, &rows);
