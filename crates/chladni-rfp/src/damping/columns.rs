@@ -7,7 +7,8 @@
 //! factor: estimates lose η² of their information, steps converge by a factor of about η.
 
 use crate::damping::places::viscous_pole_of;
-use crate::data::window::leakage::{Leakage, LeakingPole};
+use crate::data::window::lanes::Lanes;
+use crate::data::window::leakage::{LeakingLines, LeakingPole, Line, PoleLeakage};
 use chladni_frf::Damping;
 use num_complex::Complex64;
 
@@ -40,39 +41,88 @@ pub(crate) fn resonance(law: Damping, pole: Complex64, x: f64) -> Complex64 {
     }
 }
 
-/// The column that a residue of a pole multiplies where FRFs leak, with its derivative.
-pub(crate) struct LeakingColumn<'a> {
+/// The column of a pole with its derivative, some lines at a time.
+pub(crate) trait PoleColumn {
+    /// Column and derivative on L lines from the line `first` on.
+    ///
+    /// * `x`, `g`: place and weight of these lines
+    fn at<const L: usize>(&self, first: usize, x: &[f64; L], g: &[f64; L]) -> [Lanes<L>; 2];
+}
+
+/// The column of [`resonance`].
+pub(crate) struct PlainColumn {
     law: Damping,
-    leakage: &'a Leakage,
-    /// Above the real axis.
     pole: Complex64,
+    /// 1/Re λ.
+    over: f64,
+}
+
+impl PlainColumn {
+    pub fn new(law: Damping, pole: Complex64) -> Self {
+        let over = 1.0 / pole.re.max(f64::MIN_POSITIVE);
+        Self { law, pole, over }
+    }
+}
+
+impl PoleColumn for PlainColumn {
+    #[inline(always)]
+    fn at<const L: usize>(&self, _: usize, x: &[f64; L], g: &[f64; L]) -> [Lanes<L>; 2] {
+        let (pole, mut loss, mut slope) = (self.pole, [1.0; L], [0.0; L]);
+        for l in 0..L {
+            if self.law == Damping::Viscous {
+                loss[l] = (x[l] * self.over).sqrt();
+            }
+            slope[l] = -g[l] * loss[l];
+        }
+        let mut distance = Lanes::ZERO;
+        for l in 0..L {
+            distance.re[l] = pole.re - x[l];
+            distance.im[l] = pole.im * loss[l];
+        }
+        let plain = distance.inverse();
+        [plain * *g, plain * plain * slope]
+    }
+}
+
+/// The column where FRFs leak.
+pub(crate) struct LeakingColumn<'a> {
+    /// Of the pole above the real axis.
+    plain: PlainColumn,
     /// The pole asked for lies below: its column is the conjugate.
     mirrored: bool,
     of_receptance: LeakingPole,
+    leaks: PoleLeakage<'a>,
+    lines: &'a [Line],
 }
 
 impl<'a> LeakingColumn<'a> {
-    pub fn new(law: Damping, leakage: &'a Leakage, pole: Complex64) -> Self {
+    pub fn new(law: Damping, leaking: &'a LeakingLines, pole: Complex64) -> Self {
         let mirrored = pole.im < 0.0;
         let pole = if mirrored { pole.conj() } else { pole };
+        let of_receptance = leaking_pole(law, pole);
         Self {
-            law,
-            leakage,
-            pole,
+            plain: PlainColumn::new(law, pole),
             mirrored,
-            of_receptance: leaking_pole(law, pole),
+            of_receptance,
+            leaks: leaking.leakage.of_pole(of_receptance.s),
+            lines: &leaking.lines,
         }
     }
+}
 
-    /// Column and derivative at x.
-    #[inline]
-    pub fn at(&self, x: f64) -> [Complex64; 2] {
-        let plain = resonance(self.law, self.pole, x);
-        let [factor, slope] = self.leakage.factor(&self.of_receptance, x.sqrt());
-        let along = -plain * plain * loss(self.law, self.pole, x);
+impl PoleColumn for LeakingColumn<'_> {
+    #[inline(always)]
+    fn at<const L: usize>(&self, first: usize, x: &[f64; L], g: &[f64; L]) -> [Lanes<L>; 2] {
+        let [plain, along] = self.plain.at(first, x, g);
+        let last = self.lines.len() - 1;
+        let mut lines = [self.lines[last]; L];
+        for l in 0..L {
+            lines[l] = self.lines[(first + l).min(last)];
+        }
+        let [factor, slope] = self.leaks.factors_of_column(&self.of_receptance, &lines);
         let both = [plain * factor, along * factor + plain * slope];
         if self.mirrored {
-            both.map(|v| v.conj())
+            both.map(Lanes::conj)
         } else {
             both
         }
@@ -108,21 +158,29 @@ mod tests {
     use super::*;
     use crate::data::window::kernel::WindowKernel;
     use crate::data::window::kinds::Window;
+    use crate::data::window::leakage::Leakage;
+    use std::sync::Arc;
 
     /// T·ω_max: lines 1/500 of ω_max apart.
     const RECORD: f64 = 500.0 * std::f64::consts::TAU;
 
+    /// The leaking column at x and its derivative.
+    fn at(law: Damping, leakage: &Arc<Leakage>, pole: Complex64, x: f64) -> [Complex64; 2] {
+        let leaking = LeakingLines::new(leakage.clone(), &[x]);
+        let column = LeakingColumn::new(law, &leaking, pole);
+        column.at(0, &[x], &[1.0]).map(|lanes| lanes.get(0))
+    }
+
     #[test]
     fn columns_that_leak_are_finite_however_heavy_the_damping() {
         let kernel = WindowKernel::cosines(&[0.5, -0.25]);
-        let leakage = Leakage::new(kernel, 3000.0, 1);
+        let leakage = Arc::new(Leakage::new(kernel, 3000.0, 1));
         for law in [Damping::Structural, Damping::Viscous] {
             for (re, im) in [(0.3, 0.5), (0.3, 0.6), (0.3, 0.7), (0.3, -0.6)] {
                 let pole = Complex64::new(re, im);
-                let leaking = LeakingColumn::new(law, &leakage, pole);
                 for x in [0.05, 0.3, 0.9] {
                     let plain = resonance(law, pole, x);
-                    let [value, slope] = leaking.at(x);
+                    let [value, slope] = at(law, &leakage, pole, x);
                     assert!(slope.is_finite(), "{law:?} {pole} {x}");
                     assert!(
                         (value - plain).norm() < 0.05 * plain.norm(),
@@ -178,8 +236,9 @@ mod tests {
             let pole = leaking_pole(law, lambda);
             for (kind, line) in [(0, 300), (1, 299), (2, 302), (1, 310)] {
                 let y = f64::from(line) / 500.0;
-                let leakage = Leakage::new(Window::Hann.kernel().unwrap(), RECORD, kind);
-                let added = leakage.added(&pole, y);
+                let kernel = Window::Hann.kernel().unwrap();
+                let leakage = Arc::new(Leakage::new(kernel, RECORD, kind));
+                let added = leakage.of_pole(pole.s).added(pole.other, &leakage.line(y));
                 let expected =
                     by_quadrature(&hann, pole.s, y) * pole.s.powi(kind) / (pole.s - pole.other);
                 assert!(
@@ -187,7 +246,7 @@ mod tests {
                     "{law:?} {kind} {line}: {added} for {expected}"
                 );
                 // the column in the kind is the plain one and that
-                let column = LeakingColumn::new(law, &leakage, lambda).at(y * y)[0];
+                let column = at(law, &leakage, lambda, y * y)[0];
                 let plain = resonance(law, lambda, y * y);
                 let of_kind = added / Complex64::new(0.0, y).powi(kind);
                 assert!(
@@ -211,7 +270,7 @@ mod tests {
             Window::HannBurst { part: 0.7 },
         ];
         for window in windows {
-            let leakage = Leakage::new(window.kernel().unwrap(), RECORD, 1);
+            let leakage = Arc::new(Leakage::new(window.kernel().unwrap(), RECORD, 1));
             for lambda in [Complex64::new(0.36, 0.0012), Complex64::new(0.36, -0.004)] {
                 // the derivative of the viscous law is one by j·Im λ
                 for (law, unit) in [
@@ -220,7 +279,7 @@ mod tests {
                     (Damping::Viscous, Complex64::I),
                 ] {
                     let step = 1e-7;
-                    let at = |lambda, y: f64| LeakingColumn::new(law, &leakage, lambda).at(y * y);
+                    let at = |lambda, y: f64| at(law, &leakage, lambda, y * y);
                     let lines = (285..315).map(|line| f64::from(line) / 500.0);
                     let (mut off, mut size) = (0.0f64, 0.0f64);
                     for y in lines {

@@ -2,8 +2,8 @@
 //! that is known.
 
 use crate::damping::places::s_of_mode;
-use crate::data::window::leakage::{Leakage, LeakingPole};
-use chladni_frf::{Damping, FrfKind, ModalModel, Mode};
+use crate::data::window::leakage::Leakage;
+use chladni_frf::{Damping, FrfKind, ModalModel};
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -20,9 +20,14 @@ pub(crate) fn frf_matrix(
         return matrix;
     };
     let unit = omega_max.powi(kind.omega_power() - 2);
+    let line = leakage.line(TAU * frequency_hz / omega_max);
     for mode in &model.modes {
-        let pole = pole(model.damping, mode, omega_max);
-        let added = unit * leakage.added(&pole, TAU * frequency_hz / omega_max);
+        let s = s_of_mode(model.damping, mode) / omega_max;
+        let other = match model.damping {
+            Damping::Viscous => s.conj(),
+            Damping::Structural => -s,
+        };
+        let added = unit * leakage.of_pole(s).added(other, &line);
         for (mut row, shape) in matrix.rows_mut().into_iter().zip(&mode.shape.0) {
             for (value, participation) in row.iter_mut().zip(&mode.participation.0) {
                 *value += added * shape * participation;
@@ -30,18 +35,4 @@ pub(crate) fn frf_matrix(
         }
     }
     matrix
-}
-
-/// s over ω_max.
-fn pole(law: Damping, mode: &Mode, omega_max: f64) -> LeakingPole {
-    let s = s_of_mode(law, mode) / omega_max;
-    let other = match law {
-        Damping::Viscous => s.conj(),
-        Damping::Structural => -s,
-    };
-    LeakingPole {
-        s,
-        other,
-        slope: Complex64::default(),
-    }
 }

@@ -37,16 +37,15 @@ pub(crate) fn viscous_basis(work: &Columns, poles: &[Complex64], powers: &[i32])
     let mut a = Array2::zeros((2 * work.lines(), 2 * (poles.len() + powers.len())).f());
     let j = Complex64::i();
     for (n, &pole) in poles.iter().enumerate() {
+        let leaks = work.leakage.as_ref().filter(|_| pole.re < 0.0);
+        let leaks = leaks.map(|of| (of.leakage.of_pole(pole), &of.lines));
         let uv = || {
-            work.x.iter().zip(&work.g).map(move |(&x, &g)| {
-                let y = x.sqrt();
-                let jy = Complex64::new(0.0, y);
+            work.x.iter().zip(&work.g).enumerate().map(|(k, (&x, &g))| {
+                let jy = Complex64::new(0.0, x.sqrt());
                 let (own, other) = (inverse(jy - pole) * g, inverse(jy - pole.conj()) * g);
-                match &work.leakage {
-                    Some(leakage) if pole.re < 0.0 => {
-                        (own * leakage.factor_of_pole(pole, y), other)
-                    }
-                    _ => (own, other),
+                match &leaks {
+                    Some((leaks, lines)) => (own * leaks.factor(&lines[k]), other),
+                    None => (own, other),
                 }
             })
         };

@@ -7,12 +7,11 @@
 //! and white noise stays white.
 
 use crate::data::inner_products::sum_of_squares;
-use crate::data::window::leakage::Leakage;
+use crate::data::window::leakage::LeakingLines;
 use chladni_frf::Damping;
 use ndarray::{Array1, Array2, ShapeBuilder};
 use num_complex::Complex64;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// Weighted columns on the selected lines.
 #[derive(Debug, Clone)]
@@ -26,7 +25,7 @@ pub(crate) struct Columns {
     /// The law that poles follow: see [`crate::damping::columns`].
     pub law: Damping,
     /// Effect of records and windows on the columns of poles, where it is known.
-    pub leakage: Option<Arc<Leakage>>,
+    pub leakage: Option<LeakingLines>,
 }
 
 impl Columns {
@@ -94,7 +93,7 @@ impl Columns {
     }
     /// Lines of records whose first 1/`factor` alone holds samples.
     pub fn of_padded(self, factor: usize) -> Self {
-        let leakage = self.leakage.map(|leakage| Arc::new(leakage.padded(factor)));
+        let leakage = self.leakage.map(|leaking| leaking.padded(factor));
         Self { leakage, ..self }
     }
     /// The same lines without data.
@@ -108,7 +107,7 @@ impl Columns {
             g: self.g[rows.clone()].to_vec(),
             b: Array2::zeros((rows.len(), 0)),
             law: self.law,
-            leakage: self.leakage.clone(),
+            leakage: self.leaking(rows),
         }
     }
     /// Only the given lines.
@@ -122,7 +121,7 @@ impl Columns {
             g: lines.iter().map(|&k| self.g[k]).collect(),
             b,
             law: self.law,
-            leakage: self.leakage.clone(),
+            leakage: self.leaking(lines.iter().copied()),
         }
     }
     /// A stretch of lines.
@@ -131,11 +130,14 @@ impl Columns {
         b.assign(&self.b.slice(ndarray::s![rows.clone(), ..]));
         Self {
             x: self.x[rows.clone()].to_vec(),
-            g: self.g[rows].to_vec(),
+            g: self.g[rows.clone()].to_vec(),
             b,
             law: self.law,
-            leakage: self.leakage.clone(),
+            leakage: self.leaking(rows),
         }
+    }
+    fn leaking(&self, lines: impl Iterator<Item = usize>) -> Option<LeakingLines> {
+        Some(self.leakage.as_ref()?.select(lines))
     }
     /// Rows multiplied by `weights`, in the data and in g.
     pub fn reweighted(&self, weights: &[f64]) -> Self {

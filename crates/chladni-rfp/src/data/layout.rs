@@ -8,7 +8,7 @@ use crate::data::options::Effort;
 use crate::data::pair_weights::{Giver, PairWeights, Weights};
 use crate::data::window::block_errors::BlockErrors;
 use crate::data::window::kinds::Window;
-use crate::data::window::leakage::Leakage;
+use crate::data::window::leakage::{Leakage, LeakingLines};
 use chladni_frf::{
     Damping, Dof, Estimation, Estimator, Finding, FrfKind, FrfSet, Node, ReferenceUnit,
 };
@@ -353,12 +353,18 @@ impl DataLayout {
 
     /// The lines used, without data.
     pub fn axis(&self) -> Columns {
+        self.columns(Array2::zeros((self.x.len(), 0)))
+    }
+
+    /// The lines used with data, (line, column).
+    pub fn columns(&self, b: Array2<Complex64>) -> Columns {
+        let leaking = |leakage: &Arc<Leakage>| LeakingLines::new(leakage.clone(), &self.x);
         Columns {
             x: self.x.clone(),
             g: self.g.clone(),
-            b: Array2::zeros((self.x.len(), 0)),
+            b,
             law: self.law,
-            leakage: self.leakage.clone(),
+            leakage: self.leakage.as_ref().map(leaking),
         }
     }
 }

@@ -63,13 +63,7 @@ impl Projected {
             .zip(squares)
             .for_each(|(energy, square)| *energy *= square);
         beyond.mapv_inplace(|energy| energy.max(0.0));
-        let mut work = Columns {
-            x: data.x.clone(),
-            g: data.g.clone(),
-            b,
-            law: data.law,
-            leakage: data.leakage.clone(),
-        };
+        let mut work = data.columns(b);
         work.weigh(weights);
         Ok(Projected {
             work,

@@ -171,13 +171,7 @@ impl<'a> Screened<'a> {
 
     /// All columns at once; for sets of few FRFs.
     pub fn work(&self) -> Columns {
-        Columns {
-            x: self.x.clone(),
-            g: self.g.clone(),
-            b: self.block(0..self.pairs.len(), 0..self.lines.len()),
-            law: self.law,
-            leakage: self.leakage.clone(),
-        }
+        self.columns(self.block(0..self.pairs.len(), 0..self.lines.len()))
     }
 }
 

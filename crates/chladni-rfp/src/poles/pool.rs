@@ -83,7 +83,10 @@ pub(crate) fn vector_fit(
 ) -> Result<Pool, LinalgError> {
     // zeros of σ are poles in x, whatever law they will be refined in and whatever leaks
     let rational;
-    let leakage = work.leakage.as_deref();
+    let leakage = work
+        .leakage
+        .as_ref()
+        .map(|leaking| leaking.leakage.as_ref());
     let work = match (is_rational(work.law), leakage) {
         (true, None) => work,
         _ => {

@@ -4,7 +4,8 @@
 //! Leakage is a sum over poles of what each leaks, times its residue, the same in all FRFs of
 //! one force: a few forms of the force, of which every shape takes its part.
 
-use crate::damping::columns::{leaking_pole, resonance, LeakingColumn};
+use crate::damping::columns::leaking_pole;
+use crate::damping::structural::basis;
 use crate::data::window::band::Form;
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::{Influence, PairNoise};
@@ -168,19 +169,11 @@ impl Influence<'_> {
         products: &Array2<Complex64>,
     ) -> Array2<Complex64> {
         let (work, count) = (self.found.work, self.lambda.len());
-        let leaking: Vec<Option<LeakingColumn>> = near.iter().map(|&a| self.leaks_of(a)).collect();
-        let column = |(&a, leaking): (&usize, &Option<LeakingColumn>), k: usize| {
-            let x = work.x[k];
-            let plain = || resonance(work.law, self.lambda[a], x);
-            work.g[k] * leaking.as_ref().map_or_else(plain, |own| own.at(x)[0])
-        };
+        let poles: Vec<Complex64> = near.iter().map(|&a| self.lambda[a]).collect();
+        let columns = basis(work, &poles, &[]);
         let mut sums = Array2::zeros((2 * near.len(), work.lines()));
         for (k, shared) in shared.iter().enumerate() {
-            let columns: Vec<Complex64> = near
-                .iter()
-                .zip(&leaking)
-                .map(|own| column(own, k))
-                .collect();
+            let columns = columns.row(k);
             for (a, &value) in columns.iter().enumerate() {
                 sums[[a, k]] = self.rows[[k, n]] * value * shared.sqrt();
             }
@@ -205,13 +198,6 @@ impl Influence<'_> {
             return self.products_over_lines(&rows, |cycles| self.errors.of_noise(cycles));
         }
         matmul(sums.view(), sums.t().mapv(|v| v.conj()).view())
-    }
-
-    /// The column of a pole where FRFs leak.
-    fn leaks_of(&self, a: usize) -> Option<LeakingColumn<'_>> {
-        let work = self.found.work;
-        let leakage = work.leakage.as_deref()?;
-        Some(LeakingColumn::new(work.law, leakage, self.lambda[a]))
     }
 
     /// Errors of the residue of n by what each pole leaks, and of the poles; `products`: of

@@ -17,6 +17,7 @@
 //! (theory.md, eq. F4).
 
 use crate::data::limits;
+use crate::data::window::lanes::Lanes;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -50,6 +51,8 @@ pub(crate) enum WindowKernel {
 pub(crate) struct Wave {
     /// q.
     turns: f64,
+    /// e^{2πjqa} of the two parts a of the record that [`WindowKernel::decays`] names.
+    turned: [Complex64; 2],
     /// While the response lasts as long as the burst, u up to 1 − part.
     early: Complex64,
     /// Later, (1 − u) times the first plus the second.
@@ -125,8 +128,10 @@ impl WindowKernel {
                 Complex64::from(c(q) * c(q)),
                 Complex64::new(0.0, c(q) * across / PI),
             ];
+            let turns = TAU * f64::from(q);
             Wave {
-                turns: TAU * f64::from(q),
+                turns,
+                turned: [1.0 - part, part].map(|a| Complex64::from_polar(1.0, turns * a)),
                 early: early(q) / power,
                 late: late.map(|v| v / power),
             }
@@ -178,97 +183,122 @@ impl WindowKernel {
         force.power(decay, g)
     }
 
+    /// e^{−za} of the parts a of the record that g(z) has corners at: before and of a burst, or
+    /// all of it. That of a sum is the product.
+    pub(crate) fn decays(&self, z: Complex64) -> [Complex64; 2] {
+        match self {
+            Self::Burst { part, .. } => [1.0 - part, *part].map(|a| (-z * a).exp()),
+            _ => [(-z).exp(), Complex64::ONE],
+        }
+    }
+
     /// g(z) and its derivative.
     pub(crate) fn value_and_slope(&self, z: Complex64) -> [Complex64; 2] {
-        let left = (-z).exp();
+        let both: [Lanes<1>; 2] = self.by_decays(z.into(), self.decays(z).map(Lanes::from));
+        both.map(|lanes| lanes.get(0))
+    }
+
+    /// The same for some z with their [`Self::decays`].
+    #[inline(always)]
+    pub(crate) fn by_decays<const L: usize>(
+        &self,
+        z: Lanes<L>,
+        decays: [Lanes<L>; 2],
+    ) -> [Lanes<L>; 2] {
+        let [left, _] = decays;
+        let turn = |turns: f64| Lanes::from(Complex64::new(0.0, turns));
+        let mut value = Lanes::ZERO;
+        let mut slope = Lanes::ZERO;
         match self {
             Self::Transient => {
                 let ramps = Ramps::new(z, left);
-                [ramps.e, ramps.e_slope()]
+                (value, slope) = (ramps.e, ramps.e_slope());
             }
             Self::Burst { part, waves } => {
                 let full = 1.0 - part;
-                let mut sum = [Complex64::default(); 2];
                 for wave in waves {
-                    let z = z - Complex64::new(0.0, wave.turns);
-                    let over = (-z * full).exp();
-                    let flat = Ramps::new(z * full, over);
-                    let left = Ramps::new(z * part, (-z * *part).exp());
+                    let z = z - turn(wave.turns);
+                    let [before, during] = [0, 1].map(|a| decays[a] * wave.turned[a]);
+                    let flat = Ramps::new(z * full, before);
+                    let left = Ramps::new(z * *part, during);
                     let [falling, level] = wave.late;
-                    let late = (falling * left.f * part + level * left.e) * over * part;
-                    let moved = (falling * left.f_slope() * part + level * left.e_slope()) * part;
-                    sum[0] += wave.early * full * flat.e + late;
-                    sum[1] += wave.early * full * full * flat.e_slope() + over * part * moved
-                        - full * late;
+                    let late = left.f * (falling * part) + left.e * level;
+                    let moved = left.f_slope * (falling * part) + left.e_slope() * level;
+                    let over = before * *part;
+                    value = value + flat.e * (wave.early * full) + over * late;
+                    slope = slope
+                        + flat.e_slope() * (wave.early * full * full)
+                        + over * (moved * *part - late * full);
                 }
-                sum
             }
             Self::Cosines { waves } => {
-                let mut sum = [Complex64::default(); 2];
                 for (q, &[a, b]) in waves.iter().enumerate() {
-                    let turn = Complex64::new(0.0, TAU * q as f64);
+                    let turn = turn(TAU * q as f64);
                     let up = Ramps::new(z - turn, left);
                     if q == 0 {
-                        sum[0] += a * up.f;
-                        sum[1] += a * up.f_slope();
+                        (value, slope) = (up.f * a, up.f_slope * a);
                         continue;
                     }
                     let down = Ramps::new(z + turn, left);
                     let sine = Complex64::new(0.0, -0.5 * b);
-                    sum[0] += 0.5 * a * (up.f + down.f) + sine * (up.e - down.e);
-                    sum[1] += 0.5 * a * (up.f_slope() + down.f_slope())
-                        + sine * (up.e_slope() - down.e_slope());
+                    value = value + (up.f + down.f) * (0.5 * a) + (up.e - down.e) * sine;
+                    slope = slope
+                        + (up.f_slope + down.f_slope) * (0.5 * a)
+                        + (up.e_slope() - down.e_slope()) * sine;
                 }
-                sum
             }
             Self::Series { harmonics } => {
-                let mut sum = [Complex64::default(); 2];
                 for (p, a) in harmonics.iter().enumerate() {
-                    let turn = Complex64::new(0.0, PI * p as f64);
-                    let left = if p % 2 == 0 { left } else { -left };
+                    let turn = turn(PI * p as f64);
+                    let left = if p % 2 == 0 { left } else { left * -1.0 };
                     let (up, down) = (Ramps::new(z - turn, left), Ramps::new(z + turn, left));
-                    sum[0] += 0.5 * a * (up.e + down.e);
-                    sum[1] += 0.5 * a * (up.e_slope() + down.e_slope());
+                    value = value + (up.e + down.e) * (0.5 * a);
+                    slope = slope + (up.e_slope() + down.e_slope()) * (0.5 * a);
                 }
-                sum
             }
         }
+        [value, slope]
     }
 }
 
-/// e and f at one place.
-struct Ramps {
-    z: Complex64,
-    /// 1/z.
-    over: Complex64,
-    e: Complex64,
-    f: Complex64,
+/// e and f at some places, and the slope of f.
+struct Ramps<const L: usize> {
+    e: Lanes<L>,
+    f: Lanes<L>,
+    /// f′ = −∫ u(1 − u)·e^{−zu} du.
+    f_slope: Lanes<L>,
 }
 
-impl Ramps {
+impl<const L: usize> Ramps<L> {
     /// * `left`: e^{−z}
-    fn new(z: Complex64, left: Complex64) -> Self {
-        let over = z.inv();
-        let (e, f) = if z.norm_sqr() < limits::SERIES_BELOW * limits::SERIES_BELOW {
-            (series(z, 1), series(z, 2))
-        } else {
-            let e = (1.0 - left) * over;
-            (e, (1.0 - e) * over)
-        };
-        Self { z, over, e, f }
+    #[inline(always)]
+    fn new(z: Lanes<L>, left: Lanes<L>) -> Self {
+        let (one, over) = (Lanes::from(1.0), z.inverse());
+        let e = (one - left) * over;
+        let f = (one - e) * over;
+        let f_slope = (e - f * 2.0) * over;
+        let mut ramps = Self { e, f, f_slope };
+        for (l, square) in z.norm_sqr().into_iter().enumerate() {
+            if square < limits::SERIES_BELOW * limits::SERIES_BELOW {
+                ramps.by_series(l, z.get(l));
+            }
+        }
+        ramps
+    }
+
+    /// Near 0, where the closed forms cancel.
+    #[cold]
+    fn by_series(&mut self, l: usize, z: Complex64) {
+        let [e, f, third] = [1, 2, 3].map(|first| series(z, first));
+        self.e.set(l, e);
+        self.f.set(l, f);
+        self.f_slope.set(l, 2.0 * third - f);
     }
 
     /// e′ = −∫ u·e^{−zu} du.
-    fn e_slope(&self) -> Complex64 {
+    #[inline(always)]
+    fn e_slope(&self) -> Lanes<L> {
         self.f - self.e
-    }
-
-    /// f′ = −∫ u(1 − u)·e^{−zu} du.
-    fn f_slope(&self) -> Complex64 {
-        if self.z.norm_sqr() < limits::SERIES_BELOW * limits::SERIES_BELOW {
-            return 2.0 * series(self.z, 3) - self.f;
-        }
-        (self.e - 2.0 * self.f) * self.over
     }
 }
 

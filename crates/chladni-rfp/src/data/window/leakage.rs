@@ -12,7 +12,9 @@
 
 use crate::data::limits;
 use crate::data::window::kernel::{Force, WindowKernel};
+use crate::data::window::lanes::Lanes;
 use num_complex::Complex64;
+use std::sync::Arc;
 
 /// The forward model of one set of FRFs.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +35,113 @@ pub(crate) struct LeakingPole {
     pub other: Complex64,
     /// ds/dλ.
     pub slope: Complex64,
+}
+
+/// The lines of a fit whose records leak. What a line and a pole put into a column by themselves
+/// is computed once for each of them: exponentials take most of the time of a column.
+#[derive(Debug, Clone)]
+pub(crate) struct LeakingLines {
+    pub leakage: Arc<Leakage>,
+    pub lines: Vec<Line>,
+}
+
+/// One line in the forward model.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Line {
+    /// ω/ω_max.
+    y: f64,
+    /// [`WindowKernel::decays`] of jωT.
+    decays: [Complex64; 2],
+}
+
+/// One pole in the forward model.
+pub(crate) struct PoleLeakage<'a> {
+    pub leakage: &'a Leakage,
+    s: Complex64,
+    /// [`WindowKernel::decays`] of −sT.
+    decays: [Complex64; 2],
+    /// (s/j)^p.
+    in_kind: Complex64,
+}
+
+impl LeakingLines {
+    /// Lines x = (ω/ω_max)².
+    pub fn new(leakage: Arc<Leakage>, x: &[f64]) -> Self {
+        let lines = x.iter().map(|x| leakage.line(x.sqrt())).collect();
+        Self { leakage, lines }
+    }
+
+    /// Some of the lines.
+    pub fn select(&self, lines: impl Iterator<Item = usize>) -> Self {
+        Self {
+            leakage: self.leakage.clone(),
+            lines: lines.map(|k| self.lines[k]).collect(),
+        }
+    }
+
+    /// Lines of records of which only the first 1/`factor` holds samples, the rest zeros.
+    pub fn padded(self, factor: usize) -> Self {
+        let leakage = Arc::new(self.leakage.padded(factor));
+        let lines = self.lines.iter().map(|line| leakage.line(line.y)).collect();
+        Self { leakage, lines }
+    }
+}
+
+impl PoleLeakage<'_> {
+    /// F(z) − 1 and its derivative by s.
+    #[inline(always)]
+    fn excess<const L: usize>(&self, lines: &[Line; L]) -> [Lanes<L>; 2] {
+        let Leakage { kernel, record, .. } = self.leakage;
+        let z = Lanes::of(|l| (Complex64::new(0.0, lines[l].y) - self.s) * record);
+        let decays = [0, 1].map(|a| Lanes::of(|l| lines[l].decays[a]) * self.decays[a]);
+        let [g, slope] = kernel.by_decays(z, decays);
+        [z * g - 1.0.into(), (g + z * slope) * -record]
+    }
+
+    /// (s/jω)^p.
+    #[inline(always)]
+    fn in_kind<const L: usize>(&self, lines: &[Line; L]) -> Lanes<L> {
+        let power = -self.leakage.omega_power;
+        Lanes::from(self.in_kind) * lines.map(|line| line.y.powi(power))
+    }
+
+    /// Factor on 1/(jω − s).
+    pub fn factor(&self, line: &Line) -> Complex64 {
+        let line = [*line];
+        1.0 + (self.excess(&line)[0] * self.in_kind(&line)).get(0)
+    }
+
+    /// Factors on the plain column of the `pole`, whose s this is, and their derivatives by λ.
+    #[inline(always)]
+    pub fn factors_of_column<const L: usize>(
+        &self,
+        pole: &LeakingPole,
+        lines: &[Line; L],
+    ) -> [Lanes<L>; 2] {
+        let LeakingPole { s, other, slope } = *pole;
+        let distance = |from: Complex64| Lanes::of(|l| Complex64::new(0.0, lines[l].y) - from);
+        let [excess, by_s] = self.excess(lines);
+        let over = (s - other).inv();
+        let kind = self.in_kind(lines) * over;
+        let kappa = kind * distance(other);
+        // s̄ moves against s
+        let kappa_by_s = kappa * (f64::from(self.leakage.omega_power) / s)
+            - kind * distance(0.5 * (s + other)) * (2.0 * over);
+        [
+            excess * kappa + 1.0.into(),
+            (by_s * kappa + excess * kappa_by_s) * slope,
+        ]
+    }
+
+    /// The part that leakage adds to the column of receptance in the kind: (F(z) −
+    /// 1)·s^p/((s − s̄)(jω − s)), in powers of ω_max.
+    ///
+    /// * `other`: s̄
+    pub fn added(&self, other: Complex64, line: &Line) -> Complex64 {
+        let in_kind = self.s.powi(self.leakage.omega_power);
+        let distance = Complex64::new(0.0, line.y) - self.s;
+        self.excess(&[*line])[0].get(0) * in_kind / ((self.s - other) * distance)
+    }
 }
 
 impl Leakage {
@@ -67,45 +176,22 @@ impl Leakage {
         self.kernel.power_of_force(z, -s.re * self.record, force)
     }
 
-    /// F(z) − 1 and its derivative by s on the line y = ω/ω_max.
-    fn excess(&self, s: Complex64, y: f64) -> [Complex64; 2] {
-        let z = (Complex64::new(0.0, y) - s) * self.record;
-        let [g, slope] = self.kernel.value_and_slope(z);
-        [z * g - 1.0, -(g + z * slope) * self.record]
+    /// A pole s of receptance, as all lines see it.
+    pub fn of_pole(&self, s: Complex64) -> PoleLeakage<'_> {
+        PoleLeakage {
+            leakage: self,
+            s,
+            decays: self.kernel.decays(-s * self.record),
+            in_kind: (s / Complex64::i()).powi(self.omega_power),
+        }
     }
 
-    /// (s/jω)^p.
-    fn in_kind(&self, s: Complex64, y: f64) -> Complex64 {
-        (s / Complex64::new(0.0, y)).powi(self.omega_power)
-    }
-
-    /// Factor on the plain column of a pole, and its derivative by λ.
-    pub fn factor(&self, pole: &LeakingPole, y: f64) -> [Complex64; 2] {
-        let LeakingPole { s, other, slope } = *pole;
-        let jy = Complex64::new(0.0, y);
-        let [excess, by_s] = self.excess(s, y);
-        let kind = self.in_kind(s, y);
-        let kappa = kind * (jy - other) / (s - other);
-        // s̄ moves against s
-        let kappa_by_s = f64::from(self.omega_power) * kappa / s
-            - kind * (jy - 0.5 * (s + other)) * 2.0 / ((s - other) * (s - other));
-        [
-            1.0 + excess * kappa,
-            (by_s * kappa + excess * kappa_by_s) * slope,
-        ]
-    }
-
-    /// Factor on 1/(jω − s).
-    pub fn factor_of_pole(&self, s: Complex64, y: f64) -> Complex64 {
-        1.0 + self.excess(s, y)[0] * self.in_kind(s, y)
-    }
-
-    /// The part that leakage adds to the column of receptance in the kind: (F(z) −
-    /// 1)·s^p/((s − s̄)(jω − s)), in powers of ω_max.
-    pub fn added(&self, pole: &LeakingPole, y: f64) -> Complex64 {
-        let LeakingPole { s, other, .. } = *pole;
-        let jy = Complex64::new(0.0, y);
-        self.excess(s, y)[0] * s.powi(self.omega_power) / ((s - other) * (jy - s))
+    /// The line y = ω/ω_max, as all poles see it.
+    pub fn line(&self, y: f64) -> Line {
+        Line {
+            y,
+            decays: self.kernel.decays(Complex64::new(0.0, y * self.record)),
+        }
     }
 
     /// Relative excess of the decay (over ω_max) that is read where a line is taken for a

@@ -5,5 +5,6 @@ pub(crate) mod band;
 pub(crate) mod block_errors;
 pub(crate) mod kernel;
 pub(crate) mod kinds;
+pub(crate) mod lanes;
 pub(crate) mod leakage;
 pub(crate) mod of_set;
