@@ -32,9 +32,8 @@ use crate::methods::rfp::rfp;
 use crate::methods::survey::Survey;
 use crate::methods::vf::vf;
 use crate::model::build::Shaped;
+use crate::model::decide::with_free_residues;
 use crate::model::exponential;
-use crate::model::identified::Identified;
-use crate::model::in_law::in_law;
 use crate::poles::whiteness::Residual;
 use crate::tolerances::OUTLIER_ROUNDS;
 use chladni_frf::{Estimator, Finding, Forcing, FrfSet, ModalModel};
@@ -343,12 +342,11 @@ fn fit_lean(data: &Screened, options: &FitOptions, watch: &Watch) -> Result<Moda
     watch.stage("sketch")?;
     let survey = Survey::new(data, options.seed);
     watch.stage("poles")?;
-    let mut found = lean(survey, options)?;
+    let found = lean(survey, options)?;
+    watch.stage("damping law")?;
+    let identified = with_free_residues(data, found, options)?;
     watch.stage("shapes")?;
-    if let Some(law) = options.damping {
-        found = in_law(found, law, None)?;
-    }
-    let shaped = Shaped::new(data, Identified::new(found))?;
+    let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);
     Ok(shaped.model(data, options, &left))
 }

@@ -27,6 +27,8 @@ pub(crate) enum Verdict {
     Decided(Damping),
     /// They follow it if phases are true to better than so many degrees.
     IfPhasesTrue(Damping, f64),
+    /// Their phases speak for one law, and one shape per mode holds only in the other.
+    Disputed,
     /// They do not tell.
     Undecidable,
 }
@@ -36,7 +38,7 @@ impl Verdict {
     pub fn law(self) -> Option<Damping> {
         match self {
             Self::Decided(law) | Self::IfPhasesTrue(law, _) => Some(law),
-            Self::Undecidable => None,
+            Self::Disputed | Self::Undecidable => None,
         }
     }
 }
@@ -257,6 +259,23 @@ pub(crate) fn undecidable(taken: Damping, most: f64) -> Finding {
             "damping law undecidable: structural and viscous damping explain these data equally \
              well; the numbers follow the {} law, and the error bars hold both (frequencies under the \
              other one differ by about η²/4, up to {most:.0} error bars of noise)",
+            name(taken)
+        ),
+    )
+    .value("shift_over_error_bar", most)
+    .help("say which law holds, if you know it")
+}
+
+/// The finding where phases and shapes speak for different laws; `most`: the largest [`shift`].
+pub(crate) fn disputed(taken: Damping, most: f64) -> Finding {
+    Finding::note(
+        "law-undecidable",
+        format!(
+            "damping law undecidable: the phases of the residues speak for {} damping, but one \
+             shape per mode holds only under {} damping; the numbers follow the latter, and the \
+             error bars hold both (frequencies differ by about η²/4, up to {most:.0} error bars of \
+             noise)",
+            name(taken.other()),
             name(taken)
         ),
     )

@@ -21,6 +21,7 @@ use crate::methods::found::{Finder, MethodPoles, Stabilization};
 use crate::methods::selection::{rises, variance_left};
 use crate::methods::survey::{Compressed, Survey};
 use crate::model::build::Shaped;
+use crate::model::decide::note_law;
 use crate::model::identified::{Identified, LawOpen};
 use crate::poles::estimate;
 use crate::poles::limits::UNCERTAIN;
@@ -68,9 +69,12 @@ pub(crate) fn fit_by_method(
             needed,
         });
     }
-    let damping = options.damping.unwrap_or(found.law);
+    let law = columns.work.law;
+    let of_law: Vec<Complex64> = found.poles.iter().map(|&s| lambda_of_s(law, s)).collect();
+    let verdict = columns.law_verdict(data, &of_law)?;
+    let damping = options.damping.or(verdict.law()).unwrap_or(found.law);
     let (poles, variance) = graded(&survey, &columns, &found, damping)?;
-    let identified = Identified {
+    let mut identified = Identified {
         damping,
         poles,
         powers: POWERS.to_vec(),
@@ -85,6 +89,8 @@ pub(crate) fn fit_by_method(
         fitted: true,
         measured: false,
     };
+    let on_law = note_law(&mut identified, verdict, options, false);
+    identified.warnings.extend(on_law);
     let shaped = Shaped::new(data, identified)?;
     let left = shaped.left(data);
     let mut model = shaped.model(data, options, &left);

@@ -5,8 +5,8 @@
 //! The number of modes is what was asked for, else what is significant of a pool for as
 //! many modes as there are visible peaks; poles to spare are taken out before the
 //! refinement. Modes just beyond the ends of the band, which a sketch hardly shows, are
-//! sought with all FRFs. At the Cramér–Rao bound in white noise. Structural law unless
-//! the viscous one is asked for: nothing is decided here that the user can say.
+//! sought with all FRFs. At the Cramér–Rao bound in white noise, in the law that the phases of the
+//! residues tell, or that is asked for.
 //!
 //! Cost: two passes over the data (16·N·M·m flop for N lines, M FRFs, m unknowns), vector
 //! fitting as in [`super::vf`] with half the mixtures, and some ten steps of 8Nr(2m)

@@ -29,8 +29,6 @@
 use super::limits::LEAST_LEADING;
 use crate::damping::law::FIRST;
 use crate::damping::plane::Plane;
-use crate::damping::structural::POWERS;
-use crate::damping::verdict::{verdict, Fitted};
 use crate::data::error::FitError;
 use crate::data::options::{FitOptions, RfpWeight};
 use crate::methods::found::negative_damping;
@@ -39,10 +37,7 @@ use crate::methods::local::local;
 use crate::methods::rfp_search::Search;
 use crate::methods::selection::{fewer, inside};
 use crate::methods::survey::{Compressed, Survey};
-use crate::poles::refine::Projection;
-use chladni_frf::{Damping, Finding};
-use chladni_linalg::LinalgError;
-use num_complex::Complex64;
+use chladni_frf::Finding;
 
 /// Common poles by orthogonal polynomials.
 ///
@@ -59,7 +54,7 @@ pub(crate) fn rfp(
     let run = |law| Search::new(survey, columns, options, law).run();
     let mut found = run(options.damping.unwrap_or(FIRST))?;
     if options.damping.is_none() {
-        match law_of_residues(survey, columns, &found.poles)? {
+        match columns.law_verdict(survey.data, &found.poles)?.law() {
             Some(law) if law != found.law => found = run(law)?,
             _ => {}
         }
@@ -105,34 +100,13 @@ fn ill_conditioned(leading: f64) -> Finding {
     .help("ask for fewer modes, or fit a narrower band")
 }
 
-/// The law that the turn of the residues tells.
-fn law_of_residues(
-    survey: &Survey,
-    columns: &Compressed,
-    poles: &[Complex64],
-) -> Result<Option<Damping>, LinalgError> {
-    if poles.is_empty() {
-        return Ok(None);
-    }
-    let work = &columns.work;
-    let projection = Projection::new(work, poles, &POWERS)?;
-    let unknowns = poles.len() + POWERS.len();
-    let fitted = Fitted {
-        lambda: poles,
-        powers: &POWERS,
-        coefficients: &projection.coefficients()?,
-        variance: columns.variance(survey.data, projection.sse, unknowns),
-        frfs: survey.data.pairs.len(),
-    };
-    Ok(verdict(work, &fitted)?.law())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::data::options::RfpOptions;
     use crate::data::screening::Screened;
     use crate::methods::synthetic::even;
+    use chladni_frf::Damping;
     use chladni_frf::Mode;
     use chladni_plate::{cramer_rao, simulate, Panel, Synthetic, SyntheticSet};
     use ndarray::Array1;

@@ -9,6 +9,8 @@
 //! Tropp, SIAM Rev. 53 (2011) 217–288.
 
 use super::limits::{EXPECTED, LINES_PER_MODE, NOISE_HALF_WINDOW, SPARE_POLES};
+use crate::damping::structural::POWERS;
+use crate::damping::verdict::{verdict, Fitted, Verdict};
 use crate::data::columns::{line_energy, Columns};
 use crate::data::options::FitOptions;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
@@ -16,6 +18,7 @@ use crate::data::products::{measured_basis, project};
 use crate::data::screening::Screened;
 use crate::data::source::Source;
 use crate::poles::rank::rank_over_noise;
+use crate::poles::refine::Projection;
 use crate::tolerances as tol;
 use chladni_linalg::{matmul, qr_thin, svd_thin, LinalgError};
 use ndarray::{s, Array1, Array2};
@@ -146,6 +149,31 @@ impl Compressed {
         let values = data.lines.len() * data.pairs.len();
         let freedom = values.saturating_sub(unknowns * self.work.columns()).max(1);
         ((self.outside + sse) / freedom as f64).max(tol::ROUNDING_VARIANCE * self.mean_square())
+    }
+
+    /// The damping law that the turn of the residues of these poles tells; poles in the law of the
+    /// columns.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn law_verdict(
+        &self,
+        data: &Screened,
+        poles: &[Complex64],
+    ) -> Result<Verdict, LinalgError> {
+        if poles.is_empty() {
+            return Ok(Verdict::Undecidable);
+        }
+        let projection = Projection::new(&self.work, poles, &POWERS)?;
+        let unknowns = poles.len() + POWERS.len();
+        let fitted = Fitted {
+            lambda: poles,
+            powers: &POWERS,
+            coefficients: &projection.coefficients()?,
+            variance: self.variance(data, projection.sse, unknowns),
+            frfs: data.pairs.len(),
+        };
+        verdict(&self.work, &fitted)
     }
 
     fn mean_square(&self) -> f64 {

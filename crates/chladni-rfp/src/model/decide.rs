@@ -7,6 +7,7 @@ use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::data::watch::Watch;
 use crate::model::identified::{Identified, LawOpen};
+use crate::model::in_law::in_law;
 use crate::model::limits;
 use crate::poles::estimate::{is_faint, PoleEstimate};
 use crate::shapes::search::structured;
@@ -22,7 +23,8 @@ use num_complex::Complex64;
 ///
 /// 1. The phases of the residues choose the law.
 /// 2. If they do not decide and one shape per mode is refused, the other law is taken if it
-///    bears such shapes: heavily overlapping modes may have wrong phases.
+///    bears such shapes: heavily overlapping modes may have wrong phases. The law stays open if
+///    the phases spoke for the first.
 /// 3. If shapes are complex in the first law and real in the other, the other is taken, on
 ///    condition that phases are true.
 ///
@@ -56,9 +58,10 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         if borne(&other) && (refused || real(&other)) {
             // a phase that all FRFs share does not make one shape per mode fail, but turns real
             // shapes into complex ones and back
-            preferred = match refused {
-                true => Verdict::Decided(law.other()),
-                false => {
+            preferred = match (refused, preferred) {
+                (true, Verdict::IfPhasesTrue(..)) => Verdict::Disputed,
+                (true, _) => Verdict::Decided(law.other()),
+                (false, _) => {
                     let turn = verdict::confusing_turn(&there.work, &there.refined.lambda);
                     Verdict::IfPhasesTrue(law.other(), turn)
                 }
@@ -66,42 +69,59 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
             (found, searched) = (there, other);
         }
     }
-    let law = found.work.law;
     let real = real(&searched);
     let (refined, unlike) = match searched {
         Search::Found(structured) => (Some(structured), None),
         Search::Refused(sigmas) => (None, Some(sigmas)),
         Search::Inapplicable => (None, None),
     };
-    let free = options.damping.is_none();
-    let measured = found.measured;
     let mut identified = Identified::new(found);
-    let shift = identified.shift_by_other_law();
-    identified.law_open = match free && preferred == Verdict::Undecidable {
-        true if measured => LawOpen::Light,
-        true if shift > limits::LAW_SHIFTS => LawOpen::White,
-        _ => LawOpen::No,
-    };
-    let mut warnings = Vec::from_iter(words_on_law(&preferred, law, real, free, shift));
-    warnings.extend(unlike.map(one_shape_refused));
+    let on_law = note_law(&mut identified, preferred, options, real);
+    let warnings = on_law.into_iter().chain(unlike.map(one_shape_refused));
+    let warnings = warnings.collect();
     if let Some(structured) = refined {
         identified = identified.structured(structured);
     }
     Ok((identified, warnings))
 }
 
-/// The finding on the law taken: the data contradict it, or hardly determine it.
+/// Poles in the damping law that the data prefer, or that is asked for, with free residues.
 ///
-/// * `free`: no law was asked for
-/// * `shift`: of the other law, in standard deviations
-fn words_on_law(
-    preferred: &Verdict,
-    law: Damping,
+/// # Errors
+/// A kernel that fails.
+pub(crate) fn with_free_residues(
+    data: &DataLayout,
+    found: PoleEstimate,
+    options: &FitOptions,
+) -> Result<Identified, LinalgError> {
+    let verdict = law_verdict(data, &found)?;
+    let law = options.damping.or(verdict.law()).unwrap_or(found.work.law);
+    let mut identified = Identified::new(in_law(found, law, None)?);
+    let on_law = note_law(&mut identified, verdict, options, false);
+    identified.warnings.extend(on_law);
+    Ok(identified)
+}
+
+/// Marks the law as open where it is. Returns the finding on it: the data contradict the law, or
+/// hardly determine it.
+///
+/// * `verdict`: of the data
+/// * `real`: shapes are real in the law taken
+pub(crate) fn note_law(
+    identified: &mut Identified,
+    verdict: Verdict,
+    options: &FitOptions,
     real: bool,
-    free: bool,
-    shift: f64,
 ) -> Option<Finding> {
-    match *preferred {
+    let (law, free) = (identified.damping, options.damping.is_none());
+    // under the other law, in standard deviations
+    let shift = identified.shift_by_other_law();
+    identified.law_open = match free && verdict.law().is_none() {
+        true if identified.measured => LawOpen::Light,
+        true if shift > limits::LAW_SHIFTS => LawOpen::White,
+        _ => LawOpen::No,
+    };
+    match verdict {
         Verdict::Decided(other) if other != law => Some(verdict::contradicted(law, None)),
         // phases that every mode has in common cannot contradict shapes that are real
         Verdict::IfPhasesTrue(other, degrees) if other != law && !real => {
@@ -112,6 +132,9 @@ fn words_on_law(
         }
         Verdict::Undecidable if free && shift > limits::LAW_SHIFTS => {
             Some(verdict::undecidable(law, shift))
+        }
+        Verdict::Disputed if free && shift > limits::LAW_SHIFTS => {
+            Some(verdict::disputed(law, shift))
         }
         _ => None,
     }
