@@ -1,16 +1,16 @@
-//! Large stretches of a file, each read once: past the system's cache of pages, which
-//! would take more of the processor than the disk's own transfer and push everything else
+//! Large stretches of a file that are read once, past the page cache of the system. The
+//! cache would cost more processor time than the transfer from disk, and push other pages
 //! out of memory.
 
 use std::fs::File;
 use std::io::{Read, Result, Seek, SeekFrom};
 use std::path::Path;
 
-/// Bytes read at a time: less, and the disk waits for the next request.
+/// Bytes read at a time; with fewer, the disk waits between requests.
 #[cfg(any(target_os = "linux", test))]
 const STRETCH: usize = 1 << 20;
-/// Alignment of places in memory and in the file. A disk that asks for more refuses, and
-/// is read the usual way.
+/// Alignment of addresses in memory and offsets in the file. Where a disk needs more, it
+/// refuses, and the file is read the usual way.
 #[cfg(target_os = "linux")]
 const ALIGNMENT: usize = 4096;
 
@@ -28,7 +28,7 @@ pub(super) fn read_past_cache(path: &Path, start: u64, out: &mut [u8]) -> Result
     file.read_exact(out)
 }
 
-/// Fails where the file system does not know how, among others.
+/// Reads without the page cache; fails, among others, where the file system cannot do that.
 #[cfg(target_os = "linux")]
 fn read_directly(path: &Path, start: u64, out: &mut [u8]) -> Result<()> {
     use std::cell::RefCell;

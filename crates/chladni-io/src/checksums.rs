@@ -1,5 +1,7 @@
-//! Checksums of files: of one that is read for it, and of many whose bytes pass by while
-//! they are read part by part. SHA-256 up to 1 GiB, BLAKE3 beyond.
+//! Checksums of files: SHA-256 up to 1 GiB, BLAKE3 beyond.
+//!
+//! A file is read for its checksum, or the checksum is computed while the file is read part
+//! by part for another purpose ([`Checksums`]).
 
 use crate::limits::{BLOCK, SHA256_UP_TO_BYTES};
 use chladni_frf::{Checksum, Error, Result, Source};
@@ -11,7 +13,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// A sum that bytes are added to.
+/// A checksum in progress.
 enum Hash {
     Sha256(Sha256),
     Blake3(Box<blake3::Hasher>),
@@ -47,7 +49,7 @@ impl Hash {
     }
 }
 
-/// Checksum that names a file as a source.
+/// Checksum of a file, to name it as a source.
 ///
 /// # Errors
 /// Those of reading.
@@ -57,7 +59,7 @@ pub fn checksum_of(path: &Path) -> Result<Checksum> {
     Ok(hash.finish())
 }
 
-/// Checksum that names the file with these bytes.
+/// Checksum of a file with these bytes.
 pub fn checksum_of_bytes(bytes: &[u8]) -> Checksum {
     let mut hash = Hash::of_bytes(bytes.len() as u64);
     hash.update(bytes);
@@ -74,7 +76,7 @@ pub fn sha256_of(path: &Path) -> Result<String> {
     Ok(hash.finish().digits().to_owned())
 }
 
-/// Adds the bytes `from..to` of a file, or up to its end.
+/// Adds the bytes `from..to` of a file; those beyond its end are left out.
 fn feed(hash: &mut Hash, path: &Path, from: u64, to: u64) -> Result<()> {
     let on_read = |error: std::io::Error| Error::from_read(&error, path);
     let mut file = door::open(path)?;
@@ -101,8 +103,10 @@ fn hexadecimal(hash: Sha256) -> String {
         .collect()
 }
 
-/// Checksums of files from stretches of them that several threads read, each handed over
-/// in its turn; what lies between is read.
+/// Checksums of files whose bytes several threads read for another purpose.
+///
+/// The threads hand over the stretches that they read in the order of the files
+/// ([`Turn::pass`]). Bytes between the stretches are read here.
 pub struct Checksums {
     files: Vec<PathBuf>,
     state: Mutex<State>,
@@ -111,29 +115,29 @@ pub struct Checksums {
 
 struct State {
     begun: bool,
-    /// Of the stretch that is expected.
+    /// Number of the stretch that comes next.
     turn: usize,
-    /// Sums of the files before this one.
+    /// Checksums of the files that are complete.
     done: Vec<Checksum>,
-    /// Of the file that is passing, up to here; `None` before its first byte.
+    /// Checksum of the current file up to `position`; `None` before its first byte.
     hash: Option<Hash>,
     position: u64,
-    /// True once a stretch failed to come: all files are to be read.
+    /// True once a stretch was not handed over; then all files are read for their checksums.
     given_up: bool,
 }
 
-/// The right to hand over stretch `number` of all; where none comes of it, the checksums
-/// are given up.
+/// The right to hand over stretch `number`. A turn that is dropped unused gives the checksums
+/// up.
 pub struct Turn<'a> {
     checksums: &'a Checksums,
     number: usize,
-    /// Place among the files.
+    /// Index of the file.
     file: usize,
     used: bool,
 }
 
 impl Checksums {
-    /// Of `files`, in this order.
+    /// Checksums of `files`, in this order.
     pub fn new(files: &[PathBuf]) -> Self {
         let state = State {
             begun: false,
@@ -154,12 +158,13 @@ impl Checksums {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// True once: of several passes over the files only the first hands stretches over.
+    /// Returns true at the first call only: the first of several passes over the files hands
+    /// stretches over.
     pub fn begin(&self) -> bool {
         !std::mem::replace(&mut self.state().begun, true)
     }
 
-    /// The turn of stretch `number`, counted over all files, which lies in file `file`.
+    /// The turn of stretch `number`, counted over all files, in file number `file` (from 0).
     pub fn turn(&self, number: usize, file: usize) -> Turn<'_> {
         Turn {
             checksums: self,
@@ -169,14 +174,13 @@ impl Checksums {
         }
     }
 
-    /// No stretch need be waited for any more.
+    /// Stops waiting for stretches; [`Self::sources`] then reads all files.
     pub fn give_up(&self) {
         self.state().given_up = true;
         self.changed.notify_all();
     }
 
-    /// The files with their checksums: of what passed and of the rest, or of files read
-    /// now.
+    /// The files with their checksums. Bytes that were not handed over are read now.
     ///
     /// # Errors
     /// Those of reading.
@@ -204,12 +208,12 @@ impl Checksums {
 }
 
 impl State {
-    /// The sum of the file that is passing, taken out.
+    /// Takes the checksum of the current file out.
     fn hash(&mut self, file: &Path) -> Result<Hash> {
         self.hash.take().map_or_else(|| Hash::of_file(file), Ok)
     }
 
-    /// The rest of the file that is passing.
+    /// Completes the checksum of the current file.
     fn close(&mut self, files: &[PathBuf]) -> Result<()> {
         let file = &files[self.done.len()];
         let mut hash = self.hash(file)?;
@@ -219,7 +223,7 @@ impl State {
         Ok(())
     }
 
-    /// Adds bytes that lie at `start` of the file that is passing, after what lies before.
+    /// Adds bytes from `start` on of the current file, and those before that were skipped.
     fn add(&mut self, file: &Path, start: u64, bytes: &[u8]) -> Result<()> {
         let mut hash = self.hash(file)?;
         feed(&mut hash, file, self.position, start)?;
@@ -238,7 +242,7 @@ impl State {
 }
 
 impl Turn<'_> {
-    /// Hands over the bytes that lie at `start` of the file, once all before have been.
+    /// Hands over the bytes from `start` on of the file; waits for all stretches before.
     pub fn pass(&mut self, start: u64, bytes: &[u8]) {
         let Checksums { files, changed, .. } = self.checksums;
         let state = self.checksums.state();
@@ -265,8 +269,8 @@ impl Drop for Turn<'_> {
     }
 }
 
-/// A stamp that tells an input from another of the same name: when it was changed, or of
-/// a pipe what it gave. And its number of bytes.
+/// Number of bytes of an input, and a stamp that changes when it does: the time of the last
+/// change, or of a pipe the SHA-256 of its bytes.
 ///
 /// # Errors
 /// As [`place_of`].

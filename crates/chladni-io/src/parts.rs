@@ -1,4 +1,4 @@
-//! FRFs of files too large to be held, part by part.
+//! FRFs of files that do not fit into memory, part by part.
 //!
 //! Our own HDF5 layout is cut between responses, a universal file between functions; any
 //! other file is one part. A part is read and checked like a file of its own.
@@ -20,40 +20,39 @@ pub struct FrfParts {
     kept: KeptInputs,
 }
 
-/// A file and what of it belongs to the set.
+/// A file, and the share of it that belongs to the set.
 #[derive(Debug, Clone)]
 struct Parted {
     path: PathBuf,
     /// Place among the files given.
     number: usize,
-    /// Of its FRFs in memory, about.
+    /// Size of its FRFs in memory, about.
     bytes: u64,
     cut: Cut,
-    /// Of the rows or functions.
+    /// The units of `cut` that belong to the set.
     units: Range<usize>,
 }
 
 impl Parted {
     fn open(path: &Path, number: usize, options: &ReadOptions) -> Result<Self> {
         let mut bytes = size_of(path)?;
-        let (cut, units) = match detect_format(path)? {
+        let cut = match detect_format(path)? {
             FileFormat::Hdf5 => match hdf5::Rows::open(path)? {
                 Some(rows) if options.map.is_empty() => {
                     bytes = rows.bytes();
-                    let count = rows.count();
-                    (Cut::Responses(Box::new(rows)), count)
+                    Cut::Responses(Box::new(rows))
                 }
-                _ => (Cut::Nowhere, 1),
+                _ => Cut::Nowhere,
             },
             FileFormat::Uff => Cut::between_functions(path, options.lenient)?,
-            _ => (Cut::Nowhere, 1),
+            _ => Cut::Nowhere,
         };
         Ok(Self {
             path: path.to_owned(),
             number,
             bytes,
+            units: 0..cut.unit_count(),
             cut,
-            units: 0..units,
         })
     }
 }
@@ -65,7 +64,7 @@ enum Cut {
     Nowhere,
     /// Between the responses of our own layout.
     Responses(Box<hdf5::Rows>),
-    /// Between functions: what stands beside them, and where each is.
+    /// Between functions: the bytes of each, and those of all other datasets.
     Functions {
         beside: Vec<Range<u64>>,
         functions: Vec<Range<u64>>,
@@ -73,29 +72,35 @@ enum Cut {
 }
 
 impl Cut {
-    /// The places of a universal file, and how many functions it has.
-    fn between_functions(path: &Path, lenient: bool) -> Result<(Self, usize)> {
-        let (functions, beside): (Vec<_>, Vec<_>) = uff::places(path, lenient)?
-            .into_iter()
-            .partition(|(number, _)| *number == Some(58));
-        let units = |place: &&(Option<u32>, Range<u64>)| place.0 == Some(164);
-        // units hold for what follows them: with two, a function does not stand for itself
-        if beside.iter().filter(units).count() > 1 {
-            return Ok((Self::Nowhere, 1));
+    /// Number of units between which the file can be cut: responses, functions, or the file.
+    fn unit_count(&self) -> usize {
+        match self {
+            Self::Nowhere => 1,
+            Self::Responses(rows) => rows.count(),
+            Self::Functions { functions, .. } => functions.len(),
         }
-        let ranges = |places: Vec<(Option<u32>, Range<u64>)>| -> Vec<Range<u64>> {
-            places.into_iter().map(|(_, range)| range).collect()
-        };
-        let count = functions.len();
-        let cut = Self::Functions {
-            beside: ranges(beside),
-            functions: ranges(functions),
-        };
-        Ok((cut, count))
+    }
+
+    /// The places of a universal file.
+    fn between_functions(path: &Path, lenient: bool) -> Result<Self> {
+        let places = uff::places(path, lenient)?;
+        // units hold for what follows them: with two, the units of a function depend on its place
+        let is_units = |place: &&uff::DatasetPlace| place.number == Some(164);
+        if places.iter().filter(is_units).count() > 1 {
+            return Ok(Self::Nowhere);
+        }
+        let (mut functions, mut beside) = (Vec::new(), Vec::new());
+        for place in places {
+            match place.number {
+                Some(58) => functions.push(place.bytes),
+                _ => beside.push(place.bytes),
+            }
+        }
+        Ok(Self::Functions { beside, functions })
     }
 }
 
-/// The part that is read at a time.
+/// A part that is read at a time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
     file: usize,
@@ -103,7 +108,7 @@ pub struct Part {
 }
 
 impl FrfParts {
-    /// Looks where the files can be cut. Nothing but headers is read of a binary file.
+    /// Finds the places at which the files can be cut. Of a binary file only headers are read.
     ///
     /// # Errors
     /// Those of reading.
@@ -133,7 +138,7 @@ impl FrfParts {
     /// or files.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::Usage`] where there is less to share.
+    /// [`chladni_frf::ErrorKind::Usage`] where there are fewer of these than shares.
     pub fn share(&self, index: usize, count: usize) -> Result<Self> {
         let all: usize = self.files.iter().map(|file| file.units.len()).sum();
         if count > all {
@@ -196,7 +201,7 @@ impl FrfParts {
                            enough",
                 ));
             }
-            let whole = file.whole_units().max(1) as u64;
+            let whole = file.cut.unit_count().max(1) as u64;
             let units = usize::try_from(most.saturating_mul(whole) / file.bytes.max(1))
                 .unwrap_or(usize::MAX)
                 .max(1);
@@ -210,8 +215,8 @@ impl FrfParts {
         Ok(parts)
     }
 
-    /// Checksums of `files` as their parts pass; `None` where not all of them have a part
-    /// here, or parts are not read as they lie in the files.
+    /// Checksums of `files`, computed while their parts are read. `None` where some file has
+    /// no part here, or where the values do not lie in the files as they do in memory.
     pub fn checksums(&self, files: &[PathBuf]) -> Option<Checksums> {
         let in_stretches =
             |file: &Parted| matches!(&file.cut, Cut::Responses(rows) if rows.lie_in_one_stretch());
@@ -220,7 +225,8 @@ impl FrfParts {
         all.then(|| Checksums::new(files))
     }
 
-    /// The turn of a part, the `number`th that is read.
+    /// The turn of a part that is read as number `number`, for its bytes to be added to
+    /// `checksums`.
     pub fn turn<'a>(&self, checksums: &'a Checksums, number: usize, part: &Part) -> Turn<'a> {
         checksums.turn(number, part.file)
     }
@@ -228,7 +234,7 @@ impl FrfParts {
     /// Bytes of a part in memory, about.
     pub fn part_bytes(&self, part: &Part) -> u64 {
         let file = &self.files[part.file];
-        file.bytes * part.units.len() as u64 / file.whole_units().max(1) as u64
+        file.bytes * part.units.len() as u64 / file.cut.unit_count().max(1) as u64
     }
 
     /// The file that a part belongs to.
@@ -236,12 +242,12 @@ impl FrfParts {
         &self.files[part.file].path
     }
 
-    /// The FRFs of a part, and what is to be said of them.
+    /// The FRFs of a part, and the findings about them.
     ///
-    /// * `turn`: of the part, where checksums of the files are made as they pass; the
+    /// * `turn`: the turn of the part, where checksums are computed while parts are read; the
     ///   file is then read past the system's cache
-    /// * `spare`: values of another part that is done with: their memory is read into
-    ///   where that is possible, and need not be cleared
+    /// * `spare`: values of an earlier part that are no longer needed; their memory is used
+    ///   again where possible
     ///
     /// # Errors
     /// Those of reading; [`chladni_frf::ErrorKind::BadData`] where it holds no FRF.
@@ -299,8 +305,8 @@ impl FrfParts {
     }
 }
 
-/// Bytes that the FRFs of files take in memory, about: from what their heads say, else
-/// the size of the file. Damage is for the reader to report.
+/// Bytes that the FRFs of files take in memory, about: by the headers of the files, else
+/// by their sizes. Damaged headers are no error here; reading reports them.
 ///
 /// # Errors
 /// Those of reading.
@@ -318,18 +324,7 @@ pub fn frf_bytes(files: &[PathBuf]) -> Result<u64> {
         .try_fold(0_u64, |sum, bytes| Ok(sum.saturating_add(bytes?)))
 }
 
-impl Parted {
-    /// Responses or functions of the whole file.
-    fn whole_units(&self) -> usize {
-        match &self.cut {
-            Cut::Nowhere => 1,
-            Cut::Responses(rows) => rows.count(),
-            Cut::Functions { functions, .. } => functions.len(),
-        }
-    }
-}
-
-/// Stretches of a file, one after the other; neighbours are read at once.
+/// The bytes of some stretches of a file, one after the other; neighbours are read at once.
 fn stretches(path: &Path, wanted: Vec<&Range<u64>>) -> Result<Vec<u8>> {
     let on_read = |error: std::io::Error| Error::from_read(&error, path);
     let mut joined: Vec<Range<u64>> = Vec::new();

@@ -1,8 +1,8 @@
-//! Temporary files beside results, and what killed runs left of them.
+//! Temporary files beside results, and the removal of those that killed runs left.
 //!
-//! A run holds a lock on its file until it has been renamed; the system takes the lock
-//! away with the process, however that ends. What lies in a folder without a lock is
-//! removed by the next run that writes there.
+//! A run locks its temporary file until the file is renamed. The system releases the lock
+//! when the process ends, however it ends. The next run that writes into a folder removes
+//! temporary files without a lock.
 
 use crate::limits::{ABANDONED, TRIES};
 use std::collections::HashSet;
@@ -22,7 +22,7 @@ pub(super) fn folder_of(path: &Path) -> &Path {
         .unwrap_or_else(|| Path::new("."))
 }
 
-/// A new file beside `target`, under a lock where the file system knows locks.
+/// A new file beside `target`, locked where the file system supports locks.
 pub(super) fn beside(target: &Path) -> io::Result<NamedTempFile> {
     let folder = folder_of(target);
     remove_leftovers_once(folder);
@@ -32,7 +32,7 @@ pub(super) fn beside(target: &Path) -> io::Result<NamedTempFile> {
         let is_ours = match file.as_file().try_lock() {
             Ok(()) => file.path().exists(),
             Err(TryLockError::WouldBlock) => false,
-            // without locks nobody takes it away
+            // without locks no other run removes it
             Err(TryLockError::Error(_)) => true,
         };
         if is_ours || tries == TRIES {
@@ -48,21 +48,21 @@ fn create(folder: &Path) -> io::Result<NamedTempFile> {
     builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
     {
-        // the umask applies, as to every file a program creates
+        // the umask applies to it, as to any other file
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder)
 }
 
-/// Names of this machine since it was started: on Linux they carry the first letters of a
-/// number that is drawn at every start.
+/// Beginning of the names of temporary files of this machine since its last start; on Linux
+/// it has a part that is random for each start.
 fn prefix() -> String {
     let start = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     format!("{PREFIX}{}-", start.split('-').next().unwrap_or_default())
 }
 
-/// Removes what killed runs left in `folder`, when this process writes there first.
+/// Removes what killed runs left in `folder`, once for each process.
 fn remove_leftovers_once(folder: &Path) {
     static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
     let is_first = SEEN
@@ -74,7 +74,7 @@ fn remove_leftovers_once(folder: &Path) {
     }
 }
 
-/// Removes leftovers; what cannot be removed stays: it is in nobody's way.
+/// Removes leftovers. Failures are ignored: a leftover disturbs no run.
 fn remove_leftovers(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -85,8 +85,7 @@ fn remove_leftovers(folder: &Path) {
     }
 }
 
-/// Removes a file that nobody holds a lock on; one of another machine only where it is
-/// old.
+/// Removes a file without a lock; one of another machine only where it is old.
 fn remove_leftover(path: &Path, is_ours: bool) -> io::Result<()> {
     let metadata = fs::symlink_metadata(path)?;
     let age = metadata.modified()?.elapsed().unwrap_or_default();

@@ -1,10 +1,9 @@
 //! Arrays that were read as a whole (MATLAB, NumPy), laid out as the tree of an HDF5
 //! file.
 
-use super::foreign::{read_foreign, Found};
+use super::foreign::{read_foreign, take_frf};
 use super::tree::{Attribute, Entry, Values};
 use super::ArrayFile;
-use crate::time_sign::to_plus;
 use crate::{DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Error, Finding, Result};
 use std::collections::BTreeMap;
@@ -82,32 +81,8 @@ impl MemoryFile {
             ));
             return Ok(document);
         }
-        match read_foreign(&self, &entries, options, &mut document.warnings)
-            .map_err(|error| error.file(path))
-        {
-            Ok(None) => {}
-            Ok(Some(Found {
-                mut set,
-                time_sign,
-                used,
-            })) => {
-                document
-                    .datasets
-                    .iter_mut()
-                    .for_each(|info| info.left_behind &= !used.contains(&info.name));
-                to_plus(
-                    &mut set,
-                    time_sign,
-                    options.time_sign,
-                    &mut document.warnings,
-                );
-                document.frf = Some(set);
-            }
-            Err(error) if error.kind == chladni_frf::ErrorKind::BadData => {
-                document.errors.push(error)
-            }
-            Err(error) => return Err(error),
-        }
+        let outcome = read_foreign(&self, &entries, options, &mut document.warnings);
+        take_frf(&mut document, outcome, options)?;
         Ok(document)
     }
 

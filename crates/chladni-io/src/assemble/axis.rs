@@ -1,6 +1,7 @@
 //! The frequency axis that all FRFs of a set share.
 
 use super::record::Record;
+use crate::limits::SIX_DIGITS;
 use chladni_frf::{Error, Finding, Result};
 use ndarray::Array1;
 
@@ -20,7 +21,7 @@ pub(super) fn common_axis(records: &[Record], warnings: &mut Vec<Finding>) -> Re
         .found(describe_axis(axis))
         .help("export the data again; `chladni info` lists every dataset"));
     }
-    // one part in a thousand of a line moves no pole that anyone could see
+    // a thousandth of a line shifts no pole noticeably
     let farthest = farthest_from(first, records)?;
     if let Some((lines, record)) = farthest.filter(|(lines, _)| *lines > 1e-3) {
         warnings.push(Finding::note(
@@ -35,7 +36,7 @@ pub(super) fn common_axis(records: &[Record], warnings: &mut Vec<Finding>) -> Re
     Ok(Array1::from(axis.to_vec()))
 }
 
-/// The record whose axis is farthest from that of `first`, and how far, in lines; `None`
+/// The record whose axis is farthest from that of `first`, and the distance in lines; `None`
 /// where all agree.
 ///
 /// # Errors
@@ -83,8 +84,8 @@ fn farthest_from<'a>(
     Ok(largest)
 }
 
-/// Largest distance of two axes, in units of the smaller spacing beside the line; `None`
-/// for different lengths.
+/// Largest distance of two axes, in units of the smaller spacing to a neighbouring line;
+/// `None` for different lengths.
 fn distance_in_lines(a: &[f64], b: &[f64]) -> Option<f64> {
     if a.len() != b.len() {
         return None;
@@ -104,8 +105,8 @@ fn distance_in_lines(a: &[f64], b: &[f64]) -> Option<f64> {
     };
     let distance = |k: usize| match (a[k] - b[k]).abs() {
         0.0 => 0.0,
-        // a single line has no spacing: it must be the same to the digits of a text file
-        difference if a.len() == 1 => difference / (1e-5 * a[0].abs()),
+        // a single line has no spacing: the rounding of six printed digits takes its place
+        difference if a.len() == 1 => difference / (SIX_DIGITS * a[0].abs()),
         difference => difference / spacing(k),
     };
     let worst = (0..a.len()).map(distance);

@@ -1,7 +1,7 @@
 //! One measured FRF or coherence on its way from a document into the set.
 
 use super::super::{Document, Function, Ordinate};
-use crate::limits::ROUNDING;
+use crate::limits::SIX_DIGITS;
 use chladni_frf::{
     Dof, Error, Estimation, Finding, FrfKind, FrfSet, FrfValues, ReferenceUnit, Result,
 };
@@ -300,7 +300,7 @@ pub(crate) fn clean_coherence(values: impl IntoIterator<Item = f64>) -> (Vec<f32
     let cleaned = values
         .into_iter()
         .map(|value| {
-            if (-ROUNDING..=1.0 + ROUNDING).contains(&value) {
+            if (-SIX_DIGITS..=1.0 + SIX_DIGITS).contains(&value) {
                 return value.clamp(0.0, 1.0) as f32;
             }
             outside += usize::from(!value.is_nan());

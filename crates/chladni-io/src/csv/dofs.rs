@@ -242,10 +242,10 @@ pub(super) fn dof_pair(text: &str) -> Option<(Dof, Option<Dof>)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::head::Head;
+    use super::super::column_header::ColumnHeader;
 
     fn show(name: &str) -> String {
-        let dofs = Head::parse(name, "").dofs;
+        let dofs = ColumnHeader::parse(name, "").dofs;
         if dofs.is_unclear {
             return "unclear".into();
         }
@@ -355,7 +355,7 @@ mod tests {
             (&["Acc 1z 5s", "Acc 2z 5s"], "1:+Z,2:+Z"),
         ] {
             let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-            let heads = Head::of_columns(&names, &vec![String::new(); names.len()]);
+            let heads = ColumnHeader::of_columns(&names, &vec![String::new(); names.len()]);
             let shown: Vec<String> = heads.iter().map(|head| one(head.dofs.response)).collect();
             assert_eq!(shown.join(","), dofs, "{names:?}");
             assert!(heads.iter().all(|head| head.dofs.reference.is_none()));

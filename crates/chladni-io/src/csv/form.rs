@@ -1,8 +1,8 @@
 //! The form in which two columns make the complex values of an FRF, and its unit.
 
-use super::head::{AngleSaid, Head};
+use super::column_header::{AngleUnit, ColumnHeader};
 use super::vocabulary::{is_decibel, words};
-use super::Said;
+use super::TableFacts;
 use crate::unit_label::{decibel_reference, frf_unit, is_decibel_label, FrfUnit};
 use crate::PhaseUnit;
 use chladni_frf::{Error, Finding, Result};
@@ -13,7 +13,7 @@ pub(super) struct Column<'a> {
     /// Counted from 0.
     pub(super) number: usize,
     pub(super) name: &'a str,
-    pub(super) head: &'a Head,
+    pub(super) head: &'a ColumnHeader,
     pub(super) values: &'a [f64],
 }
 
@@ -101,12 +101,12 @@ impl Form {
     pub(super) fn polar(
         magnitude: &Column<'_>,
         phase: &Column<'_>,
-        said: &Said,
+        facts: &TableFacts,
         warnings: &mut Vec<Finding>,
     ) -> Result<Self> {
         refuse_minus(magnitude)?;
         let label = if magnitude.head.unit.is_empty() {
-            said.unit.as_deref().unwrap_or("")
+            facts.unit.as_deref().unwrap_or("")
         } else {
             &magnitude.head.unit
         };
@@ -117,12 +117,12 @@ impl Form {
                 .ok_or_else(|| decibels_without_reference(magnitude))?;
             (Some(reference), unit)
         } else {
-            linear(magnitude, said)?;
+            linear(magnitude, facts)?;
             (None, label)
         };
         Ok(Self {
             polar: Some(Polar {
-                to_radians: phase_unit(phase, said, warnings)?.to_radians() * phase.sign(),
+                to_radians: phase_unit(phase, facts, warnings)?.to_radians() * phase.sign(),
                 decibel,
             }),
             second_factor: 1.0,
@@ -170,14 +170,14 @@ fn decibels_without_reference(magnitude: &Column<'_>) -> Error {
 
 /// Refuses a magnitude that is not linear: below zero, or in a file that speaks of
 /// decibels and gives this column no unit.
-fn linear(magnitude: &Column<'_>, said: &Said) -> Result<()> {
-    if let Some(told) = said.unit.as_deref().filter(|told| is_decibel_label(told)) {
-        return Err(said.two_units(told, &magnitude.head.unit));
+fn linear(magnitude: &Column<'_>, facts: &TableFacts) -> Result<()> {
+    if let Some(told) = facts.unit.as_deref().filter(|told| is_decibel_label(told)) {
+        return Err(facts.two_units(told, &magnitude.head.unit));
     }
     let below = magnitude.values.iter().find(|value| **value < 0.0);
     let speaks_of_decibels = magnitude.head.unit.is_empty()
-        && said.unit.is_none()
-        && words(&said.header_text).any(is_decibel);
+        && facts.unit.is_none()
+        && words(&facts.header_text).any(is_decibel);
     let (message, found) = match below {
         Some(value) => ("a magnitude below zero; is it in dB?", value.to_string()),
         None if speaks_of_decibels => (
@@ -198,12 +198,16 @@ fn linear(magnitude: &Column<'_>, said: &Said) -> Result<()> {
 
 /// Unit of a phase: as the user says, else as the column or the file says, else by the
 /// size of its numbers.
-fn phase_unit(phase: &Column<'_>, said: &Said, warnings: &mut Vec<Finding>) -> Result<PhaseUnit> {
+fn phase_unit(
+    phase: &Column<'_>,
+    facts: &TableFacts,
+    warnings: &mut Vec<Finding>,
+) -> Result<PhaseUnit> {
     let own = match phase.head.angle() {
-        AngleSaid::Unit(unit) => Some(unit),
+        AngleUnit::Unit(unit) => Some(unit),
         _ => None,
     };
-    if let Some(told) = said.told_phase_unit {
+    if let Some(told) = facts.caller_phase_unit {
         if let Some(own) = own.filter(|own| *own != told) {
             let (own, told) = (own.as_str(), told.as_str());
             let words = format!(
@@ -223,15 +227,16 @@ fn phase_unit(phase: &Column<'_>, said: &Said, warnings: &mut Vec<Finding>) -> R
                 "say it with `phase_unit deg` or `phase_unit rad`, or in the header: `phase [rad]`",
             )
     };
-    if phase.head.angle() == AngleSaid::NotUnderstood {
+    if phase.head.angle() == AngleUnit::NotUnderstood {
         return Err(ask("the unit of the phase is not understood"));
     }
-    if let Some(known) = own.or(said.phase_unit) {
+    if let Some(known) = own.or(facts.phase_unit) {
         return Ok(known);
     }
     // whole words: `rad/s` is a frequency
     let by_text = |unit| {
-        said.header_text
+        facts
+            .header_text
             .split(|c: char| c.is_whitespace() || "()[],;:=".contains(c))
             .any(|word| PhaseUnit::named(word) == Some(unit))
     };

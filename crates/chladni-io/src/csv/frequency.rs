@@ -1,6 +1,6 @@
 //! The frequency column: its unit, its name, its order.
 
-use super::head::{split_unit, without_brackets};
+use super::column_header::{split_unit, without_brackets};
 use super::vocabulary::{after_frequency, is_filler, is_frequency};
 use crate::unit_label::{frequency_unit, parse};
 

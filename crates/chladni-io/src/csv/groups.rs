@@ -1,7 +1,7 @@
 //! The columns of a wide table that belong together.
 
+use super::column_header::ColumnHeader;
 use super::form::push_once;
-use super::head::Head;
 use super::table::Table;
 use super::vocabulary::Part;
 use crate::limits::{LARGEST_DECIBELS, WRAPPED_DEGREES};
@@ -18,14 +18,14 @@ pub(super) struct Group {
 
 /// Columns that have no partner yet.
 struct Partners<'a> {
-    heads: &'a [Head],
+    heads: &'a [ColumnHeader],
     used: Vec<bool>,
     /// By part and base, in the order of the columns.
     waiting: HashMap<(Part, &'a str), VecDeque<usize>>,
 }
 
 impl<'a> Partners<'a> {
-    fn new(heads: &'a [Head]) -> Self {
+    fn new(heads: &'a [ColumnHeader]) -> Self {
         let mut waiting: HashMap<_, VecDeque<usize>> = HashMap::new();
         for (column, head) in heads.iter().enumerate().skip(1) {
             let key = (head.part, head.base.as_str());
@@ -69,7 +69,7 @@ impl<'a> Partners<'a> {
 /// A column without its partner; one that does not say what it holds.
 pub(super) fn group_columns(
     table: &Table,
-    heads: &[Head],
+    heads: &[ColumnHeader],
     warnings: &mut Vec<Finding>,
 ) -> Result<Vec<Group>> {
     let mut groups: Vec<Group> = Vec::new();
@@ -126,7 +126,7 @@ pub(super) fn group_columns(
 
 /// Coherence goes to the FRF of its name, else to the only one before it that has none;
 /// as many as there are FRFs left go to them in their order.
-fn attach_coherence(table: &Table, heads: &[Head], groups: &mut [Group]) -> Result<()> {
+fn attach_coherence(table: &Table, heads: &[ColumnHeader], groups: &mut [Group]) -> Result<()> {
     let mut left = Vec::new();
     for column in (1..heads.len()).filter(|&column| heads[column].part == Part::Coherence) {
         let head = &heads[column];
@@ -174,7 +174,7 @@ fn attach_coherence(table: &Table, heads: &[Head], groups: &mut [Group]) -> Resu
 }
 
 /// Real and imaginary part beside magnitude and phase of what seems the same FRF.
-fn refuse_two_forms(table: &Table, heads: &[Head], groups: &[Group]) -> Result<()> {
+fn refuse_two_forms(table: &Table, heads: &[ColumnHeader], groups: &[Group]) -> Result<()> {
     let mut forms: HashMap<&str, bool> = HashMap::new();
     for group in groups {
         let base = heads[group.first].base.as_str();

@@ -1,7 +1,7 @@
 //! The header of a table: which line holds the names, which the units, and how they are
 //! cut.
 
-use super::head::{looks_like_unit, without_brackets, Head};
+use super::column_header::{looks_like_unit, without_brackets, ColumnHeader};
 use super::table::Table;
 use super::text::{both_commas, Dialect, Line};
 use super::vocabulary::{known_words, part_of, role_of, words, Part};
@@ -50,7 +50,7 @@ impl Table {
                     || cells.iter().all(|cell| looks_like_unit(cell))
                     || cells
                         .iter()
-                        .any(|cell| !Head::parse(cell, "").dofs.is_empty());
+                        .any(|cell| !ColumnHeader::parse(cell, "").dofs.is_empty());
                 if is_header && words(line.text).next().is_some() {
                     cells.resize(self.columns, String::new());
                     fitting = Some(cells);
@@ -81,7 +81,7 @@ impl Table {
         let mut all_above = vec![String::new(); self.columns];
         for above in candidates.iter().rev() {
             let speaks = |cell: &String| {
-                let head = Head::parse(cell, "");
+                let head = ColumnHeader::parse(cell, "");
                 !head.dofs.is_empty() || words(cell).any(|word| part_of(word).is_some())
             };
             if !above[1..].iter().any(speaks) {

@@ -1,13 +1,13 @@
 //! Long tables: one row per FRF and line, `node,dir,ref_node,ref_dir,f,re,im`.
 
+use super::facts::is_same_unit;
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
 use super::long_header::{DofColumns, LongTable};
-use super::said::is_same_unit;
 use super::table::not_finite;
 use super::text::{both_commas, Cell, Line};
 use super::vocabulary::Part;
-use super::{Said, Trace};
+use super::{TableFacts, Trace};
 use crate::limits::{LONG_SPARSE_FACTOR, SAME_LINE, SPARSE_CELLS};
 use chladni_frf::{Direction, Dof, Error, Finding, Result};
 use num_complex::Complex64;
@@ -39,7 +39,7 @@ impl LongTable<'_> {
     /// Frequencies in Hz and one trace per pair, NaN where a pair has no row.
     pub(super) fn traces(
         &self,
-        said: &Said,
+        facts: &TableFacts,
         lenient: bool,
         warnings: &mut Vec<Finding>,
     ) -> Result<(Vec<f64>, Vec<Trace>)> {
@@ -51,9 +51,9 @@ impl LongTable<'_> {
         }
         self.refuse_doubled_columns()?;
         warnings.extend(self.columns.unused());
-        let f_to_hz = self.frequency_factor(said)?;
+        let f_to_hz = self.frequency_factor(facts)?;
         let pairs = self.pairs(lenient, warnings)?;
-        let form = self.form(&pairs, said, warnings)?;
+        let form = self.form(&pairs, facts, warnings)?;
         let Some(longest) = pairs.iter().max_by_key(|pair| {
             (
                 pair.rows.len(),
@@ -141,7 +141,7 @@ impl LongTable<'_> {
         Ok(())
     }
 
-    fn frequency_factor(&self, said: &Said) -> Result<f64> {
+    fn frequency_factor(&self, facts: &TableFacts) -> Result<f64> {
         let name = &self.columns.names[self.columns.f];
         let own = factor_to_hz(name, "").ok_or_else(|| {
             Error::bad_data("the unit of the frequency is not understood")
@@ -150,11 +150,16 @@ impl LongTable<'_> {
                 .expected("Hz, kHz, MHz, rad/s or rpm")
                 .help("name the column as in `f [Hz]`")
         })?;
-        said.frequency_factor(own, name)
+        facts.frequency_factor(own, name)
     }
 
     /// The form in which the two numbers of a row make its value.
-    fn form(&self, pairs: &[Pair], said: &Said, warnings: &mut Vec<Finding>) -> Result<Form> {
+    fn form(
+        &self,
+        pairs: &[Pair],
+        facts: &TableFacts,
+        warnings: &mut Vec<Finding>,
+    ) -> Result<Form> {
         let values = |at: usize| -> Vec<f64> {
             let rows = pairs.iter().flat_map(|pair| &pair.rows);
             rows.map(|row| row.2[at]).collect()
@@ -169,7 +174,7 @@ impl LongTable<'_> {
         let first = column(self.columns.first, &a[..]);
         let second = column(self.columns.second, &b[..]);
         if self.columns.is_polar {
-            Form::polar(&first, &second, said, warnings)
+            Form::polar(&first, &second, facts, warnings)
         } else {
             Form::rectangular(&first, &second)
         }

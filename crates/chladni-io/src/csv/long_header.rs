@@ -1,7 +1,7 @@
 //! The header of a long table: which column holds what.
 
+use super::column_header::ColumnHeader;
 use super::frequency::factor_to_hz;
-use super::head::Head;
 use super::header::outside_brackets;
 use super::remarks::key_of;
 use super::text::{Cell, Dialect, Line};
@@ -24,7 +24,7 @@ pub(super) struct Columns {
     /// The unit of the FRFs, in each row.
     pub(super) unit: Option<usize>,
     pub(super) names: Vec<String>,
-    pub(super) heads: Vec<Head>,
+    pub(super) heads: Vec<ColumnHeader>,
     pub(super) dialect: Dialect,
 }
 
@@ -143,7 +143,10 @@ fn header(cells: &[String], dialect: Dialect) -> Option<Columns> {
             "reference_direction",
         ],
     )?;
-    let heads: Vec<Head> = cells.iter().map(|cell| Head::parse(cell, "")).collect();
+    let heads: Vec<ColumnHeader> = cells
+        .iter()
+        .map(|cell| ColumnHeader::parse(cell, ""))
+        .collect();
     let part = |part: Part| heads.iter().position(|head| head.part == part);
     let (first, second, is_polar) = match (part(Part::Re), part(Part::Im)) {
         (Some(re), Some(im)) => (re, im, false),

@@ -9,20 +9,20 @@
 //!
 //! `# key = value` lines say `frf_kind`, `unit`, `time_sign`, `reference_unit`, and
 //! `response` and `reference` of a single FRF. Delimiter and decimal sign are found by
-//! trying; a column `coherence` may follow each FRF. What a column is and in which unit,
-//! its header must say; where two readings are possible, the table is refused and the
+//! trying; a column `coherence` may follow each FRF. The header must say what a column holds
+//! and in which unit. Where two readings are possible, the table is refused, and the
 //! message says what to write or which option to give.
 
+mod column_header;
 mod dofs;
+mod facts;
 mod form;
 mod frequency;
 mod groups;
-mod head;
 mod header;
 mod long;
 mod long_header;
 mod remarks;
-mod said;
 mod table;
 mod text;
 mod time;
@@ -31,26 +31,26 @@ mod wide;
 mod write;
 
 use super::assemble::{build_set, clean_coherence, TracedFrf};
-use super::limits::{COHERENCE_SLIPS, FIRST_NODE};
+use super::limits::{COHERENCE_SLIPS, FIRST_NODE, SIX_DIGITS};
 use super::unit_label::{frf_unit, FrfUnit};
 use super::{DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, FrfSet, ReferenceUnit, Result};
+use facts::{differ, TableFacts};
 use num_complex::Complex64;
 use remarks::lines_and_remarks;
-use said::{differ, Said};
 use std::io::Write;
 use std::path::Path;
 pub(super) use text::decode;
 use text::{refuse_complex_lists, Dialect};
 use vocabulary::known_words;
 
-/// One FRF of a table, as it stands there.
+/// One FRF of a table, in the units of the table.
 struct Trace {
     response: Option<Dof>,
     reference: Option<Dof>,
     values: Vec<Complex64>,
     coherence: Option<Vec<f64>>,
-    /// Unit of its header; the remark `unit` stands for the whole file.
+    /// Unit of its header; a remark `unit` holds for the whole file.
     unit: Option<FrfUnit>,
     unit_text: String,
 }
@@ -66,8 +66,8 @@ pub(super) fn read(
     read_text(bytes, file, options, next_node).map_err(|error| error.file(file))
 }
 
-/// True where the head of a text file holds rows of numbers or the header of a long
-/// table: damaged or not, it is one.
+/// True where the head of a text file holds rows of numbers or the header of a long table,
+/// damaged or not.
 pub(super) fn is_table(head: &[u8]) -> bool {
     let text = decode(head);
     let (lines, _) = lines_and_remarks(&text);
@@ -76,8 +76,8 @@ pub(super) fn is_table(head: &[u8]) -> bool {
         || refuse_complex_lists(&lines).is_err()
 }
 
-/// True where the first of these lines names the columns of a table: in words of the trade,
-/// or right above a row of numbers.
+/// True where the first of these lines names the columns of a table: with known words, or
+/// right above a row of numbers.
 pub(super) fn is_header(first: &str, second: &str) -> bool {
     known_words(first) > 1 || Dialect::any_finds_row(second)
 }
@@ -92,15 +92,15 @@ fn read_text(
     let (lines, remarks) = lines_and_remarks(&text);
     refuse_complex_lists(&lines)?;
     let mut warnings = Vec::new();
-    let mut said = Said::from_remarks(&remarks, &mut warnings)?;
-    said.told_phase_unit = options.phase_unit;
+    let mut facts = TableFacts::from_remarks(&remarks, &mut warnings)?;
+    facts.caller_phase_unit = options.phase_unit;
     let (first_line, (frequency_hz, traces)) = match long_header::find(&lines) {
         Some(table) => {
-            said.header_text = table.text_above();
+            facts.header_text = table.text_above();
             if let Some(label) = table.unit()? {
-                said.add_unit(label)?;
+                facts.add_unit(label)?;
             }
-            let traces = table.traces(&said, options.lenient, &mut warnings)?;
+            let traces = table.traces(&facts, options.lenient, &mut warnings)?;
             (table.first_line(), traces)
         }
         None => {
@@ -108,12 +108,12 @@ fn read_text(
             if let Some(times) = time::axis(&table, options.sample_rate_hz) {
                 return time::document(&table, &times, warnings, file);
             }
-            said.header_text = table.prose.clone();
-            (table.lines[0], wide::traces(&table, &said, &mut warnings)?)
+            facts.header_text = table.prose.clone();
+            (table.lines[0], wide::traces(&table, &facts, &mut warnings)?)
         }
     };
-    let units = Units::of(&said, &traces, options.frf_kind, &mut warnings)?;
-    let dofs = name_dofs(&said, &traces, options, next_node, &mut warnings);
+    let units = FrfUnits::of(&facts, &traces, options.frf_kind, &mut warnings)?;
+    let dofs = name_dofs(&facts, &traces, options, next_node, &mut warnings);
     let (mut datasets, mut records) = (Vec::new(), Vec::new());
     let (line_count, at_zero) = (frequency_hz.len(), frequency_hz.first() == Some(&0.0));
     for (trace, (response, reference)) in traces.into_iter().zip(dofs) {
@@ -137,7 +137,7 @@ fn read_text(
         &file.display().to_string(),
         &mut warnings,
     )?;
-    super::time_sign::to_plus(&mut set, said.time_sign, options.time_sign, &mut warnings);
+    super::time_sign::to_plus(&mut set, facts.time_sign, options.time_sign, &mut warnings);
     Ok(Document {
         datasets,
         frf: Some(set),
@@ -152,26 +152,26 @@ pub(super) fn write(out: &mut dyn Write, set: &FrfSet) -> std::io::Result<()> {
 }
 
 /// Kind, reference unit and scale of a file.
-struct Units {
+struct FrfUnits {
     kind: Option<FrfKind>,
     reference: ReferenceUnit,
     file: Option<FrfUnit>,
 }
 
-impl Units {
+impl FrfUnits {
     fn of(
-        said: &Said,
+        facts: &TableFacts,
         traces: &[Trace],
-        told: Option<FrfKind>,
+        caller_kind: Option<FrfKind>,
         warnings: &mut Vec<Finding>,
     ) -> Result<Self> {
-        let file = said.unit.as_deref().and_then(frf_unit);
+        let file = facts.unit.as_deref().and_then(frf_unit);
         let mut found: Option<(FrfUnit, &str)> =
-            file.map(|unit| (unit, said.unit.as_deref().unwrap_or_default()));
-        // decibels whose reference has a unit are values of that unit by now
-        let told_unit = said.linear_unit();
-        let is_used = told_unit.is_some() && traces.iter().all(|trace| trace.unit.is_some());
-        let mut unknown = (said.unit.clone()).filter(|_| file.is_none() && !is_used);
+            file.map(|unit| (unit, facts.unit.as_deref().unwrap_or_default()));
+        // decibels were converted to the unit of their reference
+        let file_unit = facts.linear_unit();
+        let is_used = file_unit.is_some() && traces.iter().all(|trace| trace.unit.is_some());
+        let mut unknown = (facts.unit.clone()).filter(|_| file.is_none() && !is_used);
         let mut unlabelled = file.is_none();
         for trace in traces {
             let Some(unit) = trace.unit else {
@@ -191,9 +191,9 @@ impl Units {
                     ))
                     .help("split the file by kind"));
             }
-            if let (Some(told), Some(label)) = (told_unit, &said.unit) {
-                if differ(told, unit) {
-                    return Err(said.two_units(label, &trace.unit_text));
+            if let (Some(file_unit), Some(label)) = (file_unit, &facts.unit) {
+                if differ(file_unit, unit) {
+                    return Err(facts.two_units(label, &trace.unit_text));
                 }
             }
         }
@@ -204,25 +204,21 @@ impl Units {
             None => unlabelled.then(|| "no unit in the file; values are taken as SI".into()),
         };
         warnings.extend(assumed.map(|words| Finding::caution("unit-assumed", words)));
-        let by_unit = found.map(|(unit, _)| unit.kind);
-        if let (Some(kind), Some(by_unit), None) = (said.kind, by_unit, told) {
-            if kind != by_unit {
+        if let (Some(kind), Some((unit, label)), None) = (facts.kind, found, caller_kind) {
+            if kind != unit.kind {
                 return Err(Error::bad_data("frf_kind and unit contradict each other")
                     .field("frf_kind")
-                    .found(format!(
-                        "{kind} with unit {}",
-                        found.map_or("", |(_, label)| label)
-                    ))
-                    .expected(format!("{by_unit} for that unit"))
+                    .found(format!("{kind} with unit {label}"))
+                    .expected(format!("{} for that unit", unit.kind))
                     .help("say which is right with `frf_kind`"));
             }
         }
-        let reference = said
+        let reference = facts
             .reference_unit
             .or(found.map(|(unit, _)| unit.reference))
             .unwrap_or_default();
         Ok(Self {
-            kind: said.kind.or(by_unit),
+            kind: facts.kind.or(found.map(|(unit, _)| unit.kind)),
             reference,
             file,
         })
@@ -240,81 +236,104 @@ impl Units {
 /// direction (`1:S`), so that it is never a driving point. A reference that the caller names
 /// is N:+Z.
 fn name_dofs(
-    said: &Said,
+    facts: &TableFacts,
     traces: &[Trace],
     options: &ReadOptions,
     next_node: &mut u64,
     warnings: &mut Vec<Finding>,
 ) -> Vec<(Dof, Dof)> {
-    let unknown = Dof::new(FIRST_NODE, Direction::SCALAR);
     let fallback = match options.references.as_slice() {
-        [] => unknown,
+        [] => UNKNOWN_DOF,
         nodes => Dof::new(nodes[0], Direction::PLUS_Z),
     };
-    let told_response = match options.responses.as_slice() {
-        &[node] if traces.len() == 1 => Some(Dof::new(node, Direction::PLUS_Z)),
+    let single = traces.len() == 1;
+    let caller_response = match options.responses.as_slice() {
+        &[node] if single => Some(Dof::new(node, Direction::PLUS_Z)),
         _ => None,
     };
-    let single = traces.len() == 1;
-    let mut numbered: Vec<Dof> = Vec::new();
-    let (mut without_reference, mut without_response) = (false, false);
-    // a guessed node is no driving point, whatever reference the user names
-    let guessed = |node: u64| match options.references.contains(&node) {
-        true => Dof::new(node, Direction::SCALAR),
-        false => Dof::new(node, Direction::PLUS_Z),
-    };
+    let mut assumed = AssumedDofs::default();
     let dofs = traces
         .iter()
         .map(|trace| {
             let response = trace
                 .response
-                .or(said.response.filter(|_| single))
-                .or(told_response)
-                .unwrap_or_else(|| {
-                    if trace.reference.is_some() {
-                        without_response = true;
-                        return unknown;
+                .or(facts.response.filter(|_| single))
+                .or(caller_response)
+                .unwrap_or_else(|| match trace.reference {
+                    Some(_) => {
+                        assumed.lacks_response = true;
+                        UNKNOWN_DOF
                     }
-                    let dof = guessed(*next_node);
-                    numbered.push(dof);
-                    *next_node += 1;
-                    dof
+                    None => assumed.number(next_node, options),
                 });
-            let reference = trace.reference.or(said.reference).unwrap_or_else(|| {
-                without_reference = true;
+            let reference = trace.reference.or(facts.reference).unwrap_or_else(|| {
+                assumed.lacks_reference = true;
                 fallback
             });
             (response, reference)
         })
         .collect();
-    // else declared later
+    // else the caller's list gives the DOFs later
     if options.dofs.rows.is_empty() {
-        warnings.extend(numbered_responses(&numbered));
-        if without_response {
+        assumed.report(options, fallback, warnings);
+    }
+    dofs
+}
+
+/// The DOF of a response or reference that nothing names.
+const UNKNOWN_DOF: Dof = Dof {
+    node: FIRST_NODE,
+    direction: Direction::SCALAR,
+};
+
+/// The DOFs that a table does not give.
+#[derive(Default)]
+struct AssumedDofs {
+    /// Responses with a number for a node, in their order.
+    numbered: Vec<Dof>,
+    lacks_response: bool,
+    lacks_reference: bool,
+}
+
+impl AssumedDofs {
+    /// The next response DOF. It is no driving point, whatever references the caller names.
+    fn number(&mut self, next_node: &mut u64, options: &ReadOptions) -> Dof {
+        let direction = match options.references.contains(next_node) {
+            true => Direction::SCALAR,
+            false => Direction::PLUS_Z,
+        };
+        let dof = Dof::new(*next_node, direction);
+        self.numbered.push(dof);
+        *next_node += 1;
+        dof
+    }
+
+    fn report(&self, options: &ReadOptions, reference: Dof, warnings: &mut Vec<Finding>) {
+        warnings.extend(numbered_responses(&self.numbered));
+        if self.lacks_response {
             warnings.push(Finding::caution(
                 "dofs-assumed",
-                format!("names give references alone: their response is taken as {unknown}"),
+                format!("names give references alone: their response is taken as {UNKNOWN_DOF}"),
             ));
         }
-        if without_reference {
+        if self.lacks_reference {
             let advice = match options.references.as_slice() {
                 [] => "; say it with `reference N`",
                 _ => "",
             };
             warnings.push(Finding::caution(
                 "reference-assumed",
-                format!("the file names no reference DOF: taken as {fallback}{advice}"),
+                format!("the file names no reference DOF: taken as {reference}{advice}"),
             ));
         }
     }
-    dofs
 }
 
 /// The warning about responses whose DOFs are numbers by position.
 fn numbered_responses(numbered: &[Dof]) -> Option<Finding> {
     Some(match numbered {
         [] => return None,
-        // the only FRF so far: nothing that it could be taken for
+        // the only FRF so far: it cannot be mistaken for another
         [one] if one.node == FIRST_NODE => Finding::note(
             "dofs-assumed",
             format!("the file names no response DOF: taken as {one}"),
@@ -337,7 +356,7 @@ fn checked_coherence(values: Vec<f64>, at_zero: bool, warnings: &mut Vec<Finding
     let zero_is_outside = at_zero
         && values
             .first()
-            .is_some_and(|value| !(-1e-5..=1.0 + 1e-5).contains(value));
+            .is_some_and(|value| !(-SIX_DIGITS..=1.0 + SIX_DIGITS).contains(value));
     let (cleaned, outside) = clean_coherence(values);
     let others = outside - usize::from(zero_is_outside);
     if zero_is_outside {

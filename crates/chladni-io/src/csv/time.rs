@@ -1,6 +1,6 @@
 //! Tables of time records: `t [s], 101:+Z [N], 1:+Z [m/s]`, one column per channel.
 
-use super::head::Head;
+use super::column_header::ColumnHeader;
 use super::table::Table;
 use crate::runs::signal_unit;
 use crate::unit_label::{self, Unit};
@@ -22,7 +22,7 @@ pub(super) enum Times {
 /// The time axis of a table: its first column where name or unit say that it is time,
 /// else `rate_hz`, where the user gives one.
 pub(super) fn axis(table: &Table, rate_hz: Option<f64>) -> Option<Times> {
-    let head = Head::parse(table.names.first()?, table.units.first()?);
+    let head = ColumnHeader::parse(table.names.first()?, table.units.first()?);
     let named = TIME_NAMES.contains(&head.base.trim());
     let factor = match unit_label::parse(&head.unit).or_else(|| in_name(&table.names[0])) {
         Some(unit) => unit.to_seconds(),
@@ -47,7 +47,7 @@ fn in_name(name: &str) -> Option<Unit> {
 
 /// Label and unit of a channel: in brackets, in the unit row, or at the end of its name:
 /// `Force (N)`, `force_N`, `acc m/s^2`, `acc_m_s2`.
-fn channel_unit(name: &str, head: &Head) -> (String, Option<Unit>) {
+fn channel_unit(name: &str, head: &ColumnHeader) -> (String, Option<Unit>) {
     if let Some(unit) = unit_label::parse(&head.unit) {
         return (head.unit.clone(), Some(unit));
     }
@@ -90,7 +90,7 @@ pub(super) fn document(
     }
     let mut document = Document::new(file, FileFormat::Csv);
     let mut numbered = 0;
-    let heads = Head::of_columns(&table.names, &table.units);
+    let heads = ColumnHeader::of_columns(&table.names, &table.units);
     for (column, head) in heads.iter().enumerate().skip(first_channel) {
         let samples = samples(table, column)?;
         // the place of a channel, be it a force or a motion

@@ -1,35 +1,35 @@
 //! Tables with a frequency column and a pair of columns per FRF: one FRF per file, wide,
 //! named pairs.
 
+use super::column_header::ColumnHeader;
 use super::dofs::{dof_pair, Dofs};
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
 use super::groups::{group_columns, Group};
-use super::head::Head;
 use super::table::Table;
 use super::vocabulary::{is_frequency, words};
-use super::{Said, Trace};
+use super::{TableFacts, Trace};
 use crate::unit_label::frequency_unit;
 use chladni_frf::{Error, Finding, Result};
 
 /// Frequencies in Hz and one trace per pair of columns.
 pub(super) fn traces(
     table: &Table,
-    said: &Said,
+    facts: &TableFacts,
     warnings: &mut Vec<Finding>,
 ) -> Result<(Vec<f64>, Vec<Trace>)> {
-    let heads = Head::of_columns(&table.names, &table.units);
-    let frequency_hz = frequency_axis(table, said)?;
+    let heads = ColumnHeader::of_columns(&table.names, &table.units);
+    let frequency_hz = frequency_axis(table, facts)?;
     let mut traces: Vec<Trace> = Vec::new();
     for group in group_columns(table, &heads, warnings)? {
-        traces.push(trace(table, &heads, &group, said, warnings)?);
+        traces.push(trace(table, &heads, &group, facts, warnings)?);
     }
     Ok((frequency_hz, traces))
 }
 
-fn frequency_axis(table: &Table, said: &Said) -> Result<Vec<f64>> {
+fn frequency_axis(table: &Table, facts: &TableFacts) -> Result<Vec<f64>> {
     let raw = table.column(0);
-    let factor = frequency_factor(table, said)?;
+    let factor = frequency_factor(table, facts)?;
     if table.names[0].is_empty() && !table.is_nameless() {
         refuse_row_numbers(table, &raw)?;
     }
@@ -55,7 +55,7 @@ fn frequency_axis(table: &Table, said: &Said) -> Result<Vec<f64>> {
 }
 
 /// Factor of the first column to Hz.
-fn frequency_factor(table: &Table, said: &Said) -> Result<f64> {
+fn frequency_factor(table: &Table, facts: &TableFacts) -> Result<f64> {
     let factor = match table.keyword("x axis units", 1) {
         Some(unit) => frequency_unit(unit),
         None => factor_to_hz(&table.names[0], &table.units[0]),
@@ -74,7 +74,7 @@ fn frequency_factor(table: &Table, said: &Said) -> Result<f64> {
                  time column need `sample_rate HZ` of the estimation",
             )
     })?;
-    said.frequency_factor(factor, label.trim())
+    facts.frequency_factor(factor, label.trim())
 }
 
 /// Names such as `f1,re1,im1,f2,re2,im2`: each FRF has its own frequencies.
@@ -119,9 +119,9 @@ fn refuse_row_numbers(table: &Table, raw: &[f64]) -> Result<()> {
 
 fn trace(
     table: &Table,
-    heads: &[Head],
+    heads: &[ColumnHeader],
     group: &Group,
-    said: &Said,
+    facts: &TableFacts,
     warnings: &mut Vec<Finding>,
 ) -> Result<Trace> {
     let (a, b) = (table.column(group.first), table.column(group.second));
@@ -144,7 +144,7 @@ fn trace(
         values: &b,
     };
     let form = if group.polar {
-        Form::polar(&first, &second, said, warnings)?
+        Form::polar(&first, &second, facts, warnings)?
     } else {
         Form::rectangular(&first, &second)?
     };

@@ -1,15 +1,15 @@
-//! The words after the unit of a field: whether its values are peaks.
+//! The words after the unit of a field, which tell peak values from others.
 //!
 //! A word for peak changes nothing, and neither does a remark in brackets, as long as it
-//! names no other measure of an amplitude. `rms` alone is known, too: a sine has √2 of it
-//! for peak. Nothing else is guessed.
+//! names no other measure of an amplitude. `rms` alone is understood, too: the peak of a
+//! sine is √2 times its rms value. Nothing else is guessed.
 
 use std::f64::consts::SQRT_2;
 
 const BRACKETS: [char; 6] = ['(', '[', '{', ')', ']', '}'];
 const BETWEEN_WORDS: [char; 5] = [' ', '\t', ',', ';', ':'];
 
-/// Words for peak, as [`letters`].
+/// Words for peak, as [`letters`] gives them.
 const PEAK: [&str; 14] = [
     "peak",
     "pk",
@@ -26,7 +26,7 @@ const PEAK: [&str; 14] = [
     "zerotopeak",
     "zerotopk",
 ];
-/// Words for other measures, likewise.
+/// Words for other measures, as [`letters`] gives them.
 const OTHER: [&str; 13] = [
     "rms",
     "eff",
@@ -47,39 +47,46 @@ const LEVEL: [&str; 5] = ["db", "decibel", "decibels", "dbv", "dbmps"];
 /// Other measures in several words.
 const OTHER_IN_WORDS: [&str; 3] = ["peaktopeak", "pktopk", "pkpk"];
 
-/// The factor to peak values that `said`, all that follows the unit, asks for.
+/// The factor to peak values, by the text after the unit.
 ///
 /// # Errors
 /// The word that is not understood, or that names another measure.
-pub(super) fn factor_to_peak(said: &str) -> Result<f64, &str> {
-    let words = words(said);
-    if matches!(words[..], [(word, _)] if letters(word) == "rms") {
+pub(super) fn factor_to_peak(after_unit: &str) -> Result<f64, &str> {
+    let words = words(after_unit);
+    if matches!(&words[..], [word] if letters(word.text) == "rms") {
         return Ok(SQRT_2);
     }
-    let all = letters(said);
+    let all = letters(after_unit);
     if OTHER_IN_WORDS.iter().any(|&other| all.contains(other)) {
-        return Err(said.trim());
+        return Err(after_unit.trim());
     }
-    for (word, in_brackets) in words {
-        let is_harmless = match in_brackets {
-            true => !names_other(word),
-            false => PEAK.contains(&letters(word).as_str()),
+    for word in words {
+        let is_harmless = match word.in_brackets {
+            true => !names_other(word.text),
+            false => PEAK.contains(&letters(word.text).as_str()),
         };
         if !is_harmless {
-            return Err(word);
+            return Err(word.text);
         }
     }
     Ok(1.0)
 }
 
-/// The words of a text, each with true where it stands in brackets.
-fn words(text: &str) -> Vec<(&str, bool)> {
+/// A word of a text.
+struct Word<'t> {
+    text: &'t str,
+    in_brackets: bool,
+}
+
+fn words(text: &str) -> Vec<Word<'_>> {
     let (mut words, mut depth) = (Vec::new(), 0usize);
     for piece in text.split_inclusive(BRACKETS) {
         let inside = piece.strip_suffix(BRACKETS).unwrap_or(piece);
-        for word in inside.split(BETWEEN_WORDS).filter(|word| !word.is_empty()) {
-            words.push((word, depth > 0));
-        }
+        let texts = inside.split(BETWEEN_WORDS).filter(|text| !text.is_empty());
+        words.extend(texts.map(|text| Word {
+            text,
+            in_brackets: depth > 0,
+        }));
         if piece.ends_with(['(', '[', '{']) {
             depth += 1;
         } else if piece.ends_with([')', ']', '}']) {
@@ -99,7 +106,7 @@ fn names_other(word: &str) -> bool {
         .any(|part| OTHER.contains(&part.as_str()) || LEVEL.contains(&part.as_str()))
 }
 
-/// Letters and digits alone, small.
+/// The letters and digits of a text, in lower case.
 fn letters(text: &str) -> String {
     text.chars()
         .filter(|c| c.is_alphanumeric())

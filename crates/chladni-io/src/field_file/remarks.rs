@@ -8,14 +8,14 @@ use crate::unit_label;
 use chladni_frf::{Error, Result};
 
 /// The value that a line with `#` gives.
-pub(super) struct Said<T> {
+pub(super) struct Stated<T> {
     pub(super) value: T,
     /// The words of the file.
     words: String,
     line: u64,
 }
 
-impl<T: PartialEq> Said<T> {
+impl<T: PartialEq> Stated<T> {
     /// Notes what `field` is said to be.
     ///
     /// # Errors
@@ -41,10 +41,10 @@ impl<T: PartialEq> Said<T> {
 /// The lines with `#`.
 #[derive(Default)]
 pub(super) struct Remarks {
-    pub(super) frequency_hz: Option<Said<f64>>,
+    pub(super) frequency_hz: Option<Stated<f64>>,
     /// Factor to m/s, peak.
-    pub(super) unit: Option<Said<f64>>,
-    pub(super) weights_sha256: Option<Said<String>>,
+    pub(super) unit: Option<Stated<f64>>,
+    pub(super) weights_sha256: Option<Stated<String>>,
 }
 
 impl Remarks {
@@ -83,7 +83,7 @@ impl Remarks {
                     .ok()
                     .filter(|hz: &f64| hz.is_finite() && *hz > 0.0);
                 let hz = hz.ok_or_else(|| wrong("a frequency in Hz"))?;
-                Said {
+                Stated {
                     value: hz,
                     words,
                     line,
@@ -100,7 +100,7 @@ impl Remarks {
                         .help("give peak values: rms times 1.414, peak-to-peak times 0.5")
                 })?;
                 let factor = unit.factor * to_peak;
-                Said {
+                Stated {
                     value: factor,
                     words,
                     line,
@@ -113,7 +113,7 @@ impl Remarks {
                     return Err(wrong("64 hexadecimal digits"));
                 }
                 let sha256 = value.to_ascii_lowercase();
-                Said {
+                Stated {
                     value: sha256,
                     words,
                     line,

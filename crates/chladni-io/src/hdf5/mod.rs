@@ -18,11 +18,10 @@ mod own;
 mod rows;
 mod shapes;
 
-use super::arrays::foreign::{self, Found};
+use super::arrays::foreign::{self, FoundFrf};
 use super::arrays::tree::{Element, Entry, Values};
 use super::arrays::ArrayFile;
 use super::atomic::create_atomically;
-use super::time_sign::to_plus;
 use super::{Contents, DatasetInfo, Document, FileFormat, ReadOptions};
 use backend::File;
 use chladni_frf::{Error, Finding, FrfSet, FrfValues, ModalModel, Result};
@@ -64,33 +63,14 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
     } else {
         foreign::read_foreign(&file, &entries, options, &mut document.warnings)
     };
-    match outcome.map_err(|error| error.file(path)) {
-        Ok(None) => {}
-        Ok(Some(Found {
-            mut set,
-            time_sign,
-            used,
-        })) => {
-            document
-                .datasets
-                .iter_mut()
-                .for_each(|info| info.left_behind &= !used.contains(&info.name));
-            to_plus(
-                &mut set,
-                time_sign,
-                options.time_sign,
-                &mut document.warnings,
-            );
-            report_masked(&set, &mut document.warnings);
-            document.frf = Some(set);
-        }
-        Err(error) if error.kind == chladni_frf::ErrorKind::BadData => document.errors.push(error),
-        Err(error) => return Err(error),
+    foreign::take_frf(&mut document, outcome, options)?;
+    if let Some(set) = &document.frf {
+        report_masked(set, &mut document.warnings);
     }
     Ok(document)
 }
 
-fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
+fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<FoundFrf>> {
     own.check_version()?;
     own.check_read()?;
     document.geometry = own.geometry()?;
@@ -127,7 +107,7 @@ fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<Found>> {
         .iter_mut()
         .for_each(|info| info.left_behind &= !own::is_carried(&info.name));
     let time_sign = own.time_sign()?;
-    Ok(own.frf()?.map(|set| Found {
+    Ok(own.frf()?.map(|set| FoundFrf {
         set,
         time_sign,
         used: Vec::new(),

@@ -206,12 +206,12 @@ fn quality_group(quality: &Quality) -> Group<'static> {
 }
 
 /// A group of the model, with readers that name what is missing.
-struct Part<'a> {
+struct ModelGroup<'a> {
     own: &'a Own<'a>,
     group: &'a Entry,
 }
 
-impl<'a> Part<'a> {
+impl<'a> ModelGroup<'a> {
     fn open(own: &'a Own<'a>, path: &str) -> Result<Self> {
         let group = own.find(path).ok_or_else(|| {
             Error::bad_data("a group is missing")
@@ -289,7 +289,7 @@ fn parse_word<T: DeserializeOwned>(text: &str, field: &str) -> Result<T> {
 
 /// The model of a file; sizes and numbers are checked by the caller.
 pub(super) fn read_model(own: &Own<'_>) -> Result<ModalModel> {
-    let part = Part::open(own, "/model")?;
+    let part = ModelGroup::open(own, "/model")?;
     let version = part
         .group
         .integer("version")
@@ -335,7 +335,7 @@ pub(super) fn read_model(own: &Own<'_>) -> Result<ModalModel> {
 }
 
 fn read_sources(own: &Own<'_>) -> Result<Vec<Source>> {
-    let part = Part::open(own, "/model/source")?;
+    let part = ModelGroup::open(own, "/model/source")?;
     let (files, sha256) = (part.texts("file")?, part.texts("sha256")?);
     part.expect_count("sha256", sha256.len(), files.len())?;
     let blake3 = match part.has("blake3") {
@@ -355,7 +355,7 @@ fn read_sources(own: &Own<'_>) -> Result<Vec<Source>> {
 }
 
 fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
-    let part = Part::open(own, "/model/modes")?;
+    let part = ModelGroup::open(own, "/model/modes")?;
     let mut numbers = Vec::new();
     for name in MODE_NUMBERS {
         numbers.push(part.reals(name)?);
@@ -412,7 +412,7 @@ fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
 }
 
 fn read_residual_terms(own: &Own<'_>) -> Result<ResidualTerms> {
-    let part = Part::open(own, "/model/residual_terms")?;
+    let part = ModelGroup::open(own, "/model/residual_terms")?;
     let powers = part.reals("power")?;
     let (entry, matrices) = part.complex("matrix")?;
     let matrices: Array3<Complex64> = matrices
@@ -430,7 +430,7 @@ fn read_residual_terms(own: &Own<'_>) -> Result<ResidualTerms> {
 }
 
 fn read_quality(own: &Own<'_>) -> Result<Quality> {
-    let part = Part::open(own, "/model/quality")?;
+    let part = ModelGroup::open(own, "/model/quality")?;
     Ok(Quality {
         relative_error: part.real("relative_error")?,
         chi2_per_dof: part.real("chi2_per_dof")?,

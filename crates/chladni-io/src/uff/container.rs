@@ -23,9 +23,9 @@ pub(super) struct Block<'a> {
     pub records: Lines<'a>,
     /// Data of a binary 58.
     pub payload: Option<Payload<'a>>,
-    /// 58 whose data were passed over: how many values are there.
+    /// Number of values of a 58 whose data were passed over.
     pub passed_over: Option<u64>,
-    /// Too large to look into: its name is all that is known.
+    /// True where it is too large to be read, and listed by its name alone.
     pub listed_only: bool,
     /// The error that makes the dataset unreadable as a whole.
     pub fault: Option<Error>,
@@ -34,8 +34,16 @@ pub(super) struct Block<'a> {
     pub warnings: Vec<Finding>,
 }
 
-/// Number of a dataset, and true for `58b`.
-pub(super) fn number_line(text: &[u8]) -> Option<(u32, bool)> {
+/// The number line of a dataset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct NumberLine {
+    pub number: u32,
+    /// True for `58b`.
+    pub is_binary: bool,
+}
+
+/// Reads a number line; `None` for any other line.
+pub(super) fn number_line(text: &[u8]) -> Option<NumberLine> {
     let text = text.trim_ascii_start();
     let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
     let number = std::str::from_utf8(&text[..digits])
@@ -43,21 +51,22 @@ pub(super) fn number_line(text: &[u8]) -> Option<(u32, bool)> {
         .parse()
         .ok()
         .filter(|_| digits <= 6)?;
-    match text.get(digits) {
-        None => Some((number, false)),
-        Some(b) if b.is_ascii_whitespace() => Some((number, false)),
-        Some(b'b' | b'B') if number == 58 => Some((number, true)),
-        Some(_) => None,
-    }
+    let is_binary = match text.get(digits) {
+        None => false,
+        Some(b) if b.is_ascii_whitespace() => false,
+        Some(b'b' | b'B') if number == 58 => true,
+        Some(_) => return None,
+    };
+    Some(NumberLine { number, is_binary })
 }
 
-/// True for a line that holds the number of a dataset and nothing else, as one opens.
+/// True for a line that holds the number of a dataset and nothing else.
 pub(super) fn is_number_line(text: &[u8]) -> bool {
     let alone = text.trim_ascii().iter().all(u8::is_ascii_digit);
-    number_line(text).is_some_and(|(_, binary)| binary || alone)
+    number_line(text).is_some_and(|line| line.is_binary || alone)
 }
 
-/// All datasets of a file in their order; what stands outside of datasets goes to
+/// All datasets of a file in their order; text outside of datasets is reported in
 /// `warnings`.
 pub(super) fn datasets<'a>(
     bytes: &'a [u8],
@@ -112,8 +121,8 @@ pub(super) fn datasets<'a>(
     }
 }
 
-/// The finding of the lines `first` to `last` outside of any dataset, one of which may be the
-/// `number` line of one.
+/// The finding about the lines `first` to `last` outside of any dataset; `number` is the one
+/// of them that looks like a number line.
 pub(super) fn outside(first: u64, last: u64, number: Option<u64>) -> Finding {
     let words = format!("lines {first} to {last}: text outside of any dataset is not read");
     match number {
@@ -144,24 +153,23 @@ fn dataset<'a>(
             Some(record) => break record,
         }
     };
-    let (number, binary) = number_line(number_record.text).unzip();
-    let binary = binary.unwrap_or(false);
+    let number_line = number_line(number_record.text);
     let nothing = Lines {
         bytes: &[],
         line: at.line,
     };
     let mut block = Block {
-        number,
+        number: number_line.map(|line| line.number),
         line,
         records: nothing,
         payload: None,
         passed_over: None,
         listed_only: false,
-        fault: number.is_none().then(|| no_number(number_record)),
+        fault: number_line.is_none().then(|| no_number(number_record)),
         closed: true,
         warnings: Vec::new(),
     };
-    let after = if binary {
+    let after = if number_line.is_some_and(|line| line.is_binary) {
         binary_body(file, at, number_record, &mut block, lenient)
     } else {
         text_body(at, &mut block)
@@ -232,8 +240,8 @@ fn binary_body<'a>(
     }
 }
 
-/// Reads past the header at `at` and finds the payload, and one past its closing marker,
-/// from `at` on.
+/// Reads past the header at `at` and finds the payload. Returns with it the bytes from `at`
+/// to one past its closing marker.
 fn payload<'a>(
     file_bytes: usize,
     at: &mut Lines<'a>,

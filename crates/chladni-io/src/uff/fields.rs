@@ -73,7 +73,7 @@ fn token_spans(text: &[u8], spans: &mut [Span]) -> usize {
 
 /// The layout in which the numbers of a line were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Found {
+pub(super) enum FieldLayout {
     /// By columns; this many fields until the last that is not blank.
     Columns(usize),
     /// Between blanks; this many.
@@ -99,11 +99,11 @@ pub(super) fn line_numbers(
     text: &[u8],
     widths: &[usize],
     values: &mut [f64],
-) -> std::result::Result<Found, BadField> {
+) -> std::result::Result<FieldLayout, BadField> {
     let mut spans = [(0, 0); MOST_FIELDS];
     let columns = match column_spans(text, widths, &mut spans[..widths.len()]) {
         Some(filled) => match parse_spans(text, &spans[..filled], values) {
-            Ok(()) => return Ok(Found::Columns(filled)),
+            Ok(()) => return Ok(FieldLayout::Columns(filled)),
             Err(bad) if bad.fault != Fault::NotANumber => return Err(bad),
             Err(bad) => bad,
         },
@@ -118,7 +118,7 @@ pub(super) fn line_numbers(
         return Err(columns);
     }
     match parse_spans(text, &spans[..count], values) {
-        Ok(()) => Ok(Found::Blanks(count)),
+        Ok(()) => Ok(FieldLayout::Blanks(count)),
         Err(bad) => Err(bad),
     }
 }
@@ -195,8 +195,8 @@ pub(super) fn numbers<const N: usize>(
 ) -> Result<[f64; N]> {
     let mut values = [0.0; N];
     match line_numbers(record.text, &columns.map(|(_, width)| width), &mut values) {
-        Ok(Found::Columns(_)) => Ok(values),
-        Ok(Found::Blanks(_)) => {
+        Ok(FieldLayout::Columns(_)) => Ok(values),
+        Ok(FieldLayout::Blanks(_)) => {
             warn_split(record.line, warnings);
             Ok(values)
         }
@@ -275,7 +275,7 @@ pub(super) fn label(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn line(text: &str, widths: &[usize]) -> (Found, Vec<f64>) {
+    fn line(text: &str, widths: &[usize]) -> (FieldLayout, Vec<f64>) {
         let mut values = vec![0.0; widths.len()];
         let found = line_numbers(text.as_bytes(), widths, &mut values).unwrap();
         (found, values)
@@ -285,11 +285,11 @@ mod tests {
     fn touching_numbers_are_cut_by_column() {
         assert_eq!(
             line("-1.23456E-101-2.34567E-101", &[13, 13]),
-            (Found::Columns(2), vec![-1.23456e-101, -2.34567e-101])
+            (FieldLayout::Columns(2), vec![-1.23456e-101, -2.34567e-101])
         );
         assert_eq!(
             line("12345678901234567890", &[10, 10]),
-            (Found::Columns(2), vec![1234567890.0, 1234567890.0])
+            (FieldLayout::Columns(2), vec![1234567890.0, 1234567890.0])
         );
     }
 
@@ -297,7 +297,7 @@ mod tests {
     fn numbers_that_touch_outside_the_columns_are_cut_at_the_sign() {
         assert_eq!(
             line("-1.23456E+00-2.34567E-01", &[13, 13]),
-            (Found::Blanks(2), vec![-1.23456, -0.234567])
+            (FieldLayout::Blanks(2), vec![-1.23456, -0.234567])
         );
     }
 
@@ -305,11 +305,11 @@ mod tests {
     fn free_format_is_split_on_blanks() {
         assert_eq!(
             line("1.0 2.0 3.0", &[13, 13, 13]),
-            (Found::Blanks(3), vec![1.0, 2.0, 3.0])
+            (FieldLayout::Blanks(3), vec![1.0, 2.0, 3.0])
         );
         assert_eq!(
             line("1.234567890123456\t2.0", &[13, 13]),
-            (Found::Blanks(2), vec![1.234567890123456, 2.0])
+            (FieldLayout::Blanks(2), vec![1.234567890123456, 2.0])
         );
     }
 
@@ -317,7 +317,7 @@ mod tests {
     fn a_blank_field_between_others_is_zero() {
         assert_eq!(
             line("  1.00000E+00               3.00000E+00", &[13, 13, 13]),
-            (Found::Columns(3), vec![1.0, 0.0, 3.0])
+            (FieldLayout::Columns(3), vec![1.0, 0.0, 3.0])
         );
     }
 

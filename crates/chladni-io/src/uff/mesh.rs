@@ -8,7 +8,7 @@
 //! Beams become lines, shells faces, and of solids the faces are kept: pictures need no
 //! more.
 
-use super::fields::{line_numbers, numbers, warn_split, whole, Column, Found, Record};
+use super::fields::{line_numbers, numbers, warn_split, whole, Column, FieldLayout, Record};
 use chladni_frf::{Error, Finding, Result};
 
 /// Polylines and polygons of node labels.
@@ -198,8 +198,8 @@ fn labels<'a>(
         let left = (count - labels.len() as u64).min(LABELS_PER_LINE as u64) as usize;
         let mut values = [0.0; LABELS_PER_LINE];
         let filled = match line_numbers(record.text, &[10; LABELS_PER_LINE], &mut values) {
-            Ok(Found::Columns(filled)) => filled,
-            Ok(Found::Blanks(filled)) => {
+            Ok(FieldLayout::Columns(filled)) => filled,
+            Ok(FieldLayout::Blanks(filled)) => {
                 warn_split(record.line, warnings);
                 filled
             }

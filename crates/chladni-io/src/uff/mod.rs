@@ -44,8 +44,8 @@ mod write_mesh;
 mod write_options;
 mod write_shape;
 
-pub(crate) use scan::places;
 pub use scan::scan;
+pub(crate) use scan::{places, DatasetPlace};
 pub use write::{write, Plan};
 pub use write_options::WriteOptions;
 

@@ -35,16 +35,15 @@ const LARGEST_DATASET: usize = 16 << 20;
 /// # Errors
 /// Those of reading, and as [`super::read`].
 pub fn scan(path: &Path, options: &ReadOptions) -> Result<Document> {
-    // the first units hold for what stands before them too: with such, the file is passed
-    // over once more
+    // the first units also hold for datasets before them: then the file is passed over again
     match listed(path, options, Ok(None))? {
         (document, None) => Ok(document),
         (_, Some(first)) => Ok(listed(path, options, first)?.0),
     }
 }
 
-/// The list with the units that are in force at the beginning, and the first units of the
-/// file where other datasets stand before them.
+/// The list, read with the units that hold at the beginning; and the first units of the file
+/// where other datasets come before them.
 fn listed(
     path: &Path,
     options: &ReadOptions,
@@ -81,11 +80,19 @@ fn listed(
     ))
 }
 
-/// Number and bytes of each dataset, both markers included.
+/// The place of a dataset in its file.
+pub(crate) struct DatasetPlace {
+    /// `None` where the number line holds no number.
+    pub(crate) number: Option<u32>,
+    /// Its bytes, both markers included.
+    pub(crate) bytes: Range<u64>,
+}
+
+/// The place of each dataset of a file.
 ///
 /// # Errors
 /// Those of reading.
-pub(crate) fn places(path: &Path, lenient: bool) -> Result<Vec<(Option<u32>, Range<u64>)>> {
+pub(crate) fn places(path: &Path, lenient: bool) -> Result<Vec<DatasetPlace>> {
     let on_read = |error: io::Error| Error::from_read(&error, path);
     let place = place_of(path)?;
     let mut datasets = Datasets::open(&place).map_err(on_read)?;
@@ -94,11 +101,16 @@ pub(crate) fn places(path: &Path, lenient: bool) -> Result<Vec<(Option<u32>, Ran
         starts.push((passed.number, passed.byte));
     }
     let end = size_of(path)?;
-    let ends = starts.iter().skip(1).map(|(_, byte)| *byte).chain([end]);
-    Ok(starts
-        .iter()
-        .zip(ends)
-        .map(|(&(number, start), end)| (number, start..end))
+    let ends: Vec<u64> = (starts.iter().skip(1))
+        .map(|&(_, byte)| byte)
+        .chain([end])
+        .collect();
+    let places = starts.into_iter().zip(ends);
+    Ok(places
+        .map(|((number, start), end)| DatasetPlace {
+            number,
+            bytes: start..end,
+        })
         .collect())
 }
 
@@ -133,9 +145,9 @@ impl Datasets {
             return Ok(None);
         };
         let number_record = self.lines.text.clone();
-        let (number, is_binary) = number_line(&number_record).unzip();
+        let number_line = number_line(&number_record);
         let mut passed = Passed {
-            number,
+            number: number_line.map(|line| line.number),
             line,
             byte,
             counted_from: self.lines.counted_from,
@@ -151,18 +163,18 @@ impl Datasets {
             line: self.lines.line,
             text: &number_record,
         };
-        match (number, is_binary) {
-            (_, Some(true)) => self.binary_function(record, &mut passed, lenient)?,
-            (Some(58), _) => self.text_function(&mut passed, lenient)?,
+        match number_line {
+            Some(line) if line.is_binary => self.binary_function(record, &mut passed, lenient)?,
+            Some(line) if line.number == 58 => self.text_function(&mut passed, lenient)?,
             _ => {
-                passed.fault = number.is_none().then(|| no_number(record));
+                passed.fault = number_line.is_none().then(|| no_number(record));
                 self.other(&mut passed)?;
             }
         }
         Ok(Some(passed))
     }
 
-    /// Goes on to a number line; gives line and byte of the marker before it.
+    /// Goes on to a number line. Returns line and byte of the marker before it.
     fn opening(&mut self) -> io::Result<Option<(u64, u64)>> {
         if self.at_number {
             return Ok(Some((self.lines.line - 1, self.lines.line_at)));

@@ -38,7 +38,7 @@ pub(super) const SIX_REALS: [Column; 6] = [
 const MOST_HEADER_NUMBERS: i64 = 100;
 
 /// A shape without values.
-pub(super) struct Head {
+pub(super) struct ShapeHead {
     pub shape: Shape,
     /// Values per node.
     pub components: usize,
@@ -70,7 +70,7 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
     }
 
     /// Everything before the values of dataset 55.
-    pub fn head_of_55(&mut self) -> Result<Head> {
+    pub fn head_of_55(&mut self) -> Result<ShapeHead> {
         let mut id_lines: [String; 5] = Default::default();
         let mut reference = None;
         for (k, line) in id_lines.iter_mut().enumerate() {
@@ -112,7 +112,7 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
         let mut reals = self.reals((counts[1] + 5) / 6)?;
         reals.truncate(counts[1] as usize);
         shape.numbers = numbers_of_55(shape.analysis, [stated(0), stated(1)], &reals);
-        Ok(Head {
+        Ok(ShapeHead {
             shape,
             components,
             at_nodes: true,
@@ -120,7 +120,7 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
     }
 
     /// Everything before the values of dataset 2414.
-    pub fn head_of_2414(&mut self) -> Result<Head> {
+    pub fn head_of_2414(&mut self) -> Result<ShapeHead> {
         self.next("analysis dataset label")?;
         let name = label(&decode(self.next("name")?.text));
         let record = self.next("dataset location")?;
@@ -154,7 +154,7 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
                                 listed and not read",
             ));
         }
-        Ok(Head {
+        Ok(ShapeHead {
             shape,
             components,
             at_nodes: location == 1,

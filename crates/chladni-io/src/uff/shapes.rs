@@ -14,7 +14,7 @@
 use super::fields::{numbers, whole, Record};
 use super::header::Units;
 use super::scaling::{ACCELERATION, DISPLACEMENT, VELOCITY};
-use super::shape_head::{Head, Reader, SIX_REALS};
+use super::shape_head::{Reader, ShapeHead, SIX_REALS};
 use crate::Shape;
 use chladni_frf::{Error, ErrorKind, Finding, Result};
 use ndarray::Array2;
@@ -38,7 +38,7 @@ pub(super) fn read<'a>(
         last_line: line,
         warnings,
     };
-    let Head {
+    let ShapeHead {
         shape,
         components,
         at_nodes,

@@ -7,7 +7,7 @@
 use super::binary::Payload;
 use super::fields::{
     bad_field, count_fields, count_tokens, line_numbers, masked_numbers, warn_split, BadField,
-    Found, Record,
+    FieldLayout, Record,
 };
 use super::layout::Layout;
 use super::lines::Lines;
@@ -170,14 +170,16 @@ impl TextReader {
             let values = &mut line[..expected];
             let found = line_numbers(text, &widths[..expected], values);
             let complete = match found {
-                Ok(Found::Columns(filled) | Found::Blanks(filled)) if filled < expected => {
+                Ok(FieldLayout::Columns(filled) | FieldLayout::Blanks(filled))
+                    if filled < expected =>
+                {
                     Err(self.short(record, filled, expected))
                 }
-                Ok(Found::Blanks(_)) => {
+                Ok(FieldLayout::Blanks(_)) => {
                     warn_split(record.line, warnings);
                     Ok(())
                 }
-                Ok(Found::Columns(_)) => Ok(()),
+                Ok(FieldLayout::Columns(_)) => Ok(()),
                 Err(bad) => Err(bad_field(record, &self.name(bad.index), bad)),
             };
             if let Err(error) = complete.and_then(|()| self.in_range(record, values)) {

@@ -40,7 +40,7 @@ pub(super) fn check(function: &Function, options: WriteOptions) -> Result<Vec<Fi
             "axis and unit labels are cut to 20 characters",
         ),
         (
-            id_line_4(function).1,
+            id_line_4(function).own_text_is_lost,
             "ID line 4 is full: the exact step df= replaces its text",
         ),
     ];
@@ -133,16 +133,26 @@ fn first_not_finite(ordinate: &Ordinate) -> Option<usize> {
     }
 }
 
+/// ID line 4 as it is written.
+struct IdLine4 {
+    text: String,
+    /// True where it has no room for its own text.
+    own_text_is_lost: bool,
+}
+
 /// ID line 4 with the exact step `df=`, and `start=` where the digits of record 7 do not
-/// tell the start; true where the line had no room for both this and its own text.
-fn id_line_4(function: &Function) -> (String, bool) {
+/// give the exact start.
+fn id_line_4(function: &Function) -> IdLine4 {
     let own = function.id_lines[3].as_str();
-    let Abscissa::Even { start, step } = function.abscissa else {
-        return (own.to_string(), false);
+    let (start, step) = match function.abscissa {
+        Abscissa::Even { start, step } if step > 0.0 => (start, step),
+        _ => {
+            return IdLine4 {
+                text: own.to_owned(),
+                own_text_is_lost: false,
+            }
+        }
     };
-    if step.is_nan() || step <= 0.0 {
-        return (own.to_string(), false);
-    }
     let mut tag = format!("df={step:?}");
     let text = fortran(start, 13, 5, 'E');
     let printed = Printed::new(text.as_bytes(), text.trim().parse().unwrap_or(start));
@@ -153,29 +163,24 @@ fn id_line_4(function: &Function) -> (String, bool) {
         .split_whitespace()
         .filter(|word| !word.starts_with("df=") && !word.starts_with("start="))
         .collect();
-    let line = kept
-        .iter()
-        .copied()
-        .chain([tag.as_str()])
-        .collect::<Vec<_>>()
-        .join(" ");
-    if line.chars().count() <= 80 {
-        (line, false)
-    } else {
-        (tag, true)
+    let line = [kept, vec![&tag]].concat().join(" ");
+    let own_text_is_lost = line.chars().count() > 80;
+    IdLine4 {
+        text: if own_text_is_lost { tag } else { line },
+        own_text_is_lost,
     }
 }
 
-/// The first of two neighbouring values that six digits do not tell apart.
+/// Index of the first value that prints like the next one in six digits.
 fn first_alike(values: &[f64]) -> Option<usize> {
     let printed: Vec<String> = values.iter().map(|x| format!("{x:.5e}")).collect();
     printed.windows(2).position(|pair| pair[0] == pair[1])
 }
 
-/// The layout that holds the function, and whether single values are widened.
+/// The layout in which the function is written.
 ///
 /// An uneven abscissa takes the precision of the ordinate. Where single precision would
-/// lose some of it, the binary form is written in double.
+/// round it, the binary form is written in double precision.
 fn layout_of(function: &Function, options: WriteOptions) -> Layout {
     let (complex, double) = match &function.ordinate {
         Ordinate::Real32(_) => (false, false),
@@ -239,7 +244,7 @@ pub(super) fn write(
 }
 
 fn write_records(sink: &mut dyn Write, function: &Function, layout: Layout) -> io::Result<()> {
-    let id_4 = id_line_4(function).0;
+    let id_4 = id_line_4(function).text;
     for (k, line) in function.id_lines.iter().enumerate() {
         writeln!(sink, "{}", id_line(if k == 3 { &id_4 } else { line }))?;
     }

@@ -1,7 +1,7 @@
 //! The axes of an array that are the response, the reference, the line.
 
 use super::super::tree::Entry;
-use super::said::Said;
+use super::facts::FrfFacts;
 use super::Reader;
 use chladni_frf::{Error, ErrorKind, Result};
 
@@ -12,8 +12,14 @@ pub(super) struct Lengths {
     pub(super) lines: usize,
 }
 
+/// The axes of an array, and whether the file or the user names them.
+pub(super) struct NamedAxes {
+    pub(super) axes: Axes,
+    pub(super) are_named: bool,
+}
+
 /// Axes of response, reference and line; `None` where the array has none.
-type Axes = [Option<usize>; 3];
+pub(super) type Axes = [Option<usize>; 3];
 
 impl Lengths {
     fn fits(&self, shape: &[usize], axes: &Axes) -> bool {
@@ -24,8 +30,8 @@ impl Lengths {
     }
 }
 
-/// Every way to give the axes of an array of that rank their meaning: one is the line.
-/// Those with the response before the reference, and the line behind both, come first.
+/// All assignments of response, reference and line to the axes of an array of that rank.
+/// Those with the response before the reference, and the line after both, come first.
 fn ways(rank: usize) -> &'static [Axes] {
     match rank {
         1 => &[[None, None, Some(0)]],
@@ -46,40 +52,50 @@ fn ways(rank: usize) -> &'static [Axes] {
     }
 }
 
-/// Words of the file for the axes; those that are unknown say nothing.
-struct Words<'a> {
-    text: &'a str,
+/// The names that the file gives the axes, as far as they are known.
+struct AxisNames {
+    text: String,
     roles: Vec<Option<usize>>,
     field: String,
 }
 
+impl AxisNames {
+    /// The names in a fact called `axes` and in `DIMENSION_LABELS`.
+    fn in_file(frf: &Entry, facts: &FrfFacts<'_>) -> impl Iterator<Item = Self> {
+        let fact = facts.axes.as_ref().map(|fact| Self {
+            text: fact.text.clone(),
+            roles: roles(&fact.text),
+            field: fact.field.clone(),
+        });
+        let labels = frf.text("DIMENSION_LABELS").map(|labels| Self {
+            text: labels.to_owned(),
+            roles: labels.split(',').map(role).collect(),
+            field: format!("DIMENSION_LABELS of {}", frf.path),
+        });
+        [fact, labels].into_iter().flatten()
+    }
+}
+
 impl<'a> Reader<'a> {
-    /// Axes of response, reference and line in the logical shape, and whether the file or
-    /// the user says which is which.
+    /// The axes of response, reference and line in the logical shape.
     pub(super) fn axes(
         &self,
         frf: &Entry,
-        said: &Said<'a>,
+        facts: &FrfFacts<'a>,
         shape: &[usize],
         lengths: &Lengths,
-    ) -> Result<(Axes, bool)> {
+    ) -> Result<NamedAxes> {
         if !(1..=3).contains(&shape.len()) {
             return Err(
                 super::wrong_type(frf, "at most three axes: response, reference, line")
                     .found(format!("shape {shape:?}")),
             );
         }
-        if let Some((_, text)) = self.map.iter().find(|(key, _)| key == "axes") {
-            let axes = named_axes(text, shape, lengths.lines).ok_or_else(|| {
-                let error = Error::new(ErrorKind::Usage, "the axes do not fit");
-                misfit(error.field("map axes"), text, shape, lengths.lines)
-            })?;
-            return Ok((axes, true));
-        }
-        if let Some(axes) =
-            (said.axes.as_ref()).and_then(|fact| named_axes(&fact.text, shape, lengths.lines))
-        {
-            return Ok((axes, true));
+        if let Some(axes) = self.complete_names(facts, shape, lengths.lines)? {
+            return Ok(NamedAxes {
+                axes,
+                are_named: true,
+            });
         }
         let mut fitting: Vec<Axes> = ways(shape.len())
             .iter()
@@ -89,27 +105,17 @@ impl<'a> Reader<'a> {
         if fitting.is_empty() {
             return Err(no_way(frf.path.as_str(), shape, lengths));
         }
-        let labels = frf.text("DIMENSION_LABELS").map(|labels| Words {
-            text: labels,
-            roles: labels.split(',').map(role).collect(),
-            field: format!("DIMENSION_LABELS of {}", frf.path),
-        });
-        let words = said.axes.as_ref().map(|fact| Words {
-            text: &fact.text,
-            roles: roles(&fact.text),
-            field: fact.field.clone(),
-        });
-        let mut by_words = false;
-        for words in [words, labels].into_iter().flatten() {
+        let mut by_names = false;
+        for names in AxisNames::in_file(frf, facts) {
             // a single axis is the line, and a single word the name of a dataset
-            if shape.len() == 1 || words.roles.len() == 1 {
+            if shape.len() == 1 || names.roles.len() == 1 {
                 continue;
             }
-            by_words |= words.roles.iter().any(Option::is_some);
-            fitting.retain(|axes| agrees(axes, &words.roles));
+            by_names |= names.roles.iter().any(Option::is_some);
+            fitting.retain(|axes| agrees(axes, &names.roles));
             if fitting.is_empty() {
-                let error = Error::bad_data("the axes do not fit").field(words.field);
-                return Err(misfit(error, words.text, shape, lengths.lines)
+                let error = Error::bad_data("the axes do not fit").field(names.field);
+                return Err(misfit(error, &names.text, shape, lengths.lines)
                     .help("correct them, or name the axes with `map axes=...`"));
             }
         }
@@ -122,26 +128,50 @@ impl<'a> Reader<'a> {
             .iter()
             .any(|axes| axes[2] != first[2] && (lengths.lines > 1 || differs(axes[0], first[0])));
         if other_line {
-            let count = shape.iter().filter(|extent| **extent == lengths.lines);
-            return Err(Error::bad_data(format!(
-                "{} axes are as long as the frequency axis ({})",
-                count.count(),
-                lengths.lines
-            ))
-            .field(&frf.path)
-            .found(format!("shape {shape:?}"))
-            .expected("one axis")
-            .help(
-                "name the axes in order, like `map \
-                 frf=PATH,freq=PATH,axes=response-reference-line`",
-            ));
+            return Err(several_lines(&frf.path, shape, lengths.lines));
         }
         let by_lists = lengths.response.is_some() || lengths.reference.is_some();
         let same = fitting
             .iter()
             .all(|axes| !differs(axes[0], first[0]) && !differs(axes[1], first[1]));
-        Ok((first, (by_lists || by_words) && same))
+        Ok(NamedAxes {
+            axes: first,
+            are_named: (by_lists || by_names) && same,
+        })
     }
+
+    /// The axes where the caller's map, else a fact of the file, names all of them.
+    fn complete_names(
+        &self,
+        facts: &FrfFacts<'a>,
+        shape: &[usize],
+        lines: usize,
+    ) -> Result<Option<Axes>> {
+        if let Some((_, text)) = self.map.iter().find(|(key, _)| key == "axes") {
+            let axes = named_axes(text, shape, lines).ok_or_else(|| {
+                let error = Error::new(ErrorKind::Usage, "the axes do not fit");
+                misfit(error.field("map axes"), text, shape, lines)
+            })?;
+            return Ok(Some(axes));
+        }
+        let fact = facts.axes.as_ref();
+        Ok(fact.and_then(|fact| named_axes(&fact.text, shape, lines)))
+    }
+}
+
+/// The error of a shape in which several axes may be that of the lines.
+fn several_lines(path: &str, shape: &[usize], lines: usize) -> Error {
+    let count = shape.iter().filter(|extent| **extent == lines).count();
+    Error::bad_data(format!(
+        "{count} axes are as long as the frequency axis ({lines})"
+    ))
+    .field(path)
+    .found(format!("shape {shape:?}"))
+    .expected("one axis")
+    .help(
+        "name the axes in order, like `map \
+         frf=PATH,freq=PATH,axes=response-reference-line`",
+    )
 }
 
 fn no_way(path: &str, shape: &[usize], lengths: &Lengths) -> Error {
@@ -175,7 +205,7 @@ fn role(word: &str) -> Option<usize> {
         .position(|words| words.contains(&word.as_str()) || words.contains(&singular))
 }
 
-/// The roles of words with anything between them.
+/// The roles of the words of a text, whatever separates them.
 fn roles(text: &str) -> Vec<Option<usize>> {
     let words = text.split(|c: char| !c.is_alphanumeric());
     words.filter(|word| !word.is_empty()).map(role).collect()

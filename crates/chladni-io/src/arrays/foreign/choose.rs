@@ -10,12 +10,21 @@ use chladni_frf::{Error, ErrorKind, Finding, Result};
 use ndarray::Axis;
 use num_complex::Complex64;
 
-/// Pairs of real arrays that hold one complex array, and whether they are magnitude and
-/// phase.
-const PART_NAMES: [(&[&str], &[&str], bool); 2] = [
-    (&["re", "real"], &["im", "imag"], false),
-    (
-        &[
+/// Names of two real arrays that hold one complex array together.
+struct PartNames {
+    first: &'static [&'static str],
+    second: &'static [&'static str],
+    is_polar: bool,
+}
+
+const PART_NAMES: [PartNames; 2] = [
+    PartNames {
+        first: &["re", "real"],
+        second: &["im", "imag"],
+        is_polar: false,
+    },
+    PartNames {
+        first: &[
             "mag",
             "magnitude",
             "abs",
@@ -23,10 +32,17 @@ const PART_NAMES: [(&[&str], &[&str], bool); 2] = [
             "mag_db",
             "magnitude_db",
         ],
-        &["phase", "phase_deg", "phase_rad", "angle"],
-        true,
-    ),
+        second: &["phase", "phase_deg", "phase_rad", "angle"],
+        is_polar: true,
+    },
 ];
+
+/// A list of numbers that may be the frequency axis.
+#[derive(Clone, Copy)]
+struct NumberList<'a> {
+    entry: &'a Entry,
+    rises: bool,
+}
 
 /// The values, in one dataset or two.
 #[derive(Clone, Copy)]
@@ -191,17 +207,16 @@ impl<'a> Reader<'a> {
             for first in self.datasets().filter(of_rank).filter(real) {
                 let called = |name: &str| format!("{stem}{name}");
                 let is = |name: &&str| first.name().eq_ignore_ascii_case(&called(name));
-                for (names, partners, polar) in PART_NAMES {
-                    let second =
-                        partners
-                            .iter()
-                            .filter(|_| names.iter().any(&is))
-                            .find_map(|partner| {
-                                named(&called(partner), first.folder())
-                                    .filter(|second| second.shape() == first.shape())
-                            });
+                for names in PART_NAMES
+                    .iter()
+                    .filter(|names| names.first.iter().any(&is))
+                {
+                    let second = names.second.iter().find_map(|partner| {
+                        named(&called(partner), first.folder())
+                            .filter(|second| second.shape() == first.shape())
+                    });
                     match second {
-                        Some(second) if polar => parts.push(Source::Polar(first, second)),
+                        Some(second) if names.is_polar => parts.push(Source::Polar(first, second)),
                         Some(second) => parts.push(Source::Parts(first, second)),
                         None => {}
                     }
@@ -214,37 +229,38 @@ impl<'a> Reader<'a> {
         Ok(Vec::new())
     }
 
-    /// Lists of real numbers with such a name, and whether they rise.
-    fn lists(&self, is_named: fn(&str) -> bool) -> Result<Vec<(&'a Entry, bool)>> {
+    /// Lists of real numbers with such a name.
+    fn lists(&self, is_named: fn(&str) -> bool) -> Result<Vec<NumberList<'a>>> {
         let mut found = Vec::new();
         let named = |entry: &&Entry| is_list(entry) && is_named(entry.name());
         for entry in self.datasets().filter(named) {
             if let Ok(values) = reals(entry, self.file.read(entry)?) {
-                found.push((entry, values.windows(2).all(|pair| pair[0] < pair[1])));
+                let rises = values.windows(2).all(|pair| pair[0] < pair[1]);
+                found.push(NumberList { entry, rises });
             }
         }
         Ok(found)
     }
 
-    /// Axes where no rising list has a usual name: those of other names, else those out
-    /// of order, which are refused by what is wrong with them. A list called by a letter,
-    /// `x` or `f`, may be of positions or forces: none where a rising one may be the axis.
+    /// Axes where no rising list has a usual name: lists of less usual names, else lists
+    /// that do not rise, so that the error names what is wrong with them. A list called by
+    /// one letter, `x` or `f`, may hold positions or forces. It is no candidate where
+    /// another rising list may be the axis.
     fn other_axes(
         &self,
         sources: &[Source<'a>],
-        named: Vec<(&'a Entry, bool)>,
+        named: Vec<NumberList<'a>>,
     ) -> Result<Vec<&'a Entry>> {
         let mut others = self.lists(frequency::is_likely_name)?;
-        others.retain(|(entry, _)| length(entry) > 1);
+        others.retain(|list| length(list.entry) > 1);
         let rising = rising(&others);
         if !pairs(sources, &rising).is_empty() {
             return Ok(rising);
         }
         let mut all: Vec<&Entry> = (named.into_iter().chain(others))
-            .map(|(entry, _)| entry)
+            .map(|list| list.entry)
             .collect();
-        let nameless = self.lists(|name| !dofs::is_name(name))?;
-        let mut nameless = self::rising(&nameless);
+        let mut nameless = self::rising(&self.lists(|name| !dofs::is_name(name))?);
         nameless.retain(|entry| length(entry) > 1);
         if !pairs(sources, &nameless).is_empty() {
             all.retain(|entry| entry.name().chars().count() > 1);
@@ -283,9 +299,9 @@ fn is_list(entry: &Entry) -> bool {
     numbers && !entry.shape().is_empty() && long <= 1
 }
 
-fn rising<'a>(lists: &[(&'a Entry, bool)]) -> Vec<&'a Entry> {
-    let rising = lists.iter().filter(|(_, rises)| *rises);
-    rising.map(|&(entry, _)| entry).collect()
+fn rising<'a>(lists: &[NumberList<'a>]) -> Vec<&'a Entry> {
+    let rising = lists.iter().filter(|list| list.rises);
+    rising.map(|list| list.entry).collect()
 }
 
 /// FRFs with the axes that are as long as one of theirs.

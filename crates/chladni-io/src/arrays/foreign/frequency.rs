@@ -2,7 +2,7 @@
 
 use super::super::tree::Entry;
 use super::super::values::reals;
-use super::said::{attribute, Said};
+use super::facts::{attribute, FrfFacts};
 use super::Reader;
 use crate::limits::SAME_UNIT;
 use crate::unit_label::frequency_unit;
@@ -58,23 +58,23 @@ impl<'a> Reader<'a> {
     pub(super) fn frequency_hz(
         &self,
         freq: &'a Entry,
-        said: &Said<'a>,
+        facts: &FrfFacts<'a>,
         warnings: &mut Vec<Finding>,
     ) -> Result<Vec<f64>> {
         let mut values = reals(freq, self.file.read(freq)?)?;
         refuse_disorder(freq, &values)?;
-        let to_hz = axis_to_hz(freq, said, warnings)?;
+        let to_hz = axis_to_hz(freq, facts, warnings)?;
         values.iter_mut().for_each(|f| *f *= to_hz);
         Ok(values)
     }
 }
 
 /// Factor to Hz of an axis of its own: every place that says a unit says the same.
-fn axis_to_hz(freq: &Entry, said: &Said<'_>, warnings: &mut Vec<Finding>) -> Result<f64> {
+fn axis_to_hz(freq: &Entry, facts: &FrfFacts<'_>, warnings: &mut Vec<Finding>) -> Result<f64> {
     let own = attribute(freq, &["unit"]);
     let by_own = own.as_ref().and_then(|fact| factor_of(&fact.text));
     let by_name = unit_in_name(freq.name());
-    let stated = said_to_hz(said)?;
+    let stated = said_to_hz(facts)?;
     let factors = [by_own, by_name, stated];
     let Some(to_hz) = factors.into_iter().flatten().next() else {
         let label = own.map(|fact| fact.text);
@@ -103,7 +103,7 @@ fn axis_to_hz(freq: &Entry, said: &Said<'_>, warnings: &mut Vec<Finding>) -> Res
         own.filter(|_| by_own.is_some())
             .map(|fact| format!("`{}` in {}", fact.text, fact.field)),
         by_name.map(|_| format!("the name {}", freq.path)),
-        (said.frequency_unit.as_ref()).map(|fact| format!("`{}` in {}", fact.text, fact.field)),
+        (facts.frequency_unit.as_ref()).map(|fact| format!("`{}` in {}", fact.text, fact.field)),
     ];
     let found: Vec<String> = places.into_iter().flatten().collect();
     Err(Error::bad_data("two units of the frequency")
@@ -117,13 +117,13 @@ fn axis_to_hz(freq: &Entry, said: &Said<'_>, warnings: &mut Vec<Finding>) -> Res
 ///
 /// # Errors
 /// A word that is no unit of a frequency.
-pub(super) fn said_to_hz(said: &Said<'_>) -> Result<Option<f64>> {
-    let factor = |fact: &super::said::Fact<'_>| {
+pub(super) fn said_to_hz(facts: &FrfFacts<'_>) -> Result<Option<f64>> {
+    let factor = |fact: &super::facts::Fact<'_>| {
         factor_of(&fact.text).ok_or_else(|| {
             fact.not_understood("no unit of a frequency; write Hz, kHz, rad/s or 1/min")
         })
     };
-    said.frequency_unit.as_ref().map(factor).transpose()
+    facts.frequency_unit.as_ref().map(factor).transpose()
 }
 
 fn refuse_disorder(freq: &Entry, values: &[f64]) -> Result<()> {

@@ -7,17 +7,18 @@
 mod axes;
 mod choose;
 mod dofs;
+mod facts;
 mod frequency;
 mod parts;
-mod said;
 
 use super::tree::{Element, Entry};
 use super::values::{real_array, wrong_type, ComplexArray};
 use super::ArrayFile;
 use crate::limits::DATASETS_LISTED;
 use crate::paths::shortened;
+use crate::time_sign::to_plus;
 use crate::unit_label::frf_unit;
-use crate::ReadOptions;
+use crate::{Document, ReadOptions};
 use axes::Lengths;
 use chladni_frf::{
     Error, ErrorKind, Finding, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result,
@@ -25,9 +26,10 @@ use chladni_frf::{
 };
 use choose::Source;
 use dofs::{REFERENCE, RESPONSE};
+use facts::FrfFacts;
 use ndarray::Array3;
-use num_complex::Complex64;
-use said::Said;
+use num_complex::{Complex64, ComplexFloat};
+use std::fmt::Display;
 
 /// Keys of the caller's map.
 const MAP_KEYS: [&str; 9] = [
@@ -67,22 +69,52 @@ fn logical_shape(entry: &Entry) -> Vec<usize> {
     shape
 }
 
-/// FRFs as they stand in the file.
-pub(crate) struct Found {
+/// The FRFs of a file, in its own time sign.
+pub(crate) struct FoundFrf {
     pub(crate) set: FrfSet,
-    /// Time sign that the file says.
+    /// Time sign that the file states.
     pub(crate) time_sign: Option<TimeSign>,
     /// Paths of the datasets that the set is made of.
     pub(crate) used: Vec<String>,
 }
 
-/// Reads the FRFs of a foreign file: `None` where nothing in it looks like FRFs.
+/// Puts the outcome of looking for FRFs into `document`, in the time sign e^{+jωt}; damaged
+/// data go to its `errors`.
+///
+/// # Errors
+/// Those of `outcome` that are not about the data, such as an unknown key of the map.
+pub(crate) fn take_frf(
+    document: &mut Document,
+    outcome: Result<Option<FoundFrf>>,
+    options: &ReadOptions,
+) -> Result<()> {
+    match outcome.map_err(|error| error.file(&document.file)) {
+        Ok(None) => {}
+        Ok(Some(mut found)) => {
+            for info in &mut document.datasets {
+                info.left_behind &= !found.used.contains(&info.name);
+            }
+            to_plus(
+                &mut found.set,
+                found.time_sign,
+                options.time_sign,
+                &mut document.warnings,
+            );
+            document.frf = Some(found.set);
+        }
+        Err(error) if error.kind == ErrorKind::BadData => document.errors.push(error),
+        Err(error) => return Err(error),
+    }
+    Ok(())
+}
+
+/// Reads the FRFs of a foreign file; `None` where nothing in it looks like FRFs.
 pub(crate) fn read_foreign(
     file: &dyn ArrayFile,
     entries: &[Entry],
     options: &ReadOptions,
     warnings: &mut Vec<Finding>,
-) -> Result<Option<Found>> {
+) -> Result<Option<FoundFrf>> {
     let map = &options.map;
     let reader = Reader {
         file,
@@ -157,12 +189,12 @@ impl<'a> Reader<'a> {
         source: Source<'a>,
         freq: &'a Entry,
         warnings: &mut Vec<Finding>,
-    ) -> Result<Found> {
-        let said = self.said(source, freq)?;
-        let array = self.array(source, &said, warnings)?;
+    ) -> Result<FoundFrf> {
+        let facts = self.facts(source, freq)?;
+        let array = self.array(source, &facts, warnings)?;
         let (frequency_hz, array) = match source {
-            Source::Joined(_) => self.split_joined(freq, &said, array, warnings)?,
-            _ => (self.frequency_hz(freq, &said, warnings)?, array),
+            Source::Joined(_) => self.split_joined(freq, &facts, array, warnings)?,
+            _ => (self.frequency_hz(freq, &facts, warnings)?, array),
         };
         let (shape, frf) = (array.shape().to_vec(), source.first());
         let lengths = Lengths {
@@ -170,16 +202,17 @@ impl<'a> Reader<'a> {
             reference: self.dof_list(&REFERENCE, frf, frequency_hz.len())?,
             lines: frequency_hz.len(),
         };
-        let ([response, reference, line], told) = self.axes(frf, &said, &shape, &lengths)?;
+        let named = self.axes(frf, &facts, &shape, &lengths)?;
+        let [response, reference, line] = named.axes;
         let line = line
             .ok_or_else(|| Error::new(ErrorKind::Internal, "the axis of the lines is not known"))?;
         let mut values = array.into_frf_values(response, reference, line);
         self.refuse_infinities(frf, &values)?;
         // with one reference a swap would show in the number of responses
-        if shape.len() == 3 && values.dim().1 > 1 && !told {
+        if shape.len() == 3 && values.dim().1 > 1 && !named.are_named {
             warnings.push(axes_guessed(frf));
         }
-        let (kind, reference_unit) = self.units(source, &said, &mut values, warnings)?;
+        let (kind, reference_unit) = self.units(source, &facts, &mut values, warnings)?;
         let (response_count, reference_count, _) = values.dim();
         let response_entry = self.dof_entry(&RESPONSE, frf, response_count)?;
         let reference_entry = self.dof_entry(&REFERENCE, frf, reference_count)?;
@@ -187,7 +220,7 @@ impl<'a> Reader<'a> {
         let references = self.dofs(&REFERENCE, reference_entry, reference_count, warnings)?;
         let coherence_entry = self.coherence_entry(frf);
         let coherence = coherence_entry
-            .map(|entry| self.coherence(entry, [response, reference, Some(line)]))
+            .map(|entry| self.coherence(entry, response, reference, line))
             .transpose()?;
         let set = FrfSet {
             frequency_hz: frequency_hz.into(),
@@ -205,11 +238,11 @@ impl<'a> Reader<'a> {
             .chain(response_entry)
             .chain(reference_entry)
             .chain(coherence_entry)
-            .chain(said.used)
+            .chain(facts.used)
             .map(|entry| entry.path.clone());
-        Ok(Found {
+        Ok(FoundFrf {
             set: set.checked()?,
-            time_sign: said.time_sign,
+            time_sign: facts.time_sign,
             used: used.collect(),
         })
     }
@@ -231,7 +264,9 @@ impl<'a> Reader<'a> {
     fn coherence(
         &self,
         entry: &Entry,
-        [response, reference, line]: [Option<usize>; 3],
+        response: Option<usize>,
+        reference: Option<usize>,
+        line: usize,
     ) -> Result<Array3<f32>> {
         let array = real_array(entry, self.file.read(entry)?)?.mapv(Complex64::from);
         let array = ComplexArray::Double(if is_matlab(entry) {
@@ -239,7 +274,7 @@ impl<'a> Reader<'a> {
         } else {
             array
         });
-        match array.into_frf_values(response, reference, line.unwrap_or_default()) {
+        match array.into_frf_values(response, reference, line) {
             FrfValues::F64(values) => Ok(values.mapv(|value| value.re as f32)),
             FrfValues::F32(values) => Ok(values.mapv(|value| value.re)),
         }
@@ -249,13 +284,13 @@ impl<'a> Reader<'a> {
     fn units(
         &self,
         source: Source<'a>,
-        said: &Said<'a>,
+        facts: &FrfFacts<'a>,
         values: &mut FrfValues,
         warnings: &mut Vec<Finding>,
     ) -> Result<(Option<FrfKind>, ReferenceUnit)> {
         let entry = source.first();
-        let unscaled = (said.kind, said.reference_unit.unwrap_or_default());
-        let Some(label) = said.label() else {
+        let unscaled = (facts.kind, facts.reference_unit.unwrap_or_default());
+        let Some(label) = facts.label() else {
             warnings.push(Finding::caution(
                 "unit-assumed",
                 format!(
@@ -277,14 +312,14 @@ impl<'a> Reader<'a> {
             return Ok(unscaled);
         };
         let told = self.options.frf_kind;
-        if let Some(kind) = (said.kind).filter(|kind| told.is_none() && *kind != unit.kind) {
+        if let Some(kind) = (facts.kind).filter(|kind| told.is_none() && *kind != unit.kind) {
             return Err(Error::bad_data("frf_kind and unit contradict each other")
                 .field("frf_kind")
                 .found(format!("{kind} with unit {label}"))
                 .expected(format!("{} for that unit", unit.kind))
                 .help("say which is right with `frf_kind`"));
         }
-        if let Some(reference) = (said.reference_unit).filter(|said| *said != unit.reference) {
+        if let Some(reference) = (facts.reference_unit).filter(|stated| *stated != unit.reference) {
             return Err(
                 Error::bad_data("reference_unit and unit contradict each other")
                     .field("reference_unit")
@@ -294,20 +329,21 @@ impl<'a> Reader<'a> {
             );
         }
         scale(values, unit.to_si);
-        Ok((said.kind.or(Some(unit.kind)), unit.reference))
+        Ok((facts.kind.or(Some(unit.kind)), unit.reference))
     }
 
     /// Infinities are errors, as in every format.
     fn refuse_infinities(&self, frf: &Entry, values: &FrfValues) -> Result<()> {
+        fn first_infinite<C: ComplexFloat + Display>(
+            values: &Array3<C>,
+        ) -> Option<((usize, usize, usize), String)> {
+            let mut values = values.indexed_iter();
+            let found = values.find(|(_, v)| v.re().is_infinite() || v.im().is_infinite());
+            found.map(|(at, value)| (at, value.to_string()))
+        }
         let found = match values {
-            FrfValues::F64(values) => values
-                .indexed_iter()
-                .find(|(_, v)| v.re.is_infinite() || v.im.is_infinite())
-                .map(|(at, v)| (at, v.to_string())),
-            FrfValues::F32(values) => values
-                .indexed_iter()
-                .find(|(_, v)| v.re.is_infinite() || v.im.is_infinite())
-                .map(|(at, v)| (at, v.to_string())),
+            FrfValues::F64(values) => first_infinite(values),
+            FrfValues::F32(values) => first_infinite(values),
         };
         match found.filter(|_| !self.options.lenient) {
             None => Ok(()),

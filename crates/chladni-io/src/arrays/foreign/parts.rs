@@ -2,8 +2,8 @@
 //! frequencies with the FRFs beside it.
 
 use super::choose::{joined_axis, Source};
+use super::facts::FrfFacts;
 use super::frequency::said_to_hz;
-use super::said::Said;
 use super::{is_matlab, Reader};
 use crate::arrays::tree::Entry;
 use crate::arrays::values::{real_array, wrong_type, ComplexArray};
@@ -38,10 +38,10 @@ fn without_reference(entry: &Entry, label: &str) -> Error {
 /// The value at 0 dB of a magnitude in decibels; `None` of a linear one.
 fn decibel(
     entry: &Entry,
-    said: &Said<'_>,
+    facts: &FrfFacts<'_>,
     values: impl Iterator<Item = f64>,
 ) -> Result<Option<f64>> {
-    let label = said.label().unwrap_or_default();
+    let label = facts.label().unwrap_or_default();
     let by_name = entry.name().to_lowercase().contains("db");
     if is_decibel_label(label) || by_name {
         return decibel_reference(label)
@@ -66,7 +66,7 @@ impl<'a> Reader<'a> {
     pub(super) fn array(
         &self,
         source: Source<'a>,
-        said: &Said<'a>,
+        facts: &FrfFacts<'a>,
         warnings: &mut Vec<Finding>,
     ) -> Result<ComplexArray> {
         let array = match source {
@@ -81,9 +81,9 @@ impl<'a> Reader<'a> {
                 }
                 let mut values = ndarray::ArrayD::zeros(a.raw_dim());
                 if matches!(source, Source::Polar(..)) {
-                    let decibel = decibel(first, said, a.iter().copied())?;
+                    let decibel = decibel(first, facts, a.iter().copied())?;
                     let to_radians = self
-                        .phase_unit(second, said, b.iter().copied(), warnings)?
+                        .phase_unit(second, facts, b.iter().copied(), warnings)?
                         .to_radians();
                     Zip::from(&mut values)
                         .and(&a)
@@ -112,7 +112,7 @@ impl<'a> Reader<'a> {
     fn phase_unit(
         &self,
         entry: &Entry,
-        said: &Said<'a>,
+        facts: &FrfFacts<'a>,
         values: impl Iterator<Item = f64>,
         warnings: &mut Vec<Finding>,
     ) -> Result<PhaseUnit> {
@@ -127,7 +127,7 @@ impl<'a> Reader<'a> {
                 .expected("deg or rad")
                 .help("say it with `phase_unit deg` or `phase_unit rad`, or in an attribute `unit`")
         };
-        if let Some(fact) = &said.phase_unit {
+        if let Some(fact) = &facts.phase_unit {
             return PhaseUnit::named(&fact.text).ok_or_else(|| {
                 ask("the unit of the phase is not understood", &fact.text).field(&fact.field)
             });
@@ -156,7 +156,7 @@ impl<'a> Reader<'a> {
     pub(super) fn split_joined(
         &self,
         entry: &Entry,
-        said: &Said<'a>,
+        facts: &FrfFacts<'a>,
         array: ComplexArray,
         warnings: &mut Vec<Finding>,
     ) -> Result<(Vec<f64>, ComplexArray)> {
@@ -171,7 +171,10 @@ impl<'a> Reader<'a> {
             .map(|value| value.re)
             .collect();
         values.slice_axis_inplace(Axis(axis), (1..).into());
-        let label = said.frequency_unit.as_ref().map_or("Hz", |fact| &fact.text);
+        let label = facts
+            .frequency_unit
+            .as_ref()
+            .map_or("Hz", |fact| &fact.text);
         warnings.push(Finding::note(
             "layout-guessed",
             format!(
@@ -180,7 +183,7 @@ impl<'a> Reader<'a> {
                 entry.path
             ),
         ));
-        let to_hz = said_to_hz(said)?.unwrap_or(1.0);
+        let to_hz = said_to_hz(facts)?.unwrap_or(1.0);
         frequency_hz.iter_mut().for_each(|f| *f *= to_hz);
         Ok((frequency_hz, ComplexArray::Double(values)))
     }

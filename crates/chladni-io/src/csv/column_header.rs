@@ -9,9 +9,9 @@ use crate::unit_label::{self, frequency_unit, frf_unit, FrfUnit};
 use crate::PhaseUnit;
 use chladni_frf::{Direction, Dof};
 
-/// Header of one column.
+/// The header of one column.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Head {
+pub(super) struct ColumnHeader {
     pub(super) part: Part,
     /// The name without part and unit, to find the partner of a column.
     pub(super) base: String,
@@ -26,25 +26,25 @@ pub(super) struct Head {
     dof_words: DofWords,
     /// The name has words that do not stand beside a DOF: `Acc 1x`.
     is_described: bool,
-    /// Some of them say how was measured: `5s record`.
+    /// Some of them tell how the data were measured: `5s record`.
     is_of_measurement: bool,
 }
 
-/// The information of a header about the unit of a phase.
+/// The unit of a phase, as a header states it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum AngleSaid {
+pub(super) enum AngleUnit {
     Nothing,
     Unit(PhaseUnit),
     /// A label that is no unit of a phase, or two units.
     NotUnderstood,
 }
 
-impl Head {
+impl ColumnHeader {
     /// Reads the names of all columns of a table, with the rows of their units.
     pub(super) fn of_columns(names: &[String], units: &[String]) -> Vec<Self> {
         let both = names.iter().zip(units);
         let mut heads: Vec<Self> = both
-            .map(|(name, unit)| Self::words_of(name, unit))
+            .map(|(name, unit)| Self::read_words(name, unit))
             .collect();
         settle_dofs(&mut heads);
         heads
@@ -52,14 +52,14 @@ impl Head {
 
     /// Reads a column name by itself.
     pub(super) fn parse(name: &str, unit_row: &str) -> Self {
-        let mut head = Self::words_of(name, unit_row);
+        let mut head = Self::read_words(name, unit_row);
         settle_dofs(std::slice::from_mut(&mut head));
         head
     }
 
     /// Reads a column name such as `Re(x) [mm/s/N]`, `1Z:3Z imag`, `Magnitude (dB re 1
-    /// m/s/N)`, `phase_rad`, `coherence`.
-    fn words_of(name: &str, unit_row: &str) -> Self {
+    /// m/s/N)`, `phase_rad`, `coherence`; its DOFs are not settled yet.
+    fn read_words(name: &str, unit_row: &str) -> Self {
         let (rest, unit) = split_unit(name);
         let (rest, unit) = if unit.is_empty() {
             let (rest, unit) = split_trailing_unit(rest);
@@ -67,88 +67,53 @@ impl Head {
         } else {
             (rest, unit)
         };
-        let is_decibel_unit = words(&unit).any(is_decibel);
-        let mut head = Self {
-            part: Part::Unknown,
-            base: String::new(),
-            is_decibel: is_decibel_unit,
-            unit,
-            dofs: Dofs::default(),
-            is_negative: false,
-            angles: Vec::new(),
-            dof_words: DofWords::default(),
-            is_described: false,
-            is_of_measurement: false,
+        let mut words = NameWords {
+            is_decibel: words(&unit).any(is_decibel),
+            ..NameWords::default()
         };
-        let mut others = Vec::new();
-        let mut parts = Vec::new();
-        let mut is_lag = false;
-        let (mut token_before, mut word_before) = ("", String::new());
+        let mut before = "";
         for token in rest
             .split(|c: char| c.is_whitespace() || "()[]{}_,;=".contains(c))
             .filter(|token| !token.is_empty())
         {
-            let before = std::mem::replace(&mut token_before, token);
-            if head.dof_words.add(token, ["/", "per"].contains(&before)) {
-                others.push(token.to_lowercase());
-                word_before.clear();
-                continue;
-            }
-            if token.len() > 2 && token.matches('|').count() == 2 {
-                parts.push(Part::Magnitude); // |H|
-            }
-            // `- Im` at the beginning, but not `1Z - Im`
-            let is_minus = |text: &str| text.trim_start_matches(MINUS).is_empty();
-            let mut has_minus = token.starts_with(MINUS)
-                || (!before.is_empty() && is_minus(before) && others.is_empty());
-            for word in words(token) {
-                head.is_decibel |= is_decibel(word);
-                let lower = word.to_lowercase();
-                if let Some(part) = part_of(word) {
-                    if NEGATIVE.contains(&word_before.as_str()) {
-                        has_minus = true;
-                        others.pop();
-                    }
-                    head.is_negative |= has_minus;
-                    parts.push(part);
-                } else if let Some(angle) = PhaseUnit::named(word) {
-                    head.angles.push(angle);
-                } else if lower == LAG {
-                    is_lag = true;
-                } else if !is_filler(&lower) {
-                    head.is_described |= !is_beside_dof(&lower);
-                    head.is_of_measurement |= is_measurement(&lower);
-                    others.push(lower.clone());
-                }
-                word_before = lower;
-            }
+            words.add(token, before);
+            before = token;
         }
-        parts.dedup();
-        head.base = others.join(" ");
-        head.part = match parts.as_slice() {
-            [] if head.is_decibel => Part::Magnitude,
+        words.parts.dedup();
+        let part = match words.parts.as_slice() {
+            [] if words.is_decibel => Part::Magnitude,
             // a power spectrum is no FRF
             [Part::Magnitude] if is_squared(rest) => Part::Unknown,
             &[part] => part,
             _ => Part::Unknown,
         };
-        head.is_negative |= is_lag && head.part == Part::Phase;
-        head
+        Self {
+            part,
+            base: words.others.join(" "),
+            unit,
+            dofs: Dofs::default(),
+            is_negative: words.is_negative || (words.is_lag && part == Part::Phase),
+            is_decibel: words.is_decibel,
+            angles: words.angles,
+            dof_words: words.dof_words,
+            is_described: words.is_described,
+            is_of_measurement: words.is_of_measurement,
+        }
     }
 
     /// Unit of the phase that the header names.
-    pub(super) fn angle(&self) -> AngleSaid {
+    pub(super) fn angle(&self) -> AngleUnit {
         let label = self.unit.trim();
         if label.is_empty() || ["-", "1", "none"].contains(&label) {
             return match self.angles.as_slice() {
-                [] => AngleSaid::Nothing,
+                [] => AngleUnit::Nothing,
                 [first, rest @ ..] if rest.iter().all(|other| other == first) => {
-                    AngleSaid::Unit(*first)
+                    AngleUnit::Unit(*first)
                 }
-                _ => AngleSaid::NotUnderstood,
+                _ => AngleUnit::NotUnderstood,
             };
         }
-        PhaseUnit::named(label).map_or(AngleSaid::NotUnderstood, AngleSaid::Unit)
+        PhaseUnit::named(label).map_or(AngleUnit::NotUnderstood, AngleUnit::Unit)
     }
     /// True where the magnitude is in decibels.
     pub(super) fn is_decibel(&self) -> bool {
@@ -160,10 +125,68 @@ impl Head {
     }
 }
 
-/// The DOFs of columns. `1x` beside other words is one where the columns differ in such
-/// words; else it may be a multiple (`10x`), and counts in a table of lower-case DOFs and
-/// as the only DOF of a single FRF. `5s` alike in all columns is a time.
-fn settle_dofs(heads: &mut [Head]) {
+/// The words of a column name, sorted by meaning.
+#[derive(Default)]
+struct NameWords {
+    parts: Vec<Part>,
+    angles: Vec<PhaseUnit>,
+    dof_words: DofWords,
+    /// The words without a meaning of their own, and the DOFs.
+    others: Vec<String>,
+    is_decibel: bool,
+    is_negative: bool,
+    is_lag: bool,
+    is_described: bool,
+    is_of_measurement: bool,
+    /// The word before, in lower case; empty after a DOF.
+    last: String,
+}
+
+impl NameWords {
+    /// Adds a token that follows the token `before`.
+    fn add(&mut self, token: &str, before: &str) {
+        if self.dof_words.add(token, ["/", "per"].contains(&before)) {
+            self.others.push(token.to_lowercase());
+            self.last.clear();
+            return;
+        }
+        if token.len() > 2 && token.matches('|').count() == 2 {
+            self.parts.push(Part::Magnitude); // |H|
+        }
+        // `- Im` at the beginning, but not `1Z - Im`
+        let is_minus = |text: &str| text.trim_start_matches(MINUS).is_empty();
+        let mut has_minus = token.starts_with(MINUS)
+            || (!before.is_empty() && is_minus(before) && self.others.is_empty());
+        for word in words(token) {
+            self.is_decibel |= is_decibel(word);
+            let lower = word.to_lowercase();
+            if let Some(part) = part_of(word) {
+                if NEGATIVE.contains(&self.last.as_str()) {
+                    has_minus = true;
+                    self.others.pop();
+                }
+                self.is_negative |= has_minus;
+                self.parts.push(part);
+            } else if let Some(angle) = PhaseUnit::named(word) {
+                self.angles.push(angle);
+            } else if lower == LAG {
+                self.is_lag = true;
+            } else if !is_filler(&lower) {
+                self.is_described |= !is_beside_dof(&lower);
+                self.is_of_measurement |= is_measurement(&lower);
+                self.others.push(lower.clone());
+            }
+            self.last = lower;
+        }
+    }
+}
+
+/// Settles the DOFs of all columns, of which some words may be DOFs or not.
+///
+/// `1x` beside other words is a DOF where the columns differ in such words. Else it may be a multiple
+/// (`10x`), and is a DOF only in a table of lower-case DOFs or as the only DOF of a single
+/// FRF. `5s` alike in all columns is a time.
+fn settle_dofs(heads: &mut [ColumnHeader]) {
     let all = heads
         .iter()
         .map(|head| (head.dof_words.loose(), head.base.clone()));
@@ -197,8 +220,8 @@ pub(super) fn without_brackets(label: &str) -> String {
     inside.unwrap_or(label).to_owned()
 }
 
-/// Splits `Re(x) [mm/s/N]` into `Re(x)` and `mm/s/N`. Round brackets count where their
-/// text is a unit, square ones where it is no part of an FRF.
+/// Splits `Re(x) [mm/s/N]` into `Re(x)` and `mm/s/N`. Text in round brackets counts where
+/// it is a unit, text in square brackets where it is no part of an FRF.
 pub(super) fn split_unit(name: &str) -> (&str, String) {
     let name = name.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -218,7 +241,7 @@ pub(super) fn split_unit(name: &str) -> (&str, String) {
     (name, String::new())
 }
 
-/// Splits what stands behind a name without brackets: `mag dB re 1 m/s/N`, `re mm/s/N`,
+/// Splits a unit without brackets off the end of a name: `mag dB re 1 m/s/N`, `re mm/s/N`,
 /// `re_mm_per_s_per_N`, `re_mm_s_N`.
 fn split_trailing_unit(name: &str) -> (&str, Option<String>) {
     let starts = name
@@ -244,7 +267,7 @@ fn split_trailing_unit(name: &str) -> (&str, Option<String>) {
         if let Some(unit) = [spelled, joined].into_iter().find(|text| is_unit(text)) {
             return (rest, Some(unit));
         }
-        // a motion alone, or something else per something: not understood, and said so
+        // a unit, but of no FRF: kept, so that a warning names it
         if label.contains('/') && !label.contains([':', ' ', '_']) && dof_pair(label).is_none() {
             let all_units = label
                 .split('/')
@@ -330,15 +353,15 @@ mod tests {
             ("real or imag", Part::Unknown, ""),
             ("ln|H|", Part::Magnitude, ""),
         ] {
-            let head = Head::parse(name, "");
+            let head = ColumnHeader::parse(name, "");
             assert_eq!((head.part, head.unit.as_str()), (part, unit), "{name}");
         }
     }
 
     #[test]
     fn units_of_a_phase_in_names_and_labels() {
-        use AngleSaid::{NotUnderstood, Nothing, Unit};
-        for (name, row, said) in [
+        use AngleUnit::{NotUnderstood, Nothing, Unit};
+        for (name, row, expected) in [
             ("phase", "", Nothing),
             ("phase_rad", "", Unit(PhaseUnit::Radian)),
             ("Phase (radians)", "", Unit(PhaseUnit::Radian)),
@@ -348,7 +371,11 @@ mod tests {
             ("phase [mrad]", "", NotUnderstood),
             ("phase", "-", Nothing),
         ] {
-            assert_eq!(Head::parse(name, row).angle(), said, "{name} {row}");
+            assert_eq!(
+                ColumnHeader::parse(name, row).angle(),
+                expected,
+                "{name} {row}"
+            );
         }
     }
 
@@ -364,7 +391,7 @@ mod tests {
             ("1Z neg. Im", "1z"),
             ("1Z phase lag [deg]", "1z"),
         ] {
-            let head = Head::parse(name, "");
+            let head = ColumnHeader::parse(name, "");
             assert!(head.is_negative, "{name}");
             assert_eq!(head.base, base, "{name}");
         }
@@ -376,7 +403,7 @@ mod tests {
             "lag 1 Im",
             "H minus noise Im",
         ] {
-            assert!(!Head::parse(name, "").is_negative, "{name}");
+            assert!(!ColumnHeader::parse(name, "").is_negative, "{name}");
         }
     }
 
@@ -388,7 +415,7 @@ mod tests {
             ("Mag (dB ref 1 (m/s)/N)", Some((1.0, "(m/s)/N"))),
             ("Mag [dB]", None),
         ] {
-            let head = Head::parse(name, "");
+            let head = ColumnHeader::parse(name, "");
             assert!(head.is_decibel(), "{name}");
             let found = decibel_reference(&head.unit);
             assert_eq!(

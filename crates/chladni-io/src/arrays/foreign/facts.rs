@@ -51,7 +51,7 @@ impl<'a> Fact<'a> {
 }
 
 /// The facts about the FRFs.
-pub(super) struct Said<'a> {
+pub(super) struct FrfFacts<'a> {
     pub(super) kind: Option<FrfKind>,
     pub(super) reference_unit: Option<ReferenceUnit>,
     pub(super) time_sign: Option<TimeSign>,
@@ -63,7 +63,7 @@ pub(super) struct Said<'a> {
     pub(super) used: Vec<&'a Entry>,
 }
 
-impl Said<'_> {
+impl FrfFacts<'_> {
     /// The label of the values' unit.
     pub(super) fn label(&self) -> Option<&str> {
         self.unit.as_ref().map(|fact| fact.text.as_str())
@@ -105,7 +105,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// A word that is not understood.
-    pub(super) fn said(&self, source: Source<'a>, freq: &'a Entry) -> Result<Said<'a>> {
+    pub(super) fn facts(&self, source: Source<'a>, freq: &'a Entry) -> Result<FrfFacts<'a>> {
         let frf = source.first();
         let own = |entry: &Entry| format!("{}_unit", key_of(entry.name()));
         let (own_unit, mut own_frequency_unit) = (own(frf), own(freq));
@@ -150,7 +150,7 @@ impl<'a> Reader<'a> {
             &phase_unit,
             &axes,
         ];
-        Ok(Said {
+        Ok(FrfFacts {
             used: (facts.into_iter().flatten())
                 .filter_map(|fact| fact.dataset)
                 .collect(),
@@ -177,12 +177,12 @@ impl<'a> Reader<'a> {
     /// The time sign that the file says; a word that is none matters only where the
     /// caller says no minus.
     fn time_sign(&self, fact: &Fact<'_>) -> Result<Option<TimeSign>> {
-        let said = match fact.text.to_lowercase().as_str() {
+        let sign = match fact.text.to_lowercase().as_str() {
             "1" | "+1" | "plus" => Ok(TimeSign::Plus),
             "-1" | "minus" => Ok(TimeSign::Minus),
             _ => fact.word(),
         };
-        match (said, self.options.time_sign) {
+        match (sign, self.options.time_sign) {
             (Ok(sign), _) => Ok(Some(sign)),
             (Err(_), TimeSign::Minus) => Ok(None),
             (Err(error), TimeSign::Plus) => {

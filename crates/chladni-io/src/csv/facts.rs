@@ -8,7 +8,7 @@ use chladni_frf::{Dof, Error, Finding, FrfKind, ReferenceUnit, Result, TimeSign}
 
 /// The information in remarks, in other text above the table and in the options.
 #[derive(Default)]
-pub(super) struct Said {
+pub(super) struct TableFacts {
     pub(super) kind: Option<FrfKind>,
     pub(super) unit: Option<String>,
     /// A column states the unit, not a remark.
@@ -21,16 +21,16 @@ pub(super) struct Said {
     /// Label and factor to Hz.
     pub(super) frequency_unit: Option<(String, f64)>,
     /// The caller's unit of phases.
-    pub(super) told_phase_unit: Option<PhaseUnit>,
+    pub(super) caller_phase_unit: Option<PhaseUnit>,
     /// Text above the table.
     pub(super) header_text: String,
 }
 
-impl Said {
+impl TableFacts {
     /// # Errors
     /// A value that its key does not have.
     pub(super) fn from_remarks(remarks: &[Remark], warnings: &mut Vec<Finding>) -> Result<Self> {
-        let mut said = Self::default();
+        let mut facts = Self::default();
         for remark in remarks {
             let wrong = |message: String| {
                 Error::bad_word(&message, &remark.value)
@@ -38,20 +38,20 @@ impl Said {
                     .field(&remark.key)
             };
             match remark.key.as_str() {
-                "frf_kind" => said.kind = Some(remark.value.parse().map_err(wrong)?),
-                "time_sign" => said.time_sign = Some(remark.value.parse().map_err(wrong)?),
-                "unit" => said.unit = Some(remark.value.clone()),
-                "response" => said.response = Some(remark.value.parse().map_err(wrong)?),
-                "reference" => said.reference = Some(remark.value.parse().map_err(wrong)?),
-                "phase_unit" => said.phase_unit = Some(remark.value.parse().map_err(wrong)?),
+                "frf_kind" => facts.kind = Some(remark.value.parse().map_err(wrong)?),
+                "time_sign" => facts.time_sign = Some(remark.value.parse().map_err(wrong)?),
+                "unit" => facts.unit = Some(remark.value.clone()),
+                "response" => facts.response = Some(remark.value.parse().map_err(wrong)?),
+                "reference" => facts.reference = Some(remark.value.parse().map_err(wrong)?),
+                "phase_unit" => facts.phase_unit = Some(remark.value.parse().map_err(wrong)?),
                 "frequency_unit" => {
                     let factor = frequency_unit(&remark.value).ok_or_else(|| {
                         wrong("no unit of a frequency; write Hz, kHz, rad/s or 1/min".into())
                     })?;
-                    said.frequency_unit = Some((remark.value.clone(), factor));
+                    facts.frequency_unit = Some((remark.value.clone(), factor));
                 }
                 "reference_unit" => {
-                    said.reference_unit = Some(match remark.value.as_str() {
+                    facts.reference_unit = Some(match remark.value.as_str() {
                         "N" => ReferenceUnit::Newton,
                         "V" => ReferenceUnit::Volt,
                         _ => {
@@ -73,7 +73,7 @@ impl Said {
                 _ => {} // free text such as a date or an operator
             }
         }
-        Ok(said)
+        Ok(facts)
     }
 
     /// Adds the unit that a column of units states in every row.
