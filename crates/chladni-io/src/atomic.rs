@@ -1,5 +1,5 @@
-//! Results are written beside their place and renamed into it: an interrupted run leaves
-//! the old file or none.
+//! Writing of results under a temporary name and renaming: an interrupted run leaves the
+//! old file or none.
 
 use super::temporary::{self, folder_of};
 use chladni_frf::{Error, ErrorKind, Result};
@@ -12,8 +12,8 @@ use tempfile::NamedTempFile;
 /// Writes `path` as a whole or not at all: `write` fills a temporary file beside it,
 /// which is then renamed.
 ///
-/// A device or pipe (`/dev/stdout`, `/dev/null`) is written directly; a link keeps
-/// pointing to its file, which is replaced.
+/// A device or pipe (`/dev/stdout`, `/dev/null`) is written directly. Of a link, the file
+/// that it points to is replaced.
 ///
 /// # Errors
 /// [`ErrorKind::CannotCreate`] when the folder does not exist, or the file exists and
@@ -73,8 +73,8 @@ pub fn create_atomically(
     persist(temporary, &target, force)
 }
 
-/// Finds out, before the work, whether `path` could be written after it: a temporary file
-/// beside it is made, and removed.
+/// Checks, before long work, that `path` can be written: a temporary file is created beside
+/// it and removed.
 ///
 /// # Errors
 /// As [`write_atomically`].
@@ -93,8 +93,8 @@ pub fn is_same_place(one: &Path, other: &Path) -> bool {
     would_be || is_same(one, other)
 }
 
-/// Refuses an output that is one of the inputs, whatever way the path is written, and
-/// whether files may be overwritten or not.
+/// Refuses an output that is one of the inputs, however its path is written, even where
+/// files may be overwritten.
 ///
 /// # Errors
 /// [`ErrorKind::CannotCreate`] naming the input.
@@ -116,7 +116,7 @@ pub fn refuse_output_among_inputs(output: &Path, inputs: &[PathBuf]) -> Result<(
 /// An operating-system failure while writing `path`.
 pub(crate) fn write_error(error: &io::Error, path: &Path) -> Error {
     let kind = error.kind();
-    // the temporary file is nobody's business
+    // the user knows nothing of the temporary file
     let error = error.to_string();
     let error = error.split(" at path ").next().unwrap_or_default();
     match kind {
@@ -190,8 +190,7 @@ fn persist(temporary: NamedTempFile, target: &Path, force: bool) -> Result<()> {
             .help("choose another name, or overwrite it with `force`"),
         _ => write_error(&failure.error, target),
     })?;
-    // the new name itself reaches the disk with its folder; not every file system can do
-    // that
+    // the new name is on disk once its folder is; not every file system can sync a folder
     if let Ok(folder) = fs::File::open(folder_of(target)) {
         folder.sync_all().ok();
     }

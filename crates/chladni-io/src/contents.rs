@@ -1,4 +1,4 @@
-//! Everything that was read from some files and can be written to another.
+//! The content of files that were read, to be written to another.
 
 use super::paths::shortened;
 use super::{DatasetInfo, Document, Function, Shape};
@@ -18,10 +18,9 @@ pub struct Contents {
     pub shapes: Vec<Shape>,
     /// The files, in the order read.
     pub sources: Vec<Source>,
-    /// Datasets that are not here because nothing here can hold them (unknown datasets):
-    /// `convert` names them.
+    /// Datasets of types that are not known, whose content is not here; `convert` names them.
     pub not_carried: Vec<String>,
-    /// Everything the user must know.
+    /// Findings for the user.
     pub warnings: Vec<Finding>,
 }
 
@@ -34,7 +33,7 @@ impl Contents {
     }
 }
 
-/// The content of a document that it cannot hand on, alike datasets in one sentence.
+/// The datasets of a document whose content is not carried on, equal ones in one sentence.
 pub(super) fn not_carried(document: &Document) -> Vec<String> {
     let file = document.file.display();
     let mut numbered: Vec<(&DatasetInfo, usize)> = Vec::new();

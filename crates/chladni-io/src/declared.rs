@@ -1,4 +1,4 @@
-//! DOFs that the user declares for FRFs whose files do not name them, or name them wrong.
+//! DOFs that the user declares for FRFs whose files name none or wrong ones.
 
 use chladni_frf::{Dof, Error, Result};
 use std::path::Path;
@@ -19,7 +19,7 @@ pub struct DeclaredDofs {
 /// One row of such a list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeclaredRow {
-    /// Name of the file that the FRF stands in; without it, the next file's.
+    /// Name of the file of the FRF; `None`: the next file.
     pub file: Option<String>,
     /// Response DOF.
     pub response: Dof,
@@ -66,11 +66,10 @@ impl DeclaredDofs {
     }
 
     /// Reads rows `response, reference` or `file, response, reference`, cut at commas,
-    /// semicolons, tabs or blanks. A first line of names and lines with `#` count
-    /// nothing.
+    /// semicolons, tabs or blanks. A first line of names and lines with `#` are skipped.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`] with the line of a row that is none.
+    /// [`chladni_frf::ErrorKind::BadData`] with the line of a row that cannot be read.
     pub fn parse(text: &str) -> Result<Self> {
         let mut rows = Vec::new();
         for (number, line) in (1..).zip(text.lines()) {
@@ -130,7 +129,7 @@ impl DeclaredDofs {
         )
     }
 
-    /// Refuses rows that were not asked for.
+    /// Refuses rows that belong to no FRF.
     pub(super) fn refuse_rest(&self, files: &[String], at: usize) -> Result<()> {
         let unnamed = self.rows.iter().filter(|row| row.file.is_none()).count();
         let stranger = self

@@ -1,4 +1,4 @@
-//! Formats are told apart by content, never by the name of the file.
+//! Detection of formats by content, never by the name of the file.
 
 use super::{csv, FileFormat};
 use crate::limits::{HEAD_BYTES, TABLE_HEAD_BYTES};
@@ -95,8 +95,8 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     Ok(FileFormat::Csv)
 }
 
-/// The reason that no reader knows `file`, in words; `None` where one does. For files
-/// that nobody named: those of a folder.
+/// The reason why no reader can read `file`, in words; `None` where one can. For files of a
+/// folder, which the user did not name one by one.
 ///
 /// # Errors
 /// Those of reading.
@@ -145,7 +145,7 @@ fn has_hdf5_signature(input: &mut File) -> std::io::Result<bool> {
     Ok(false)
 }
 
-/// A universal file begins with a delimiter line: `-1` right-justified in columns 1 to 6.
+/// True for a universal file: its first line is `-1`, right-justified in columns 1 to 6.
 fn is_universal(head: &[u8]) -> bool {
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     let first_line = text
@@ -155,8 +155,8 @@ fn is_universal(head: &[u8]) -> bool {
     first_line == Some(b"-1")
 }
 
-/// A universal file below a title, or without its first delimiter line: its columns would
-/// be taken for those of a table.
+/// The error of a universal file below a title, or without its first delimiter line, whose
+/// columns would be taken for those of a table.
 fn universal_without_its_first_line(head: &[u8]) -> Option<Error> {
     // in columns 1 to 6; a `b` may follow
     let is_dataset = |line: &[u8]| {
@@ -164,7 +164,7 @@ fn universal_without_its_first_line(head: &[u8]) -> Option<Error> {
         let is_known = |known: &&str| number == Some(known.as_bytes());
         matches!(line.get(6), None | Some(b'b')) && DATASETS.iter().any(is_known)
     };
-    // a count of points above a table is no dataset
+    // a number above a table is its count of points, not a dataset
     let is_row = |line: &[u8]| {
         let first = line.trim_ascii_start().first();
         first.is_none_or(|byte| byte.is_ascii_digit() || b"+-.,".contains(byte))
@@ -208,7 +208,7 @@ fn universal_without_its_first_line(head: &[u8]) -> Option<Error> {
     None
 }
 
-/// True for the mark of UTF-16.
+/// True for text that begins with the byte-order mark of UTF-16.
 fn is_wide_text(head: &[u8]) -> bool {
     head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff")
 }

@@ -39,7 +39,7 @@ pub struct Document {
     pub file: PathBuf,
     /// Format found.
     pub format: FileFormat,
-    /// Of the file's bytes; `None` where its headers alone were read.
+    /// Checksum of the file; `None` where only its headers were read.
     pub checksum: Option<Checksum>,
     /// Nodes, lines, faces, in metres.
     pub geometry: Geometry,
@@ -51,9 +51,9 @@ pub struct Document {
     pub functions: Vec<Function>,
     /// Mode shapes and fields at nodes.
     pub shapes: Vec<Shape>,
-    /// Errors of damaged datasets; `info` lists them, everything else stops at the first.
+    /// Errors of damaged datasets. `info` lists them; other commands stop at the first.
     pub errors: Vec<Error>,
-    /// Oddities of the file.
+    /// Findings about the file.
     pub warnings: Vec<Finding>,
 }
 
@@ -74,7 +74,7 @@ impl Document {
         }
     }
 
-    /// The file as the source of a result; `None` where its headers alone were read.
+    /// The file as the source of a result; `None` where only its headers were read.
     pub fn source(&self) -> Option<Source> {
         let checksum = self.checksum.clone()?;
         Some(Source {
@@ -107,14 +107,13 @@ pub struct DatasetInfo {
     pub frequency_hz: Option<f64>,
     /// Shapes (55, 2414): viscous damping ratio.
     pub damping_ratio: Option<f64>,
-    /// 58: kind of FRF that codes or labels say.
+    /// 58: kind of FRF by codes or labels.
     #[serde(skip)]
     pub frf_kind: Option<FrfKind>,
-    /// Findings about it, with the error that makes it unreadable.
+    /// Findings about it, and the error of a damaged one.
     #[serde(serialize_with = "in_words")]
     pub warnings: Vec<Finding>,
-    /// True where nothing else in the document holds its content: `convert` cannot carry
-    /// it over.
+    /// True where the rest of the document does not hold its content; `convert` leaves it out.
     #[serde(skip)]
     pub left_behind: bool,
 }
@@ -212,9 +211,9 @@ pub struct Function {
     pub axes: [Axis; 4],
     /// Ordinate values as in the file.
     pub ordinate: Ordinate,
-    /// FRFs: kind that codes or labels say; `None` where they say nothing.
+    /// FRFs: kind by codes or labels; `None` where they do not tell.
     pub kind: Option<FrfKind>,
-    /// FRFs: unit of the reference that codes or labels say.
+    /// FRFs: unit of the reference by codes or labels.
     pub reference_unit: ReferenceUnit,
     /// Factor from the file's ordinate to SI (dataset 164 or an explicit unit label).
     pub scale_to_si: f64,
@@ -222,17 +221,18 @@ pub struct Function {
     pub abscissa_to_si: f64,
     /// Line of the dataset in the file, counted from 1.
     pub line: u64,
-    /// Oddities of it.
+    /// Findings about it.
     pub warnings: Vec<Finding>,
 }
 
-/// The findings of a dataset as its listing holds them: all in words.
+/// Serializes findings in words, as the listing of a dataset holds them.
 fn in_words<S: serde::Serializer>(findings: &[Finding], to: S) -> Result<S::Ok, S::Error> {
     to.collect_seq(findings.iter().map(ToString::to_string))
 }
 
-/// Function type and quantity code of dataset 58.
+/// Function type of time records, dataset 58.
 const TIME_RECORD: i32 = 1;
+/// Quantity code of time.
 const TIME: i32 = 17;
 
 impl Function {
@@ -277,25 +277,25 @@ pub struct ReadOptions {
     pub frf_kind: Option<FrfKind>,
     /// Sign of the exponent e^{±jωt}: minus means conjugate on reading.
     pub time_sign: chladni_frf::TimeSign,
-    /// One reference node for all FRFs of files that each hold one
-    /// reference (one entry, or one per file).
+    /// One reference node for all FRFs of files that each hold one reference (one entry, or
+    /// one per file).
     pub references: Vec<u64>,
     /// One response node for all FRFs of files that each hold one response (one entry, or
     /// one per file).
     pub responses: Vec<u64>,
     /// DOFs of every FRF, in their order; empty: as in the files.
     pub dofs: super::DeclaredDofs,
-    /// Datasets by what they hold: `frf` is `/data/H`, `freq` is `/data/f`.
+    /// Keys and paths of datasets, such as `frf` and `/data/H`, `freq` and `/data/f`.
     pub map: Vec<(String, String)>,
-    /// The one of several FRFs of a pair that is taken.
+    /// The treatment of a pair with several FRFs.
     pub duplicates: Duplicates,
     /// Unit of phases in tables and arrays.
     pub phase_unit: Option<super::PhaseUnit>,
-    /// Tables without a time column are time records at this rate, Hz.
+    /// Sampling rate of tables without a time column, which are then time records, Hz.
     pub sample_rate_hz: Option<f64>,
-    /// Take the exact step that the six printed digits stand for.
+    /// Replace a frequency step of six printed digits by the exact step that it stands for.
     pub snap_df: bool,
-    /// Mask what cannot be read instead of refusing.
+    /// Mask values that cannot be read instead of refusing the file.
     pub lenient: bool,
 }
 

@@ -1,8 +1,9 @@
 //! The file of a measured field: `# key = value` lines, then rows
 //! `response,re,im[,std]` or `response,magnitude[,std]`.
 //!
-//! Nothing is guessed: frequency and unit must stand in the file. A response that occurs
-//! more than once is a repeat; the mean counts, and what repeats scatter says how sure it is.
+//! Nothing is guessed: the file must state frequency and unit. A response that occurs more
+//! than once was repeated: its value is the mean, and the scatter gives its standard
+//! deviation.
 
 mod peak;
 mod remarks;
@@ -26,12 +27,12 @@ pub fn read_field(file: &Path) -> Result<MeasuredField> {
     parse_field(&read_text(file, EXPECTED)?).map_err(|error| error.file(file))
 }
 
-/// A measured field from its text.
+/// Reads a measured field from its text.
 ///
 /// # Errors
-/// [`chladni_frf::ErrorKind::BadData`] with line and field: no frequency, no unit, a unit
-/// that is no velocity or not of peak values, two of them, other columns, a row that is
-/// none, a speed that nothing has, repeats too far apart, no row, no response that moves.
+/// [`chladni_frf::ErrorKind::BadData`] with line and field: no frequency; no unit, two units,
+/// or one that is no velocity or not of peak values; other columns; a damaged row; a velocity
+/// above the speed of light; repeats too far apart; no row; no response that moves.
 pub fn parse_field(text: &str) -> Result<MeasuredField> {
     let remarks = Remarks::of(text)?;
     let to_m_per_s = remarks.unit.as_ref().map_or(1.0, |unit| unit.value);
@@ -158,7 +159,7 @@ impl Columns {
     fn row(self, cells: &[&str], to_m_per_s: f64) -> Result<(Dof, Row)> {
         let values = if self.complex { 2 } else { 1 };
         let expected = 1 + values + usize::from(self.std);
-        // a deviation that is left empty is not given
+        // an empty cell for the standard deviation counts as absent
         if cells.len() != expected && !(self.std && cells.len() + 1 == expected) {
             return Err(Error::bad_data("another number of columns than the header")
                 .found(format!("{} cells", cells.len()))
@@ -204,7 +205,7 @@ fn check_repeat(response: Dof, first: &Row, row: &Row) -> Result<()> {
         return Ok(());
     };
     let (apart, bar) = ((row.value - first.value).norm(), one.hypot(other));
-    // a level that drifts from one pass to the next moves more than the noise of each
+    // between passes a level may drift by more than the noise
     let drift = DRIFT_OF_LEVEL * first.value.norm().max(row.value.norm());
     if bar == 0.0 || apart <= drift.max(REPEATS_APART * bar) {
         return Ok(());
@@ -221,7 +222,7 @@ fn check_repeat(response: Dof, first: &Row, row: &Row) -> Result<()> {
     )
 }
 
-/// The mean of repeats and its standard deviation: that which the file states, else the
+/// The mean of repeats and its standard deviation: by those that the file states, else by the
 /// scatter of the repeats over √n.
 fn mean(response: Dof, repeats: &[Row], unit: f64) -> FieldPoint {
     let count = repeats.len() as f64;

@@ -1,4 +1,4 @@
-//! JSON for people: a line for each key, lists of numbers in one line.
+//! JSON that people can read: one line for each key, lists of numbers in one line.
 
 use serde::Serialize;
 use serde_json::ser::{Formatter, Serializer};

@@ -1,8 +1,8 @@
-//! File formats: what is in a file ([`Document`]), what files hold together
-//! ([`Contents`]), and FRF sets made of it.
+//! File formats: the content of one file ([`Document`]), the content of several files
+//! together ([`Contents`]), and the FRF sets in it.
 //!
-//! Formats are told apart by content when read and by extension when written; every
-//! result is written beside its place and renamed into it.
+//! Formats are told apart by content when read and by extension when written. Every result
+//! is written under a temporary name and renamed.
 //!
 //! ```
 //! use chladni_io::{read_frf, write_frf, ReadOptions};
@@ -19,7 +19,7 @@
 //!
 //! | what | in | out |
 //! |---|---|---|
-//! | FRFs | [`read_frf`], [`FrfParts`] for what memory does not hold | [`write_frf`], [`write_contents`] |
+//! | FRFs | [`read_frf`], [`FrfParts`] for sets that do not fit into memory | [`write_frf`], [`write_contents`] |
 //! | everything in a file | [`read_document`], [`read_contents`], [`list_document`] | [`write_contents`] |
 //! | models, shapes | [`read_model`], [`read_shape_set`] | [`write_model`], [`model_shapes`] |
 //! | time records | [`runs_of`] | |
@@ -31,7 +31,7 @@
 mod arrays;
 mod assemble;
 mod atomic;
-#[cfg(not(feature = "system"))] // a library reads the file there
+#[cfg(not(feature = "system"))] // the C library reads files by itself
 mod bulk;
 mod checksums;
 mod contents;

@@ -109,7 +109,7 @@ fn read_json(path: &Path) -> Result<ModalModel> {
     serde_json::from_str(&text).map_err(explain)
 }
 
-/// Read first: another version may have other fields.
+/// The version of a model file, which is read first: other versions may have other fields.
 #[derive(serde::Deserialize)]
 struct Version {
     version: u32,
@@ -126,8 +126,7 @@ fn check_version(version: u32) -> Result<()> {
         .help("read it with the program that wrote it, or fit the model again"))
 }
 
-/// Checks what every model keeps: format, version, array sizes that agree with the DOFs,
-/// numbers that a panel can have.
+/// Checks a model: format, version, array sizes that agree with the DOFs, plausible numbers.
 fn check(model: &ModalModel) -> Result<()> {
     if model.format != MODEL_FORMAT {
         return Err(Error::bad_data("not a modal model")
@@ -193,7 +192,7 @@ fn check_residual_terms(model: &ModalModel) -> Result<()> {
     for (k, term) in terms.terms.iter().enumerate() {
         let field = format!("residual_terms.terms[{k}]");
         let expected = (model.responses.len(), model.references.len());
-        // a matrix without rows knows no count of columns in JSON
+        // in JSON a matrix without rows has no number of columns
         if term.matrix.0.dim() != expected && expected.0 != 0 {
             return Err(Error::bad_data("wrong size")
                 .field(field)
@@ -205,16 +204,20 @@ fn check_residual_terms(model: &ModalModel) -> Result<()> {
     Ok(())
 }
 
-fn check_mode(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
-    let field = |name: &str| format!("modes[{index}].{name}");
-    for (name, value) in [
+/// The numbers of a mode that belong to its pole, by name.
+fn pole_numbers(mode: &Mode) -> [(&'static str, f64); 5] {
+    [
         ("frequency_hz", mode.frequency_hz),
         ("frequency_std_hz", mode.frequency_std_hz),
         ("loss_factor", mode.loss_factor),
         ("loss_factor_std", mode.loss_factor_std),
         ("damping_ratio", mode.damping_ratio),
-        ("mpc", mode.mpc),
-    ] {
+    ]
+}
+
+fn check_mode(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
+    let field = |name: &str| format!("modes[{index}].{name}");
+    for (name, value) in pole_numbers(mode).into_iter().chain([("mpc", mode.mpc)]) {
         sane(&field(name), [value])?;
     }
     check_pole(model, index, mode)?;
@@ -251,7 +254,8 @@ fn check_mode(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
     sane_complex(&field("participation"), &mode.participation.0)
 }
 
-/// A mode swings, and swinging costs it energy.
+/// Checks that a mode oscillates and does not gain energy, and that its two damping values
+/// agree.
 fn check_pole(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
     let wrong = |message: &str, name: &str, value: f64| {
         Error::bad_data(format!("{message} in the mode at {} Hz", mode.frequency_hz))
@@ -259,13 +263,7 @@ fn check_pole(model: &ModalModel, index: usize, mode: &Mode) -> Result<()> {
             .found(value)
             .help("correct the mode, or take it off the list of modes")
     };
-    for (name, value) in [
-        ("frequency_hz", mode.frequency_hz),
-        ("frequency_std_hz", mode.frequency_std_hz),
-        ("loss_factor", mode.loss_factor),
-        ("loss_factor_std", mode.loss_factor_std),
-        ("damping_ratio", mode.damping_ratio),
-    ] {
+    for (name, value) in pole_numbers(mode) {
         if value < 0.0 {
             return Err(wrong("a negative number", name, value).expected("0 or more"));
         }

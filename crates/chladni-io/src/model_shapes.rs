@@ -1,5 +1,4 @@
-//! Shapes of a modal model, and the field that a drive makes of it, for programs that
-//! draw them.
+//! Shapes of a modal model, and the field that a drive causes, for programs that draw them.
 
 use super::{Analysis, Shape, ShapeForm, ShapeNumbers, TRANSLATION};
 use chladni_frf::{Dof, Error, FrfKind, ModalModel, Mode, Result, Scaling};
@@ -12,11 +11,11 @@ const TRANSLATION_AND_ROTATION: usize = 6;
 const DISPLACEMENT: i64 = 8;
 const VELOCITY: i64 = 11;
 
-/// One shape per mode of the band that is no `rejected` one.
+/// One shape for each mode of the band that is not `rejected`.
 ///
-/// A real shape is a normal mode (frequency, modal mass, ζ, η), any other one a complex
-/// mode of first order with λ = −ζω_n + jω_n√(1−ζ²), and, where the model is mass-scaled,
-/// modal A = 2jω_n√(1−ζ²) and B = −λA.
+/// A real shape becomes a normal mode (frequency, modal mass, ζ, η). Any other becomes a
+/// complex mode of first order with λ = −ζω_n + jω_n√(1−ζ²). Where the model is mass-scaled,
+/// that has modal A = 2jω_n√(1−ζ²) and B = −λA.
 pub fn model_shapes(model: &ModalModel, form: ShapeForm) -> Vec<Shape> {
     model
         .in_band_modes()
@@ -69,7 +68,7 @@ fn mode_shape(model: &ModalModel, mode: &Mode, number: i64, form: ShapeForm) -> 
     }
 }
 
-/// The velocities at the responses, m/s, peak, that `drive` makes at `frequency_hz`.
+/// The velocities at the responses, m/s, peak, that `drive` causes at `frequency_hz`.
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::BadData`] for an actuator that the model does not have.
@@ -113,7 +112,8 @@ pub fn field_shape(
     })
 }
 
-/// Values along DOFs as vectors at nodes: a DOF along a negative axis is turned round.
+/// Vectors at nodes from values along DOFs; the value of a DOF along a negative axis changes
+/// its sign.
 fn at_nodes(dofs: &[Dof], values: &[Complex64], form: ShapeForm) -> Shape {
     let mut nodes: Vec<u64> = dofs.iter().map(|dof| dof.node).collect();
     nodes.sort_unstable();

@@ -5,7 +5,7 @@ use super::mat::{damping_name, scaling_name, trust_name, PER_MODE};
 use chladni_frf::ModalModel;
 use std::io::{self, Write};
 
-/// Writes the modes of a model; residual terms and geometry are not held.
+/// Writes the modes of a model, without residual terms and geometry.
 pub(super) fn write(out: &mut dyn Write, model: &ModalModel) -> io::Result<()> {
     writeln!(out, "# format = chladni.modes")?;
     writeln!(out, "# frf_kind = {}", model.frf_kind)?;

@@ -1,5 +1,4 @@
-//! From what a user names to the files that are read: folders and patterns are taken
-//! apart here.
+//! The files to read from the paths that a user gives: folders and patterns are expanded.
 
 use super::detect::not_readable;
 use crate::limits::PATHS_LISTED;
@@ -9,18 +8,18 @@ use std::cmp::Ordering;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The files behind paths, and what was passed over on the way to them.
+/// The files that paths stand for, and the findings about files left out.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Inputs {
     /// Files to read, in order.
     pub files: Vec<PathBuf>,
-    /// Files of folders that no reader knows, by the reason.
+    /// Findings about files of folders that no reader knows, by the reason.
     pub warnings: Vec<Finding>,
 }
 
-/// Files as they are; a name with `*` or `?` stands for all that fits; a folder for all
-/// files in it that a reader knows, the others are named in a warning. Both in natural
-/// order (`point_2` before `point_10`), hidden files left out.
+/// The files that paths stand for: a name with `*` or `?` for all files that fit; a folder for
+/// all files in it that a reader knows, with a warning that names the others. Both are in
+/// natural order (`point_2` before `point_10`), without hidden files.
 ///
 /// # Errors
 /// [`ErrorKind::NoInput`] for a folder without a file to read, or a pattern that nothing
@@ -94,7 +93,7 @@ impl Inputs {
     }
 }
 
-/// The first names, and how many more there are.
+/// The first names, and the number of the others.
 pub(super) fn shortened(names: &[String], most: usize) -> String {
     let listed = names[..names.len().min(most)].join(", ");
     match names.len().saturating_sub(most) {
@@ -117,7 +116,7 @@ fn files_in(folder: &Path, pattern: &str) -> Result<Vec<PathBuf>> {
     Ok(found.into_iter().map(|(_, path)| path).collect())
 }
 
-/// `*` for any text, `?` for one character.
+/// True where a name fits a pattern: `*` is any text, `?` one character.
 fn fits(name: &str, pattern: &str) -> bool {
     let (name, pattern): (Vec<char>, Vec<char>) =
         (name.chars().collect(), pattern.chars().collect());
@@ -139,7 +138,7 @@ fn fits(name: &str, pattern: &str) -> bool {
     reachable[name.len()]
 }
 
-/// Runs of digits compare as numbers.
+/// Order of names in which runs of digits compare as numbers.
 fn natural_order(a: &str, b: &str) -> Ordering {
     let key = |text: &str| {
         let mut parts: Vec<(bool, usize, String)> = Vec::new();

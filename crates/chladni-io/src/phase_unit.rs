@@ -1,10 +1,10 @@
-//! Units of a phase: degrees or radians, by their names and by the numbers.
+//! Units of a phase, degrees or radians, by name or by the size of the numbers.
 
 use crate::limits::{SURELY_DEGREES, WRAPPED_DEGREES};
 use serde::Serialize;
 use std::str::FromStr;
 
-/// Unit that phases are written in.
+/// Unit of phases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub enum PhaseUnit {
@@ -40,7 +40,7 @@ impl PhaseUnit {
         }
     }
 
-    /// As in messages and options.
+    /// The word in messages and options.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Degree => "deg",
@@ -48,8 +48,8 @@ impl PhaseUnit {
         }
     }
 
-    /// The unit of phases that give none, by their size; `None` where they may be either.
-    /// Zeros are the same in both.
+    /// The unit of phases without one, by their size; `None` where they may be either. Zeros
+    /// are the same in both.
     pub(super) fn by_size(phases: impl IntoIterator<Item = f64>) -> Option<Self> {
         let largest = phases
             .into_iter()

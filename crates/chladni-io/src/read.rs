@@ -1,4 +1,4 @@
-//! From paths to documents, and from documents to one set.
+//! Reading of files into documents, and of documents into one set.
 
 use super::checksums::{checksum_of, checksum_of_bytes};
 use super::paths::shortened;
@@ -12,7 +12,7 @@ use chladni_text::door::{read_bytes, size_of, KeptInputs};
 use chladni_text::{json_error, read_text};
 use std::path::{Path, PathBuf};
 
-/// Everything in one file, by content; damaged datasets are in its `errors`.
+/// Reads everything in one file; errors of damaged datasets are in the document.
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::NoInput`] without the file, [`chladni_frf::ErrorKind::BadData`] where
@@ -21,9 +21,9 @@ pub fn read_document(path: &Path, options: &ReadOptions) -> Result<Document> {
     read_numbered(path, options, &mut 1)
 }
 
-/// As [`read_document`], for the list of what is inside: a large universal file is not
-/// held in memory. Its document has neither functions nor shapes nor checksum, and says
-/// so in a warning.
+/// Reads a file to list its datasets. A large universal file is not held in memory: its
+/// document has neither functions nor shapes nor checksum, and a warning says so. Other files
+/// are read as by [`read_document`].
 ///
 /// # Errors
 /// As [`read_document`].
@@ -43,11 +43,11 @@ pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
     Ok(document)
 }
 
-/// All files, in the order given. FRFs in tables that name no DOF become responses 1, 2,
+/// Reads all files, in the order given. FRFs in tables that name no DOF become responses 1, 2,
 /// ... in that order.
 ///
 /// # Errors
-/// The first of [`read_document`].
+/// The first error of [`read_document`].
 pub fn read_documents(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Document>> {
     let mut next_node = FIRST_NODE;
     let of_file = |nodes: &[u64], number: usize| match nodes {
@@ -65,8 +65,8 @@ pub fn read_documents(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Do
     paths.iter().enumerate().map(read).collect()
 }
 
-/// Everything that files, folders and patterns hold together: what `convert` and `info`
-/// need, without FRFs too.
+/// Reads the content of files, folders and patterns together, with or without FRFs, as
+/// `convert` and `info` need it.
 ///
 /// # Errors
 /// As [`expand_paths`], [`read_documents`] and [`assemble()`].
@@ -78,7 +78,7 @@ pub fn read_contents(paths: &[PathBuf], options: &ReadOptions) -> Result<Content
     Ok(contents)
 }
 
-/// The result of this program among files, as a user would call it.
+/// The word for a result of this program among files, if there is one.
 fn result_among(documents: &[Document]) -> Option<&'static str> {
     documents.iter().find_map(|document| match document.format {
         FileFormat::Weights => Some("a weights file"),
@@ -109,8 +109,8 @@ fn listed(documents: &[Document]) -> String {
     }
 }
 
-/// The FRFs of files, folders and patterns as one set, with the files and everything the
-/// user must know.
+/// Reads the FRFs of files, folders and patterns as one set. Returns with it the sources and
+/// the findings.
 ///
 /// # Errors
 /// As [`read_contents`]; [`chladni_frf::ErrorKind::BadData`] where no file holds an FRF.
@@ -166,7 +166,7 @@ pub fn read_frf(
 fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Result<Document> {
     let _kept = KeptInputs::new();
     let format = detect_format(path)?;
-    // what is in memory is not read twice
+    // the checksum of a file in memory needs no second read
     let bytes = match format {
         FileFormat::Hdf5 | FileFormat::Model | FileFormat::Weights => None,
         _ => Some(read_bytes(path)?),
@@ -224,7 +224,7 @@ fn model_document(path: &Path) -> Result<Document> {
     })
 }
 
-/// The reasons of a mode, as findings.
+/// The reasons against a mode, as findings.
 fn doubts(mode: &Mode) -> Vec<Finding> {
     let doubt = |reason: &Reason| Finding {
         code: reason.code.clone(),

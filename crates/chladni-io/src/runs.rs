@@ -7,7 +7,7 @@ use chladni_frf::{Channel, Dof, Error, Result, Run, SignalUnit};
 /// Function type of time records, dataset 58.
 const TIME: i32 = 1;
 
-/// In place of a unit: the channel is left out.
+/// Entry in place of a unit that leaves the channel out.
 const LEFT_OUT: &str = "-";
 
 /// The user's settings of the channels of each file, in their order.
@@ -39,22 +39,22 @@ impl ChannelOverride {
         lists.into_iter().filter(|(_, count)| *count > 0)
     }
 
-    /// Refuses lists that do not fit so many time records.
+    /// Refuses lists whose length does not divide the number of time records.
     fn check_lengths(&self, records: usize) -> Result<()> {
         let misfit = self.lists().find(|(_, n)| !records.is_multiple_of(*n));
         misfit.map_or(Ok(()), |list| Err(no_fit(list, records)))
     }
 
-    /// True where record `k` of so many is the first of a run, as the list says that leaves
-    /// channels of each run out.
+    /// True where record `k` begins a run, by a list of units that leaves channels of each run
+    /// out.
     fn begins_run(&self, k: usize, records: usize) -> bool {
         let in_run = self.units.len();
         let leaves_out = self.units.iter().any(|unit| unit == LEFT_OUT);
         leaves_out && in_run < records && k.is_multiple_of(in_run)
     }
 
-    /// Refuses lists that are neither of all time records nor of the channels of each run;
-    /// `sizes`: how many these are, those left out among them.
+    /// Refuses lists with neither one entry per time record nor one per channel of a run.
+    /// `sizes`: number of channels of each run, with those left out.
     fn check_runs(&self, records: usize, sizes: &[usize]) -> Result<()> {
         let fits = |&(name, count): &(&str, usize)| {
             // one factor may be that of all channels
@@ -78,14 +78,14 @@ fn no_fit((name, count): (&'static str, usize), records: usize) -> Error {
         .help("list the channels of one run in the order of the file")
 }
 
-/// Runs of a file: its time records in their order. A DOF that comes again begins the
-/// next run, so that repeated records are averaged, and records of a roving sensor or
-/// hammer follow each other.
+/// Runs of a file: its time records in their order. A DOF that occurs again begins the next
+/// run. So repeated records are averaged, and records of a roving sensor or hammer become
+/// runs of their own.
 ///
 /// # Errors
 /// Channels of one run that differ in length or sampling rate; an uneven time axis;
-/// masked samples; what the user says does not fit.
-pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> {
+/// masked samples; settings that do not fit.
+pub fn runs_of(document: &Document, overrides: &ChannelOverride) -> Result<Vec<Run>> {
     let at = |function: &Function, error: Error| {
         let error = error.file(&document.file);
         if function.line > 0 {
@@ -100,15 +100,16 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
         .filter(|function| function.function_type == TIME)
         .collect();
     let count = records.len();
-    said.check_lengths(count)
+    overrides
+        .check_lengths(count)
         .map_err(|error| error.file(&document.file))?;
     let mut runs: Vec<Run> = Vec::new();
-    // channels of each run, those left out among them
+    // number of channels of each run, with those left out
     let mut sizes: Vec<usize> = Vec::new();
     for (k, function) in records.into_iter().enumerate() {
-        let taken = match said.leaves_out(k) {
+        let taken = match overrides.leaves_out(k) {
             true => None,
-            false => Some(taken(function, k, said).map_err(|error| at(function, error))?),
+            false => Some(taken(function, k, overrides).map_err(|error| at(function, error))?),
         };
         let fits = |run: &Run| match &taken {
             None => true,
@@ -117,7 +118,7 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
                 .iter()
                 .any(|known| known.dof == channel.dof && known.unit == channel.unit),
         };
-        if said.begins_run(k, count) || !runs.last().is_some_and(fits) {
+        if overrides.begins_run(k, count) || !runs.last().is_some_and(fits) {
             runs.push(Run {
                 file: document.file.clone(),
                 line: function.line,
@@ -138,19 +139,20 @@ pub fn runs_of(document: &Document, said: &ChannelOverride) -> Result<Vec<Run>> 
             }
         }
     }
-    said.check_runs(count, &sizes)
+    overrides
+        .check_runs(count, &sizes)
         .map_err(|error| error.file(&document.file))?;
     runs.retain(|run| !run.channels.is_empty());
     for run in &mut runs {
-        mark_references(run, &said.references);
+        mark_references(run, &overrides.references);
     }
     Ok(runs)
 }
 
 /// A channel with its sampling rate, Hz.
-fn taken(function: &Function, k: usize, said: &ChannelOverride) -> Result<(Channel, f64)> {
+fn taken(function: &Function, k: usize, overrides: &ChannelOverride) -> Result<(Channel, f64)> {
     let rate = sample_rate(function)?;
-    Ok((channel(function, k, said)?, rate))
+    Ok((channel(function, k, overrides)?, rate))
 }
 
 /// Refuses a channel that was not sampled as the others of its run.
@@ -167,8 +169,7 @@ fn refuse_other_sampling(run: &Run, channel: &Channel, rate_hz: f64) -> Result<(
         .help("give runs of different lengths as files of their own"))
 }
 
-/// The unit that the channel of a record measures: by quantity code of dataset 58, then
-/// by unit label.
+/// The unit of a channel: by quantity code of dataset 58, else by unit label.
 fn unit_of(function: &Function) -> SignalUnit {
     let axis = &function.axes[1];
     match axis.quantity {
@@ -180,7 +181,7 @@ fn unit_of(function: &Function) -> SignalUnit {
     }
 }
 
-/// A unit label: what it measures, and its factor to SI.
+/// The SI unit that a unit label stands for, and the factor to it.
 pub(crate) fn signal_unit(label: &str) -> Option<(SignalUnit, f64)> {
     let unit = crate::unit_label::parse(label)?;
     let measured = match unit.powers {
@@ -194,8 +195,8 @@ pub(crate) fn signal_unit(label: &str) -> Option<(SignalUnit, f64)> {
     Some((measured, unit.factor))
 }
 
-/// Forces excite; where there is none, voltages do. Of what is measured at a DOF that was
-/// named, a motion does not.
+/// Marks the channels that excite: forces, or voltages where there is no force; at the DOFs in
+/// `named`, all but motions.
 fn mark_references(run: &mut Run, named: &[Dof]) {
     let has_force = run
         .channels
@@ -224,22 +225,22 @@ fn mark_references(run: &mut Run, named: &[Dof]) {
     }
 }
 
-fn channel(function: &Function, k: usize, said: &ChannelOverride) -> Result<Channel> {
+fn channel(function: &Function, k: usize, overrides: &ChannelOverride) -> Result<Channel> {
     let of = |count: usize| if count == 0 { None } else { Some(k % count) };
-    let dof = of(said.dofs.len()).map_or(function.response, |at| said.dofs[at]);
-    let (unit, factor) = match of(said.units.len()) {
+    let dof = of(overrides.dofs.len()).map_or(function.response, |at| overrides.dofs[at]);
+    let (unit, factor) = match of(overrides.units.len()) {
         None => (unit_of(function), function.scale_to_si),
-        Some(at) => signal_unit(&said.units[at]).ok_or_else(|| {
+        Some(at) => signal_unit(&overrides.units[at]).ok_or_else(|| {
             Error::new(
                 chladni_frf::ErrorKind::Usage,
                 "no unit of a force, voltage or motion",
             )
             .field("units")
-            .found(&said.units[at])
+            .found(&overrides.units[at])
             .expected("N, V, m, m/s, m/s^2, g or the like; - leaves a channel out")
         })?,
     };
-    let scale = factor * of(said.scales.len()).map_or(1.0, |at| said.scales[at]);
+    let scale = factor * of(overrides.scales.len()).map_or(1.0, |at| overrides.scales[at]);
     let samples: Vec<f64> = match &function.ordinate {
         Ordinate::Real32(values) => values
             .iter()
@@ -315,12 +316,12 @@ mod tests {
     #[test]
     fn a_list_is_of_all_records_or_of_the_channels_of_each_run() {
         let taken = |scales: usize, units: usize, sizes: &[usize]| {
-            let said = ChannelOverride {
+            let overrides = ChannelOverride {
                 scales: vec![1.0; scales],
                 units: vec!["m/s".into(); units],
                 ..ChannelOverride::default()
             };
-            said.check_runs(4, sizes).is_ok()
+            overrides.check_runs(4, sizes).is_ok()
         };
         let (one, two) = ([4], [2, 2]);
         assert!(taken(4, 4, &one) && taken(2, 2, &two) && taken(1, 0, &one));
@@ -334,11 +335,11 @@ mod tests {
         let file = folder.path().join("take.csv");
         std::fs::write(&file, text).unwrap();
         let document = crate::read_documents(&[file], &crate::ReadOptions::default()).unwrap();
-        let said = ChannelOverride {
+        let overrides = ChannelOverride {
             units: ["N", "-", "m/s"].map(String::from).to_vec(),
             ..ChannelOverride::default()
         };
-        let runs = runs_of(&document[0], &said).unwrap();
+        let runs = runs_of(&document[0], &overrides).unwrap();
         let [run] = &runs[..] else {
             panic!("{runs:?}");
         };

@@ -1,4 +1,4 @@
-//! Measured data to files, the format by extension.
+//! Writing of measured data, in the format of the extension.
 
 use super::atomic::write_atomically;
 use super::mat::MatFile;
@@ -11,7 +11,7 @@ use std::path::Path;
 const KNOWN: &str =
     ".h5, .hdf5, .npz, .mat, .csv, .txt, .uff, .ufb, .bunv, .unv, .uf, .vtu or .pvd";
 
-/// Writes a set; returns what the format cannot carry.
+/// Writes a set. Returns findings on losses: content that the format cannot hold.
 ///
 /// | extension | format |
 /// |---|---|
@@ -30,8 +30,8 @@ pub fn write_frf(path: &Path, frf: &FrfSet, force: bool) -> Result<Vec<Finding>>
     write(path, Some(frf), &Contents::default(), force)
 }
 
-/// Writes everything that `contents` holds and the format can carry; returns what it
-/// cannot. Extensions as [`write_frf`].
+/// Writes all of `contents` that the format can hold. Returns findings on the rest.
+/// Extensions as for [`write_frf`].
 ///
 /// # Errors
 /// As [`write_frf`].
@@ -93,7 +93,7 @@ fn write_arrays(
     Ok(left_out("a NumPy archive", set, contents))
 }
 
-/// The set, or the error that a format of FRFs alone has nothing to hold.
+/// The set; an error where there is none and the format holds only FRFs.
 fn needed<'a>(path: &Path, frf: Option<&'a FrfSet>, format: &str) -> Result<&'a FrfSet> {
     frf.ok_or_else(|| {
         Error::new(
@@ -153,8 +153,8 @@ fn lost_variance(format: &str) -> Finding {
     )
 }
 
-/// The finding of an estimation that a format does not hold, with the setting that tells a fit of it
-/// by hand; `None` where there is nothing to tell.
+/// The finding about an estimation that a format does not hold, with the setting that gives it
+/// to a fit by hand; `None` where a fit needs none.
 fn lost_estimation(format: &str, made: &Estimation) -> Option<Finding> {
     let leaks = made
         .forcing
@@ -245,7 +245,7 @@ pub(super) fn extension(path: &Path) -> String {
         .unwrap_or_default()
 }
 
-/// The error of an output whose extension says nothing.
+/// The error of an output with an unknown extension.
 pub(super) fn unknown_extension(path: &Path, known: &str) -> Error {
     Error::new(
         ErrorKind::Usage,

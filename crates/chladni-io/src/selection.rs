@@ -23,7 +23,7 @@ const KEYS: Keys = &[
     ("add[]", &["frequency_hz"]),
 ];
 
-/// Keeps all sure modes.
+/// Value of `keep` that keeps all sure modes.
 const SURE: &str = "sure";
 
 /// Reads a selection file.
@@ -39,7 +39,7 @@ pub fn read_selection(file: &Path) -> Result<Selection> {
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::BadData`] with line and key: no TOML, an unknown key, `keep`
-/// and `drop` together, no mode named, a number that counts nothing.
+/// and `drop` together, no mode named, a number that is no mode number.
 pub fn selection_from_toml(text: &str) -> Result<Selection> {
     let document = parse(text)?;
     let root = Table::root(text, &document);
@@ -77,7 +77,7 @@ pub fn selection_from_toml(text: &str) -> Result<Selection> {
     }
     let added_hz = added(&root)?;
     if picks.is_empty() && !added_hz.is_empty() {
-        // nothing goes
+        // no mode is dropped
         return Ok(Selection::new(false, picks).adding(added_hz));
     }
     if picks.is_empty() {
@@ -103,7 +103,7 @@ fn added(root: &Table) -> Result<Vec<f64>> {
     items(root.get("add"))?.map(|value| of(&value)).collect()
 }
 
-/// The values of a list; none where there is no list.
+/// The values of a list; empty where there is no list.
 fn items<'a>(list: Option<Value<'a>>) -> Result<impl Iterator<Item = Value<'a>>> {
     let values = list.map(|list| list.list()).transpose()?;
     Ok(values.into_iter().flatten())

@@ -34,7 +34,7 @@ pub enum Analysis {
 }
 
 impl Analysis {
-    /// From the code of the file.
+    /// The analysis of a code in the file.
     pub fn from_code(code: i64) -> Self {
         match code {
             1 => Self::Static,
@@ -71,7 +71,7 @@ impl Analysis {
     pub fn is_mode(self) -> bool {
         self == Self::NormalMode || self.is_complex_mode()
     }
-    /// As `info` calls it.
+    /// The word in the output of `info`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Static => "static shape",
@@ -85,8 +85,7 @@ impl Analysis {
     }
 }
 
-/// The numbers that say which mode, frequency or instant it is; what a file does not
-/// state is 0.
+/// The numbers of the mode, frequency or instant of a shape; 0 where a file states none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ShapeNumbers {
     /// Load case (55) or load set (2414).
@@ -125,7 +124,7 @@ pub enum ShapeForm {
 /// Values at nodes, as in the file; `scale_to_si` turns them into SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
-    /// Dataset it stands in.
+    /// Its dataset.
     pub form: ShapeForm,
     /// Name (2414).
     pub name: String,
@@ -144,7 +143,7 @@ pub struct Shape {
     pub reference: Option<Dof>,
     /// Numbers of its mode, frequency or instant.
     pub numbers: ShapeNumbers,
-    /// False: real values, imaginary parts are 0.
+    /// True for complex values; false where imaginary parts are 0.
     pub complex: bool,
     /// Node labels, one per row of `values`.
     pub nodes: Vec<u64>,
@@ -154,7 +153,7 @@ pub struct Shape {
     pub scale_to_si: f64,
     /// Line of the dataset in the file, counted from 1; 0 in other formats.
     pub line: u64,
-    /// Oddities of it.
+    /// Findings about it.
     pub warnings: Vec<Finding>,
 }
 

@@ -15,8 +15,8 @@ const SCALAR: i64 = 1;
 const TRANSLATIONS: i64 = 2;
 const TRANSLATIONS_AND_ROTATIONS: i64 = 3;
 
-/// The modes in a file: those of a model, or the shapes of datasets 55 and 2414. What the
-/// user must know of it comes with them.
+/// Reads the modes in a file: those of a model, or the shapes of datasets 55 and 2414; with
+/// the findings about the file.
 ///
 /// # Errors
 /// Those of reading; [`chladni_frf::ErrorKind::BadData`] where the file holds no mode.
@@ -39,8 +39,7 @@ pub fn read_shape_set(file: &Path) -> Result<(ShapeSet, Vec<Finding>)> {
     Ok((set, contents.warnings))
 }
 
-/// The mode shapes among what files hold; fields, static and buckling shapes are left
-/// out.
+/// The mode shapes of `contents`, without fields, static and buckling shapes.
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::BadData`] where there is no mode, or no DOF that all modes
@@ -131,7 +130,7 @@ fn loss_factor(shape: &Shape) -> Option<f64> {
     }
 }
 
-/// Refuses shapes that move along other directions than `axes`.
+/// Refuses shapes whose components lie along other directions than `axes`.
 fn refuse_other_components(shapes: &[&Shape], axes: &[Direction]) -> Result<()> {
     let counts = shapes
         .iter()

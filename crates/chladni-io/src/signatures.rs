@@ -1,8 +1,8 @@
-//! First bytes that tell a file's format, for those that read and those that write it.
+//! First bytes of formats, for readers and writers.
 
-/// Of the header of a MAT file.
+/// Beginning of a MAT file.
 pub(crate) const MAT_SIGNATURE: &[u8] = b"MATLAB 5.0 MAT-file";
-/// Of an NPY file.
+/// Beginning of an NPY file.
 pub(crate) const NPY_SIGNATURE: &[u8] = b"\x93NUMPY";
 
 /// True for a zip archive whose first entry is an array.

@@ -1,11 +1,10 @@
-//! The time sign of a file against the user's word.
+//! The time sign of a file and that of the user.
 
 use chladni_frf::{Finding, FrfSet, TimeSign};
 
-/// Brings `set` to e^{+jωt}: conjugates it where the file says minus, or the user does
-/// (once, where both do).
+/// Brings `set` to e^{+jωt}: conjugates it once where the file, the user or both give minus.
 ///
-/// The user's minus wins over a file that says plus, with a warning; a plus is the
+/// The user's minus overrules a plus of the file, with a warning. The user's plus is the
 /// default and overrules nothing.
 pub(super) fn to_plus(
     set: &mut FrfSet,

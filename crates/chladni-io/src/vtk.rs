@@ -22,7 +22,7 @@ const TRIANGLE: u8 = 5;
 const POLYGON: u8 = 7;
 const QUADRILATERAL: u8 = 9;
 
-/// Writes all shapes into one VTU file; returns what it cannot hold.
+/// Writes all shapes into one VTU file. Returns findings on what it cannot hold.
 ///
 /// # Errors
 /// [`ErrorKind::Usage`] without nodes and shapes; else as [`write_atomically`].
@@ -34,11 +34,10 @@ pub(super) fn write_vtu(path: &Path, contents: &Contents, force: bool) -> Result
     Ok(lost)
 }
 
-/// Writes a PVD file and, beside it, one VTU file per shape; its time is the frequency in
-/// Hz.
+/// Writes a PVD file and, beside it, one VTU file per shape, whose time is its frequency in Hz.
 ///
 /// # Errors
-/// As [`write_vtu`]; a file that exists and `force` is false, before anything is written.
+/// As [`write_vtu`]. Without `force`, existing files are refused before anything is written.
 pub(super) fn write_pvd(path: &Path, contents: &Contents, force: bool) -> Result<Vec<Finding>> {
     let lost = check(path, contents)?;
     let parts: Vec<PathBuf> = (1..=contents.shapes.len()).map(|k| part(path, k)).collect();
@@ -72,7 +71,7 @@ pub(super) fn write_pvd(path: &Path, contents: &Contents, force: bool) -> Result
     Ok(lost)
 }
 
-/// `shapes.pvd` lists `shapes_1.vtu`, `shapes_2.vtu`, ...
+/// Path of a part: `shapes.pvd` lists `shapes_1.vtu`, `shapes_2.vtu`, ...
 fn part(path: &Path, number: usize) -> PathBuf {
     let stem = path
         .file_stem()
@@ -81,7 +80,7 @@ fn part(path: &Path, number: usize) -> PathBuf {
     path.with_file_name(format!("{stem}_{number}.vtu"))
 }
 
-/// Frequencies, where all shapes have one of their own; else 1, 2, ...
+/// Steps of the shapes: their frequencies where these rise, else 1, 2, ...
 fn steps(shapes: &[Shape]) -> Vec<f64> {
     let frequencies: Option<Vec<f64>> = shapes.iter().map(Shape::frequency_hz).collect();
     let rising = |steps: &Vec<f64>| steps.windows(2).all(|pair| pair[0] < pair[1]);
@@ -235,8 +234,8 @@ impl<'a> Grid<'a> {
         out.write_all(b"</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
     }
 
-    /// Three components per point, in SI; where a shape says nothing, 0 (dataset 55) or
-    /// NaN (2414).
+    /// Three components per point, in SI; for nodes without a value, 0 (dataset 55) or NaN
+    /// (2414).
     fn values(&self, shape: &Shape) -> Vec<[Complex64; TRANSLATION]> {
         let nothing = if shape.form == ShapeForm::AtNodes55 {
             0.0
@@ -258,7 +257,7 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// A number as VTK reads it.
+/// A number in the syntax of VTK.
 struct Real(f64);
 
 impl std::fmt::Display for Real {
@@ -270,8 +269,8 @@ impl std::fmt::Display for Real {
     }
 }
 
-/// The text before `re` and `im` in names: nothing where a file has one shape, so that a
-/// list of files has one name.
+/// The text before `re` and `im` in names. It is empty where a file has one shape (`alone`), so
+/// that the names are the same in a list of files.
 fn title(shape: &Shape, k: usize, alone: bool) -> String {
     if alone {
         return String::new();

@@ -51,7 +51,7 @@ fn samples_of(reader: &mut WavReader<Cursor<&[u8]>>, channels: usize) -> Result<
 /// Reads all channels; the checksum is left out.
 ///
 /// # Errors
-/// A header that is none, a file cut short, samples that are not finite.
+/// A damaged header, a file cut short, samples that are not finite.
 pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
     let mut reader =
         WavReader::new(Cursor::new(bytes)).map_err(|error| damaged(error).file(file))?;

@@ -1,6 +1,6 @@
-//! Nothing is allocated on a header's word: reading takes at most 8 × the file + 16 MiB,
-//! sound or damaged; the list of a universal file that is too large to be held takes less
-//! than 1 MiB.
+//! Counts in headers do not decide allocations: reading takes at most 8 × the file + 16 MiB,
+//! whether it is damaged or not. The list of a universal file that does not fit into memory
+//! takes less than 1 MiB.
 //!
 //! Packed files (MATLAB 7, NPZ) are measured by what they hold; what they may unfold to
 //! is limited in the readers.

@@ -9,11 +9,19 @@ use chladni_frf::{Error, Finding, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The attribute that MATLAB's own writer marks every array with: it stands in reverse
-/// order.
+/// The attribute of every array that MATLAB writes: its axes are in reverse order.
 const MATLAB: &str = "MATLAB_class";
 
-/// Arrays by path, with what is odd about the file.
+/// Order of the axes of an array in memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum AxisOrder {
+    /// That of the program that wrote it.
+    Same,
+    /// The reverse of that.
+    Reversed,
+}
+
+/// Arrays by path, with findings about the file.
 #[derive(Debug, Default)]
 pub(crate) struct MemoryFile {
     arrays: BTreeMap<String, (Entry, Values<'static>)>,
@@ -22,14 +30,13 @@ pub(crate) struct MemoryFile {
 }
 
 impl MemoryFile {
-    /// Adds an array in C order; `reversed` says that its program calls the axes the
-    /// other way round. A name that is there already is kept and the new one reported.
+    /// Adds an array in C order. A second array of the same path is left out and reported.
     pub(crate) fn add(
         &mut self,
         path: &str,
         shape: Vec<usize>,
         values: Values<'static>,
-        reversed: bool,
+        order: AxisOrder,
     ) {
         if self.arrays.contains_key(path) {
             self.warnings.push(Finding::note(
@@ -38,7 +45,7 @@ impl MemoryFile {
             ));
             return;
         }
-        let attributes = if reversed {
+        let attributes = if order == AxisOrder::Reversed {
             vec![(MATLAB.to_owned(), Attribute::Text(String::new()))]
         } else {
             Vec::new()
@@ -57,7 +64,7 @@ impl MemoryFile {
         self.arrays.is_empty()
     }
 
-    /// The document: every array listed, FRFs where they can be told.
+    /// The document: a list of all arrays, and the FRFs where they can be identified.
     pub(crate) fn document(
         mut self,
         path: &Path,
@@ -86,7 +93,7 @@ impl MemoryFile {
         Ok(document)
     }
 
-    /// True for the model that this program writes for others.
+    /// True for a model that this program wrote for other programs.
     fn is_model(&self) -> bool {
         let format = self.arrays.get("/format").map(|(_, values)| values);
         matches!(format, Some(Values::Text(texts)) if texts.first().is_some_and(|text| text == chladni_frf::MODEL_FORMAT))
@@ -131,7 +138,7 @@ fn info(entry: &Entry) -> DatasetInfo {
         name: entry.path.clone(),
         function: Some(function),
         values: entry.shape().iter().copied().max(),
-        left_behind: true, // until something of the document is made of it
+        left_behind: true, // until its content is used
         ..DatasetInfo::default()
     }
 }

@@ -1,5 +1,5 @@
-//! Files of named arrays (HDF5, MATLAB, NumPy): what their libraries speak ([`tree`]),
-//! how values become arrays ([`values`]), and which of them are the FRFs ([`foreign`]).
+//! Files of named arrays (HDF5, MATLAB, NumPy): their content as a tree ([`tree`]), arrays
+//! from its values ([`values`]), and the search for FRFs in it ([`foreign`]).
 
 pub(crate) mod foreign;
 pub(crate) mod memory;

@@ -1,5 +1,4 @@
-//! The common language of both back ends: groups, datasets, values and attributes, free
-//! of any library's types.
+//! Groups, datasets, values and attributes of a file, without the types of any library.
 
 use crate::limits::{BEST_COMPRESSION, MAX_DEPTH, MAX_OBJECTS};
 use chladni_frf::{Dof, Error, Node, Result};
@@ -59,7 +58,7 @@ pub(crate) enum Element {
 }
 
 impl Element {
-    /// As a user would call it.
+    /// Words for the user.
     pub(crate) fn describe(&self) -> String {
         match self {
             Self::Real { single: true } => "real, single precision".into(),
@@ -79,9 +78,8 @@ impl Element {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Attribute {
     Text(String),
-    /// Written with its own length: a text of variable length takes 4 KiB of the built-in
-    /// writer's file, wherever it stands. h5py gives it as bytes. Read back as
-    /// [`Self::Text`].
+    /// A text of fixed length. The built-in writer needs 4 KiB for one of variable length.
+    /// h5py gives it as bytes. It is read back as [`Self::Text`].
     FixedText(String),
     Real(f64),
     Integer(i64),
@@ -100,7 +98,7 @@ impl From<String> for Attribute {
 }
 
 impl Attribute {
-    /// A list of texts as one: the text that all are, else all with commas between them.
+    /// A list of texts as one: their common text, else all of them, joined by commas.
     pub(crate) fn joined(texts: &[String]) -> String {
         match texts {
             [first, rest @ ..] if rest.iter().all(|text| text == first) => first.clone(),
@@ -112,7 +110,7 @@ impl Attribute {
 /// Named attributes, in order.
 pub(crate) type Attributes = Vec<(String, Attribute)>;
 
-/// Names of attributes that cannot be read, and why.
+/// Names of attributes that cannot be read, each with the reason.
 pub(crate) type Unread = Vec<(String, String)>;
 
 /// A library's description of a dataset: shape, element type, attributes, and those that
@@ -185,7 +183,7 @@ impl Entry {
     pub(crate) fn name(&self) -> &str {
         self.path.rsplit('/').next().unwrap_or_default()
     }
-    /// The group it stands in.
+    /// The path of its group.
     pub(crate) fn folder(&self) -> &str {
         folder_of(&self.path)
     }
@@ -255,7 +253,7 @@ impl<'a> Group<'a> {
     }
 }
 
-/// Refuses a walk through groups that finds no end.
+/// Refuses groups nested too deeply, and too many objects, which a link in a circle makes.
 pub(crate) fn check_nesting(path: &str, depth: usize, objects: usize) -> Result<()> {
     if depth <= MAX_DEPTH && objects <= MAX_OBJECTS {
         return Ok(());
@@ -270,7 +268,7 @@ pub(crate) fn check_nesting(path: &str, depth: usize, objects: usize) -> Result<
     )
 }
 
-/// Refuses a shape whose values cannot stand in the file, before anything is allocated.
+/// Refuses a shape of more values than the file can hold, before anything is allocated.
 pub(crate) fn check_size(
     path: &str,
     shape: &[usize],
@@ -278,7 +276,7 @@ pub(crate) fn check_size(
     filtered: bool,
     file_bytes: u64,
 ) -> Result<()> {
-    // an extent of 0 excuses no other: names and axes are made as long as the others say
+    // an extent of 0 counts as 1: memory is allocated for the other axes
     let claimed = shape
         .iter()
         .try_fold(element_bytes as u64, |product, &extent| {

@@ -35,7 +35,7 @@ impl ComplexArray {
         }
     }
 
-    /// In double precision.
+    /// The values in double precision.
     pub(crate) fn widened(self) -> Self {
         match self {
             Self::Single(array) => {
@@ -45,8 +45,7 @@ impl ComplexArray {
         }
     }
 
-    /// Axes in reverse order: what MATLAB calls (a, b, c) stands in the file as (c, b,
-    /// a).
+    /// The array with its axes in reverse order: MATLAB stores (a, b, c) as (c, b, a).
     pub(crate) fn reversed_axes(self) -> Self {
         match self {
             Self::Double(array) => Self::Double(array.reversed_axes()),
@@ -54,8 +53,8 @@ impl ComplexArray {
         }
     }
 
-    /// As (response, reference, line), each named by its axis here; a `None` axis has
-    /// length 1.
+    /// The values as (response, reference, line), of which the arguments give the axes; an
+    /// axis `None` gets length 1.
     pub(crate) fn into_frf_values(
         self,
         response: Option<usize>,
@@ -105,7 +104,7 @@ pub(crate) fn reals(entry: &Entry, values: Values<'static>) -> Result<Vec<f64>> 
         Values::Real32(values) => Ok(values.iter().map(|&value| value.into()).collect()),
         Values::Unsigned(values) => Ok(values.iter().map(|&value| value as f64).collect()),
         Values::Signed(values) => Ok(values.iter().map(|&value| value as f64).collect()),
-        // a program that keeps all its arrays complex
+        // some programs keep all arrays complex
         Values::Complex64(values) if values.iter().all(|value| value.im == 0.0) => {
             Ok(values.iter().map(|value| value.re).collect())
         }
@@ -143,7 +142,7 @@ pub(crate) fn dofs(entry: &Entry, values: Values<'static>) -> Result<Vec<Dof>> {
     }
 }
 
-/// The error of a dataset whose element type is not the one that belongs there.
+/// The error of a dataset of another element type than expected.
 pub(crate) fn wrong_type(entry: &Entry, expected: &str) -> Error {
     let found = entry
         .element()

@@ -1,4 +1,4 @@
-//! FRFs and coherence of all documents, before they become one set.
+//! The FRFs and coherence of all documents, before they become one set.
 
 use super::grid::{self, DofList};
 use super::record::{self, axis_of, clean_coherence, from_function, from_set, place_of, Record};
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Everything on its way into the set.
+/// The records of all documents, and all that belongs to them.
 #[derive(Default)]
 pub(super) struct Assembly {
     pub(super) records: Vec<Record>,
@@ -74,14 +74,14 @@ impl Assembly {
         Ok(())
     }
 
-    /// Coherence beside the FRF of its pair; what fits no FRF goes along with the other
+    /// Attaches coherence to the FRF of its pair. Coherence that fits no FRF joins the other
     /// functions.
     pub(super) fn attach_coherence(&mut self, contents: &mut Contents) {
         for record in &mut self.records {
             let Some(found) = self.coherence.get_mut(&(record.response, record.reference)) else {
                 continue;
             };
-            // of several, the one from the same file, in the order of the file
+            // of several, the first from the same file
             let same_file = |(_, place): &(Function, String)| {
                 place.starts_with(self.files[record.document].as_str())
             };
@@ -146,8 +146,7 @@ impl Assembly {
         list.refuse_rest(&names, at)
     }
 
-    /// Takes the coherence that belongs to no FRF, in an order that does not depend on
-    /// hashing.
+    /// Takes the coherence that belongs to no FRF, in a fixed order.
     pub(super) fn left_coherence(&mut self) -> Vec<(Function, String)> {
         let mut left: Vec<(Function, String)> = std::mem::take(&mut self.coherence)
             .into_values()

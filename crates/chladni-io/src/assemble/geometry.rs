@@ -1,11 +1,11 @@
-//! Geometry of several files in one.
+//! The geometry of several files as one.
 
 use crate::limits::SAME_PLACE_M;
 use chladni_frf::{Error, Finding, FrfSet, Geometry, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-/// Adds nodes, lines and faces of `more`; what is there already is not doubled.
+/// Adds nodes, lines and faces of `more`, each once.
 pub(super) fn merge(geometry: &mut Geometry, more: Geometry, file: &Path) -> Result<()> {
     if geometry.nodes.is_empty() && geometry.lines.is_empty() && geometry.faces.is_empty() {
         *geometry = more;
@@ -48,7 +48,7 @@ fn add_new(known: &mut Vec<Vec<u64>>, more: Vec<Vec<u64>>) {
     known.extend(more.into_iter().filter(|list| !seen.contains(list)));
 }
 
-/// A response without a place is fine for a fit and cannot be drawn or rendered.
+/// Reports responses without a position: they can be fitted, but not drawn or rendered.
 pub(super) fn note_nodes_without_place(
     geometry: &Geometry,
     set: &FrfSet,

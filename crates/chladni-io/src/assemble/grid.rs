@@ -1,4 +1,4 @@
-//! Records into the array of a set: one axis, one kind, every pair once.
+//! The array of a set, made of records: one axis, one kind, every pair once.
 
 use super::super::Duplicates;
 use super::axis::common_axis;
@@ -88,7 +88,7 @@ fn fill(
     let mut doubled = Vec::new();
     for (pair, mut records) in at {
         if records.iter().any(|record| !record.line.is_zero()) {
-            // a point that was flagged invalid and measured again is no duplicate
+            // all zeros mark an invalid point: one that was measured again is no duplicate
             records.retain(|record| !record.line.is_zero());
         }
         if records.len() > 1 {
@@ -197,7 +197,7 @@ fn check_grid(dim: (usize, usize, usize), measured: usize) -> Result<()> {
     Ok(())
 }
 
-/// Mean of several records of one pair; a masked line takes the mean of the others.
+/// Mean of several records of one pair, without masked lines.
 fn mean(records: Vec<Record>) -> Option<Record> {
     let lines = records.first()?.line.len();
     let average = |k: usize| {
@@ -230,7 +230,7 @@ fn mean(records: Vec<Record>) -> Option<Record> {
         };
         (0..lines).map(average).collect()
     });
-    // of independent measurements; not known where one of them is not
+    // the variance of a mean of independent measurements, where all variances are known
     let variances: Option<Vec<&Vec<f64>>> = records
         .iter()
         .map(|record| record.variance.as_ref())
@@ -276,8 +276,8 @@ fn store(set: &mut FrfSet, (i, j): (usize, usize), record: Record) {
     }
 }
 
-/// True where no value is infinite or NaN: 0 times either is NaN. One sum in lanes is
-/// many times faster than a look at each value.
+/// True where no value is infinite or NaN. A sum of 0 times each value is NaN else, and is
+/// many times faster than a test of each value.
 fn all_finite<C: ComplexFloat>(values: &[C]) -> bool {
     let mut sums = [C::zero(); LANES];
     let (chunks, rest) = values.as_chunks::<LANES>();
@@ -289,8 +289,8 @@ fn all_finite<C: ComplexFloat>(values: &[C]) -> bool {
     sums.iter().chain(rest).all(|value| value.is_finite())
 }
 
-/// A set as it was read: pairs of zeros become missing, values that are not finite NaN,
-/// and both are said.
+/// Cleans a set as it was read: pairs of zeros become missing, values that are not finite
+/// become NaN, and both are reported.
 pub(super) fn clean(set: &mut FrfSet, file: &str, warnings: &mut Vec<Finding>) {
     fn clean_array<C: ComplexFloat>(
         values: &mut Array3<C>,

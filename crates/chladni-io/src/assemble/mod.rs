@@ -1,9 +1,8 @@
-//! Documents into one set: functions grouped by (response, reference), single-reference
-//! files merged, coherence beside its FRF.
+//! One set from several documents: functions grouped by (response, reference),
+//! single-reference files merged, coherence attached to its FRF.
 //!
-//! Nothing is guessed and nothing disappears without a word: an unknown kind stays
-//! unknown, missing pairs are listed, what is no FRF goes along in
-//! [`Contents::functions`].
+//! Nothing is guessed and nothing is dropped silently: an unknown kind stays unknown, missing
+//! pairs are listed, and functions that are no FRFs are kept in [`Contents::functions`].
 
 mod assembly;
 mod axis;
@@ -28,12 +27,12 @@ const FRF: i32 = 4;
 /// Ordinary coherence.
 const COHERENCE: i32 = 6;
 
-/// Merges documents into one set of FRFs, and keeps what else they hold.
+/// Merges documents into one set of FRFs, and keeps all other content.
 ///
 /// # Errors
 /// The first damaged dataset (unless `lenient`); axes that differ by half a line or more;
-/// mixed kinds or reference units; duplicated pairs (unless told what to do); nodes at
-/// two places; a reference of the caller that does not fit.
+/// mixed kinds or reference units; duplicated pairs, unless `duplicates` says which to take;
+/// nodes at two positions; a reference of the caller that does not fit.
 pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Contents> {
     let mut contents = Contents::default();
     let mut geometry = Geometry::default();
@@ -86,7 +85,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
     Ok(contents)
 }
 
-/// The documents that are measurements; results are named in `warnings` and left out.
+/// The documents of measurements. Results are left out and named in `warnings`.
 fn without_results(documents: Vec<Document>, warnings: &mut Vec<Finding>) -> Vec<Document> {
     let (results, documents): (Vec<_>, Vec<_>) = documents
         .into_iter()
@@ -102,7 +101,7 @@ fn without_results(documents: Vec<Document>, warnings: &mut Vec<Finding>) -> Vec
     documents
 }
 
-/// Takes the set of the only document as it is, and what else that document holds.
+/// Keeps the set of the only document as it is, and all else in it.
 fn keep(
     mut set: FrfSet,
     document: Document,
@@ -124,7 +123,7 @@ fn keep(
     Ok(())
 }
 
-/// Errors of damaged datasets stop here; warnings are passed on, equal ones once.
+/// Returns the first error of a damaged dataset, and passes warnings on, equal ones once.
 fn report(document: &mut Document, lenient: bool, warnings: &mut Vec<Finding>) -> Result<()> {
     let errors = std::mem::take(&mut document.errors)
         .into_iter()
@@ -171,7 +170,7 @@ fn is_measured(function: &Function) -> bool {
     matches!(function.function_type, FRF | COHERENCE)
 }
 
-/// The user's word on the FRF kind wins; a file that says otherwise is named.
+/// The kind of the FRFs: that of the user wins, and a file that contradicts it is reported.
 fn known_kind(
     said: Option<FrfKind>,
     told: Option<FrfKind>,

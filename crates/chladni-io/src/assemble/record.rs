@@ -1,4 +1,4 @@
-//! One measured FRF or coherence on its way from a document into the set.
+//! One measured FRF with its DOFs, axis and origin, before it joins the set.
 
 use super::super::{Document, Function, Ordinate};
 use crate::limits::SIX_DIGITS;
@@ -9,8 +9,7 @@ use ndarray::s;
 use num_complex::{Complex32, Complex64};
 use std::rc::Rc;
 
-/// Values of one FRF in SI units and the time sign e^{+jωt}, in the precision of their
-/// source.
+/// Values of one FRF in SI units, with the time sign e^{+jωt}, in the precision of the file.
 #[derive(Debug, Clone)]
 pub(super) enum Line {
     Single(Vec<Complex32>),
@@ -47,8 +46,8 @@ impl Line {
         }
     }
 
-    /// A value with one part that is not finite becomes NaN in both; returns how many
-    /// were infinite or half a number.
+    /// Masks values with a part that is not finite: both parts become NaN. Returns their
+    /// number, without those of two NaN.
     fn mask(&mut self) -> usize {
         let mut masked = 0;
         let mut check = |re_finite: bool, im_finite: bool, both_nan: bool| {
@@ -96,13 +95,13 @@ pub(super) struct Record {
     pub(super) estimation: Option<Estimation>,
     pub(super) kind: Option<FrfKind>,
     pub(super) reference_unit: ReferenceUnit,
-    /// Number of the document it stands in.
+    /// Index of its document.
     pub(super) document: usize,
     /// File, and line where there is one: for messages.
     pub(super) place: String,
 }
 
-/// The place of a function.
+/// File and line of a function, for messages.
 pub(super) fn place_of(document: &Document, line: u64) -> String {
     let file = document.file.display();
     if line > 0 {
@@ -126,8 +125,8 @@ pub(super) fn axis_of(function: &Function, last: &mut Option<Rc<[f64]>>) -> Rc<[
     }
 }
 
-/// The FRF of a dataset 58: values in SI, conjugated where `conjugate`; warnings say what
-/// was masked.
+/// The FRF of a dataset 58: values in SI, conjugated where `conjugate`. Masked values are
+/// reported.
 pub(super) fn from_function(
     function: Function,
     axis: Rc<[f64]>,
@@ -198,7 +197,7 @@ fn line_of(ordinate: Ordinate, scale: f64, conjugate: bool) -> Line {
 /// Characters of an ID line: one that fills it may have lost its end.
 const ID_LINE: usize = 80;
 
-/// The estimation of an FRF, as ID line 5 says where `estimate` wrote it.
+/// The estimation of an FRF, which `estimate` writes into ID line 5.
 fn estimated(line: &str) -> Option<Estimation> {
     let whole = line.trim_end();
     let parsed = whole.parse().ok();
@@ -255,8 +254,8 @@ pub(super) fn from_set(
     records
 }
 
-/// Brings FRFs that were cut short to the axis of the longest, whose beginning theirs is:
-/// what is missing is masked.
+/// Lengthens FRFs that were cut short to the axis of the longest one, where their own axis is
+/// its beginning. The missing lines are masked.
 pub(super) fn lengthen(records: &mut [Record], warnings: &mut Vec<Finding>) {
     let Some(axis) = records
         .iter()
@@ -294,7 +293,8 @@ pub(super) fn lengthen(records: &mut [Record], warnings: &mut Vec<Finding>) {
     }
 }
 
-/// Coherence γ² in single precision; what lies outside 0..=1 becomes NaN and is counted.
+/// Coherence γ² in single precision, and the number of values outside 0..=1, which become
+/// NaN. Rounding of six digits is clamped.
 pub(crate) fn clean_coherence(values: impl IntoIterator<Item = f64>) -> (Vec<f32>, usize) {
     let mut outside = 0;
     let cleaned = values

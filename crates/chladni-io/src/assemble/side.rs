@@ -1,4 +1,4 @@
-//! Nodes that a user names for one side of all FRFs of a file.
+//! Nodes that the user names for one side of all FRFs of a file.
 
 use super::is_measured;
 use crate::Document;
@@ -12,7 +12,7 @@ pub(super) enum Side {
 }
 
 impl Side {
-    /// Its name, and that of its setting.
+    /// Its name, which is also that of its setting.
     fn name(self) -> &'static str {
         match self {
             Self::Response => "response",

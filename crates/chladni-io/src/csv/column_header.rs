@@ -18,15 +18,15 @@ pub(super) struct ColumnHeader {
     /// Unit in brackets, at the end of the name, or of the unit row.
     pub(super) unit: String,
     pub(super) dofs: Dofs,
-    /// The numbers have the other sign: `-Im`, `phase lag`.
+    /// True where the numbers have the opposite sign: `-Im`, `phase lag`.
     pub(super) is_negative: bool,
     is_decibel: bool,
     /// Units of a phase among the words of the name.
     angles: Vec<PhaseUnit>,
     dof_words: DofWords,
-    /// The name has words that do not stand beside a DOF: `Acc 1x`.
+    /// True where the name has words that do not belong to a DOF: `Acc 1x`.
     is_described: bool,
-    /// Some of them tell how the data were measured: `5s record`.
+    /// True where some of them are about the measurement: `5s record`.
     is_of_measurement: bool,
 }
 
@@ -101,7 +101,7 @@ impl ColumnHeader {
         }
     }
 
-    /// Unit of the phase that the header names.
+    /// Unit of the phase, as the header states it.
     pub(super) fn angle(&self) -> AngleUnit {
         let label = self.unit.trim();
         if label.is_empty() || ["-", "1", "none"].contains(&label) {

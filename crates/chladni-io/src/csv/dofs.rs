@@ -1,4 +1,4 @@
-//! The DOFs among the words of a name, and which of them is the response.
+//! The DOFs among the words of a name, and their roles: response or reference.
 
 use super::vocabulary::{is_in_front, is_measurement, role_of, words, Role, TO};
 use chladni_frf::Dof;
@@ -8,7 +8,7 @@ use chladni_frf::Dof;
 pub(super) struct Dofs {
     pub(super) response: Option<Dof>,
     pub(super) reference: Option<Dof>,
-    /// Words and order do not tell which is which.
+    /// True where neither words nor order tell response from reference.
     pub(super) is_unclear: bool,
 }
 
@@ -32,11 +32,11 @@ impl Dofs {
     }
 }
 
-/// The words of a name that tell its DOFs, in their order.
+/// The words of a name that are DOFs or name their roles, in their order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct DofWords {
     words: Vec<Word>,
-    /// A word that tells no DOF was the last.
+    /// True where the last word was another one.
     is_behind_other: bool,
 }
 
@@ -47,7 +47,7 @@ enum Word {
     Pair(Dof, Dof),
 }
 
-/// The place of the word of a role beside its DOF.
+/// The place where the word of a role may stand beside its DOF.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     InFront,
@@ -55,19 +55,19 @@ enum Place {
     Either,
 }
 
-/// The trust in a word such as `1z`.
+/// The spelling of a DOF, from the surest to the least sure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Spelling {
     Firm,
-    /// Lower case, as nothing else is written: `1z`.
+    /// Lower case, and nothing but a DOF: `1z`.
     Lower,
-    /// Lower case, as seconds and multiples are written too: `5s`, `10x`.
+    /// Lower case, and perhaps seconds or a multiple: `5s`, `10x`.
     Loose,
 }
 
 impl DofWords {
-    /// Adds a word of a name; true where it is a DOF. The lower side of a ratio is a unit,
-    /// not the word of a DOF: `velocity per force`.
+    /// Adds a word of a name; returns true where it is a DOF. A word after `/` or `per`
+    /// (`is_below`) is a unit and names no role: `velocity per force`.
     pub(super) fn add(&mut self, token: &str, is_below: bool) -> bool {
         let is_behind_other = std::mem::replace(&mut self.is_behind_other, true);
         let first = words(token).next().unwrap_or_default().to_lowercase();
@@ -99,7 +99,7 @@ impl DofWords {
         true
     }
 
-    /// Takes out the loose DOF that a word of how was measured stands behind: `5s record`.
+    /// Takes out a loose DOF before a word about the measurement: `5s record`.
     fn drop_measured(&mut self, word: &str) {
         let is_loose = matches!(self.words.last(), Some(Word::One(_, Spelling::Loose)));
         if is_loose && is_measurement(word) {
@@ -132,8 +132,8 @@ impl DofWords {
         self.words.iter().any(is_firm)
     }
 
-    /// The DOFs: those of a pair, else by the words in front of each or behind it, else
-    /// the response first.
+    /// The DOFs: those of a pair, else by the words before or after each, else the response
+    /// first.
     pub(super) fn dofs(&self) -> Dofs {
         let pair = self
             .words
@@ -163,7 +163,7 @@ impl DofWords {
             }
             [(first, roles), (second, others), ..] => {
                 let (one, is_unclear) = match (roles.as_slice(), others.is_empty()) {
-                    // the words stand in front of both
+                    // both words come before both DOFs
                     ([Role::Reference, rest @ ..], true) => {
                         (Some(&Role::Reference), rest.contains(&Role::Response))
                     }
@@ -191,8 +191,8 @@ impl DofWords {
         matches!(self.words[..], [One(..), Says(_, Place::Either), One(..)])
     }
 
-    /// Each single DOF with the words in front of it, or behind it where all words stand
-    /// so: `1Z output 101Z input`.
+    /// Each single DOF with the words before it, or after it where all words come after:
+    /// `1Z output 101Z input`.
     fn with_roles(&self) -> Vec<(Dof, Vec<Role>)> {
         use Word::{One, Role as Says};
         let are_behind = matches!(self.words[..], [One(..), Says(..), One(..), Says(..)]);

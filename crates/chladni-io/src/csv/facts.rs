@@ -1,4 +1,4 @@
-//! The information of a table's remarks about the whole file.
+//! Facts about a whole table: its remarks, and the options of the caller.
 
 use super::remarks::Remark;
 use crate::limits::SAME_UNIT;
@@ -6,12 +6,12 @@ use crate::unit_label::{decibel_reference, frequency_unit, frf_unit, FrfUnit};
 use crate::PhaseUnit;
 use chladni_frf::{Dof, Error, Finding, FrfKind, ReferenceUnit, Result, TimeSign};
 
-/// The information in remarks, in other text above the table and in the options.
+/// Facts about a whole table, from remarks, a column of units and the options.
 #[derive(Default)]
 pub(super) struct TableFacts {
     pub(super) kind: Option<FrfKind>,
     pub(super) unit: Option<String>,
-    /// A column states the unit, not a remark.
+    /// True where a column states `unit`, not a remark.
     pub(super) is_unit_of_column: bool,
     pub(super) time_sign: Option<TimeSign>,
     pub(super) reference_unit: Option<ReferenceUnit>,
@@ -27,6 +27,8 @@ pub(super) struct TableFacts {
 }
 
 impl TableFacts {
+    /// Reads remarks; keys that look like units and are not known are reported.
+    ///
     /// # Errors
     /// A value that its key does not have.
     pub(super) fn from_remarks(remarks: &[Remark], warnings: &mut Vec<Finding>) -> Result<Self> {
@@ -93,7 +95,7 @@ impl TableFacts {
         Ok(())
     }
 
-    /// The error of the unit of the file and that of a column.
+    /// The error of different units of the file and of a column.
     pub(super) fn two_units(&self, of_file: &str, of_column: &str) -> Error {
         let (what, place) = match self.is_unit_of_column {
             true => (
@@ -118,14 +120,14 @@ impl TableFacts {
             ))
     }
 
-    /// The unit of the file; of decibels, that of their reference.
+    /// The unit of the file; for decibels, that of their reference.
     pub(super) fn linear_unit(&self) -> Option<FrfUnit> {
         let label = self.unit.as_deref()?;
         frf_unit(label).or_else(|| frf_unit(decibel_reference(label)?.1))
     }
 
-    /// Factor to Hz of a frequency column called `label`: that of a remark where the
-    /// label, whose own factor is `own`, says none.
+    /// Factor to Hz of the frequency column: that of a remark, else `own`, the factor of the
+    /// column's name or unit `label`.
     ///
     /// # Errors
     /// A remark and a label of different units.
@@ -145,12 +147,12 @@ impl TableFacts {
     }
 }
 
-/// True for units that give other values.
+/// True for units of different kind, reference or factor.
 pub(super) fn differ(a: FrfUnit, b: FrfUnit) -> bool {
     (a.kind, a.reference) != (b.kind, b.reference) || (a.to_si / b.to_si - 1.0).abs() > SAME_UNIT
 }
 
-/// True for labels of one unit, however it is spelled; of decibels, also their reference.
+/// True for labels of one unit in any spelling; for decibels, also of one reference.
 pub(super) fn is_same_unit(one: &str, other: &str) -> bool {
     let value = |label: &str| match decibel_reference(label) {
         Some((reference, unit)) => frf_unit(unit).map(|unit| {

@@ -1,4 +1,4 @@
-//! The form in which two columns make the complex values of an FRF, and its unit.
+//! The form of the complex values of an FRF in two columns, and their unit.
 
 use super::column_header::{AngleUnit, ColumnHeader};
 use super::vocabulary::{is_decibel, words};
@@ -21,7 +21,7 @@ impl Column<'_> {
     fn place(&self) -> String {
         format!("column {}", self.number + 1)
     }
-    /// Of the numbers against the part that the name says.
+    /// −1 where the header states the negative of a part, else 1.
     fn sign(&self) -> f64 {
         if self.head.is_negative {
             -1.0
@@ -29,7 +29,7 @@ impl Column<'_> {
             1.0
         }
     }
-    /// Name and unit, as they stand there.
+    /// Name and unit as in the file.
     fn label(&self) -> String {
         match (self.name.is_empty(), self.name.contains(&self.head.unit)) {
             (true, _) if self.head.unit.is_empty() => "no name".into(),
@@ -41,7 +41,7 @@ impl Column<'_> {
     }
 }
 
-/// From the numbers of two columns to a complex value.
+/// Conversion of the numbers of two columns to a complex value.
 pub(super) struct Form {
     polar: Option<Polar>,
     /// Factor of the second column to the unit of the first.
@@ -52,12 +52,12 @@ pub(super) struct Form {
 
 struct Polar {
     to_radians: f64,
-    /// Of a magnitude in decibels: the value at 0 dB.
+    /// The value at 0 dB, of a magnitude in decibels.
     decibel: Option<f64>,
 }
 
 impl Form {
-    /// Of a real and an imaginary part.
+    /// The form of a real and an imaginary part.
     pub(super) fn rectangular(first: &Column<'_>, second: &Column<'_>) -> Result<Self> {
         for column in [first, second] {
             if column.head.is_decibel() {
@@ -97,7 +97,8 @@ impl Form {
         })
     }
 
-    /// Of a magnitude and a phase. What the columns do not say is taken from `said`.
+    /// The form of a magnitude and a phase. Units that the columns do not state are taken from
+    /// `facts`.
     pub(super) fn polar(
         magnitude: &Column<'_>,
         phase: &Column<'_>,
@@ -146,7 +147,7 @@ impl Form {
     }
 }
 
-/// Refuses a minus in front of a real part or a magnitude: it may be a dash.
+/// Refuses a minus before a real part or a magnitude: it may be a dash.
 fn refuse_minus(first: &Column<'_>) -> Result<()> {
     if !first.head.is_negative {
         return Ok(());
@@ -168,8 +169,8 @@ fn decibels_without_reference(magnitude: &Column<'_>) -> Error {
         .help("write the reference value and unit into the header, or export linear values")
 }
 
-/// Refuses a magnitude that is not linear: below zero, or in a file that speaks of
-/// decibels and gives this column no unit.
+/// Refuses a magnitude that may not be linear: below zero, or without a unit in a file that
+/// mentions decibels.
 fn linear(magnitude: &Column<'_>, facts: &TableFacts) -> Result<()> {
     if let Some(told) = facts.unit.as_deref().filter(|told| is_decibel_label(told)) {
         return Err(facts.two_units(told, &magnitude.head.unit));
@@ -196,8 +197,8 @@ fn linear(magnitude: &Column<'_>, facts: &TableFacts) -> Result<()> {
         ))
 }
 
-/// Unit of a phase: as the user says, else as the column or the file says, else by the
-/// size of its numbers.
+/// Unit of a phase: that of the user, else of the column or the file, else by the size of
+/// its numbers.
 fn phase_unit(
     phase: &Column<'_>,
     facts: &TableFacts,
@@ -260,7 +261,7 @@ fn phase_unit(
     Ok(unit)
 }
 
-/// One warning for many columns.
+/// Adds a warning that is the same for many columns once.
 pub(super) fn push_once(warnings: &mut Vec<Finding>, warning: Finding) {
     if !warnings.contains(&warning) {
         warnings.push(warning);

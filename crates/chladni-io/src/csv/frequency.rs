@@ -4,8 +4,8 @@ use super::column_header::{split_unit, without_brackets};
 use super::vocabulary::{after_frequency, is_filler, is_frequency};
 use crate::unit_label::{frequency_unit, parse};
 
-/// Factor from a column to Hz by its header; `None` where the header names another unit,
-/// another quantity, or nothing that is a frequency. A column without a name is in Hz.
+/// Factor from a column to Hz by its header; `None` where the header names another unit or
+/// another quantity. A column without a name is in Hz.
 pub(super) fn factor_to_hz(name: &str, unit_row: &str) -> Option<f64> {
     let (rest, unit) = split_unit(name);
     for label in [unit.as_str(), without_brackets(unit_row).as_str()] {
@@ -36,7 +36,7 @@ pub(super) fn factor_to_hz(name: &str, unit_row: &str) -> Option<f64> {
         } else if let Some(tail) = after_frequency(token).filter(|t| frequency_unit(t).is_some()) {
             units.push(tail);
         } else {
-            return None; // another quantity, or one that is measured otherwise
+            return None; // another quantity, or another unit
         }
     }
     match units.as_slice() {

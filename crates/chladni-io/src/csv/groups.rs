@@ -1,4 +1,4 @@
-//! The columns of a wide table that belong together.
+//! The columns of each FRF in a wide table.
 
 use super::column_header::ColumnHeader;
 use super::form::push_once;
@@ -8,10 +8,11 @@ use crate::limits::{LARGEST_DECIBELS, WRAPPED_DEGREES};
 use chladni_frf::{Error, Finding, Result};
 use std::collections::{HashMap, VecDeque};
 
-/// Columns of one FRF, and whether they are magnitude and phase.
+/// The columns of one FRF.
 pub(super) struct Group {
     pub(super) first: usize,
     pub(super) second: usize,
+    /// True for magnitude and phase, false for real and imaginary part.
     pub(super) polar: bool,
     pub(super) coherence: Option<usize>,
 }
@@ -20,7 +21,7 @@ pub(super) struct Group {
 struct Partners<'a> {
     heads: &'a [ColumnHeader],
     used: Vec<bool>,
-    /// By part and base, in the order of the columns.
+    /// The columns of each part and base, in their order.
     waiting: HashMap<(Part, &'a str), VecDeque<usize>>,
 }
 
@@ -40,8 +41,8 @@ impl<'a> Partners<'a> {
         }
     }
 
-    /// Takes the column that goes with `column`: of the same base, else the next one,
-    /// where only one of the two has a base.
+    /// Takes the partner of `column`: a column of the same base, else the next one where one
+    /// of the two has no base.
     fn take(&mut self, wanted: Part, column: usize) -> Option<usize> {
         let used = &self.used;
         let base = self.heads[column].base.as_str();
@@ -66,7 +67,7 @@ impl<'a> Partners<'a> {
 /// The columns of every FRF.
 ///
 /// # Errors
-/// A column without its partner; one that does not say what it holds.
+/// A column without its partner; one whose name does not tell its content.
 pub(super) fn group_columns(
     table: &Table,
     heads: &[ColumnHeader],
@@ -124,8 +125,9 @@ pub(super) fn group_columns(
     Ok(groups)
 }
 
-/// Coherence goes to the FRF of its name, else to the only one before it that has none;
-/// as many as there are FRFs left go to them in their order.
+/// Attaches each column of coherence to the FRF of its name, else to the only FRF before it
+/// without coherence. Columns that are left go to the FRFs that are left in their order, if
+/// there are as many.
 fn attach_coherence(table: &Table, heads: &[ColumnHeader], groups: &mut [Group]) -> Result<()> {
     let mut left = Vec::new();
     for column in (1..heads.len()).filter(|&column| heads[column].part == Part::Coherence) {
@@ -173,7 +175,8 @@ fn attach_coherence(table: &Table, heads: &[ColumnHeader], groups: &mut [Group])
     }
 }
 
-/// Real and imaginary part beside magnitude and phase of what seems the same FRF.
+/// Refuses an FRF that seems to occur twice, as real and imaginary part and as magnitude
+/// and phase.
 fn refuse_two_forms(table: &Table, heads: &[ColumnHeader], groups: &[Group]) -> Result<()> {
     let mut forms: HashMap<&str, bool> = HashMap::new();
     for group in groups {
@@ -227,12 +230,12 @@ fn unpaired(table: &Table, column: usize, expected: &str) -> Error {
         )
 }
 
-/// Columns whose names say nothing: a keyword decides, else the numbers must exclude
-/// magnitude and phase, linear or in decibels.
+/// True where two columns without telling names are magnitude and phase: a keyword decides.
+/// Without one, the numbers must exclude magnitude and phase, linear or in decibels.
 ///
-/// A real part changes its sign over a band, and so do decibels, which end at some
-/// hundreds. An imaginary part that stays below 1 is no phase; one beyond 360 is none where
-/// it leaps by more than half a turn from line to line, as no unwrapped phase does.
+/// A real part changes its sign over a band. So do decibels, but they stay below some
+/// hundreds. Numbers up to 1 are no phase. Neither are numbers beyond 360 that leap by more
+/// than half a turn from line to line: an unwrapped phase does not.
 fn unnamed_pair_is_polar(
     table: &Table,
     column: usize,

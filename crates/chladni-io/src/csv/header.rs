@@ -1,5 +1,4 @@
-//! The header of a table: which line holds the names, which the units, and how they are
-//! cut.
+//! The header of a table: its lines of names and of units, and how they are cut.
 
 use super::column_header::{looks_like_unit, without_brackets, ColumnHeader};
 use super::table::Table;
@@ -20,7 +19,7 @@ const KEYWORDS: [&str; 6] = [
 ];
 
 impl Table {
-    /// Names, units and keywords. `filled` columns are not empty in the first row.
+    /// Reads names, units and keywords. `filled` columns are not empty in the first row.
     pub(super) fn read_header(
         &mut self,
         header: &[Line<'_>],
@@ -44,7 +43,7 @@ impl Table {
                 if cells.len() != self.columns && cells.len() != filled {
                     continue;
                 }
-                // prose of as many words as there are columns is no header
+                // prose may have as many words as there are columns
                 let is_header = line.text.contains([',', ';'])
                     || known_words(line.text) > 0
                     || cells.iter().all(|cell| looks_like_unit(cell))
@@ -75,8 +74,8 @@ impl Table {
         Ok(())
     }
 
-    /// Adds DOFs or parts that stand in rows of their own above the names, with the word
-    /// for response or reference that begins such a row.
+    /// Adds DOFs or parts from rows above the names, with the word for response or reference
+    /// at the beginning of such a row.
     fn add_rows_above(&mut self, candidates: &[Vec<String>]) {
         let mut all_above = vec![String::new(); self.columns];
         for above in candidates.iter().rev() {
@@ -94,7 +93,7 @@ impl Table {
                 None => cell.clone(),
             };
             let texts: Vec<String> = cells.iter().map(with_role).collect();
-            // a row that is written twice tells nothing new
+            // a row may be written twice
             let mut known = all_above.iter().zip(&texts).skip(1);
             if known.all(|(known, text)| holds(known, text)) {
                 continue;
@@ -112,8 +111,8 @@ impl Table {
         }
     }
 
-    /// Takes the row of units out of the rows above the data; what is left ends with the
-    /// names, which are returned.
+    /// Takes the row of units out of the rows above the data. Returns the names, which are the
+    /// last of the others.
     fn take_units(&mut self, candidates: &mut Vec<Vec<String>>) -> Option<Vec<String>> {
         let is_unit_row = |cells: &Vec<String>| {
             let all = cells.iter().all(|cell| looks_like_unit(cell));
@@ -139,7 +138,7 @@ impl Table {
         candidates.pop()
     }
 
-    /// A header whose names are not as many as the columns, and cannot be told apart.
+    /// Refuses a header whose number of names is not that of the columns.
     fn refuse_header_that_does_not_fit(&self, header: &[Line<'_>]) -> Result<()> {
         let Some(line) = header
             .iter()
@@ -158,8 +157,8 @@ impl Table {
         .help("put a header line above the numbers: f,re,im or f,mag,phase"))
     }
 
-    /// Whole numbers between commas, without names to count them, may be the halves of
-    /// numbers with a decimal comma.
+    /// Refuses whole numbers between commas without names: they may be the halves of numbers
+    /// with a decimal comma.
     pub(super) fn refuse_whole_numbers(&self, rows: &[&Line<'_>], dialect: Dialect) -> Result<()> {
         let whole = |row: &&Line<'_>| !row.text.contains(['.', 'e', 'E']);
         if !self.is_nameless()
@@ -177,7 +176,7 @@ impl Table {
         .expected("names that count the columns, or numbers with a decimal point"))
     }
 
-    /// A column of numbers that the header does not count.
+    /// Refuses a column of numbers that the header does not name.
     pub(super) fn refuse_nameless_column(&self) -> Result<()> {
         let nameless = (1..self.columns).find(|&column| {
             self.names[column].is_empty()
@@ -195,8 +194,7 @@ impl Table {
     }
 }
 
-/// True where a name has this text between other signs than letters and digits: `1:+Z` is
-/// no part of `101:+Z`.
+/// True where a name contains the text as a whole: `101:+Z` does not contain `1:+Z`.
 fn holds(name: &str, text: &str) -> bool {
     let ends = |c: Option<char>| !c.is_some_and(char::is_alphanumeric);
     text.is_empty()
@@ -205,7 +203,7 @@ fn holds(name: &str, text: &str) -> bool {
         })
 }
 
-/// The cells of a header line, cut as the numbers are and in every other way.
+/// The cells of a header line, cut as the numbers are, then in every other way.
 fn cuts(line: &str, dialect: Dialect) -> impl Iterator<Item = Vec<String>> + '_ {
     let by_dialect = dialect.and_others().map(move |dialect| {
         let cells = dialect.cells(line).into_iter();
@@ -224,7 +222,7 @@ fn cuts(line: &str, dialect: Dialect) -> impl Iterator<Item = Vec<String>> + '_ 
         .chain(std::iter::once_with(|| outside_brackets(line)))
 }
 
-/// Cuts at blanks, but not inside brackets nor in front of them: `Frequency (Hz) Real`.
+/// Cuts at blanks, but neither inside brackets nor before them: `Frequency (Hz) Real`.
 pub(super) fn outside_brackets(line: &str) -> Vec<String> {
     let mut cells: Vec<String> = Vec::new();
     let mut depth = 0_usize;
@@ -242,7 +240,7 @@ pub(super) fn outside_brackets(line: &str) -> Vec<String> {
     cells
 }
 
-/// Empty cells behind a filled one belong to it, but for the first column.
+/// Copies each filled cell into the empty ones after it, except from the first column.
 fn filled_forward(mut cells: Vec<String>) -> Vec<String> {
     for at in 2..cells.len() {
         if cells[at].is_empty() {
@@ -252,8 +250,8 @@ fn filled_forward(mut cells: Vec<String>) -> Vec<String> {
     cells
 }
 
-/// A row of units that are not as many as the columns, such as one with blanks between
-/// them that leaves one out: nobody can tell which unit is whose.
+/// Refuses a row of units whose number is not that of the columns, such as one between blanks
+/// that leaves a unit out.
 fn refuse_units_that_do_not_fit(line: &Line<'_>, columns: usize) -> Result<()> {
     let labels: Vec<&str> = line
         .text

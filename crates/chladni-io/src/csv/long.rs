@@ -21,7 +21,7 @@ struct Pair {
     rows: Vec<Row>,
 }
 
-/// Line, frequency as it stands there, the two numbers of a value, coherence.
+/// Line, frequency in the unit of the file, the two numbers of a value, coherence.
 type Row = (u64, f64, [f64; 2], f64);
 
 impl LongTable<'_> {
@@ -90,7 +90,7 @@ impl LongTable<'_> {
         Ok((axis.into_iter().map(|f| f * f_to_hz).collect(), traces))
     }
 
-    /// The unit in a column of units: one in all rows that have one.
+    /// The unit in a column of units, which must be the same in all rows that have one.
     ///
     /// # Errors
     /// A row with another unit.
@@ -124,7 +124,7 @@ impl LongTable<'_> {
         Ok(unit.map(|(label, _)| label))
     }
 
-    /// Two columns of one kind: none of them is the right one.
+    /// Refuses two columns of the same meaning.
     fn refuse_doubled_columns(&self) -> Result<()> {
         for (column, head) in self.columns.heads.iter().enumerate() {
             let before = &self.columns.heads[..column];
@@ -153,7 +153,7 @@ impl LongTable<'_> {
         facts.frequency_factor(own, name)
     }
 
-    /// The form in which the two numbers of a row make its value.
+    /// The form of the values in the two numbers of each row.
     fn form(
         &self,
         pairs: &[Pair],
@@ -180,8 +180,8 @@ impl LongTable<'_> {
         }
     }
 
-    /// Refuses a row that has not as many cells as the header has names; empty ones at
-    /// the end do not count.
+    /// Refuses a row whose number of cells is not that of the names in the header; empty cells
+    /// at the end do not count.
     fn check_length(&self, row: &Line<'_>, cells: &[Cow<'_, str>]) -> Result<()> {
         let names = self.columns.names.len();
         let surplus = cells.get(names..).unwrap_or_default();
@@ -301,7 +301,7 @@ impl LongTable<'_> {
         }
     }
 
-    /// A number, NaN for an empty cell; for anything else too, when `lenient`.
+    /// A number, or NaN for an empty cell; with `lenient`, NaN for any other cell.
     fn masked_number(
         &self,
         row: &Line<'_>,
@@ -321,7 +321,7 @@ impl LongTable<'_> {
         not_finite(row.number, name, &cells[column], column == self.columns.f)
     }
 
-    /// The pair on the common axis: its rows must lie on it, and may leave lines out.
+    /// The pair on the common axis. Its rows must lie on the axis; lines without a row are NaN.
     fn on_axis(&self, pair: &Pair, axis: &[f64], form: &Form, absent: &mut usize) -> Result<Trace> {
         let mut values = vec![Complex64::new(f64::NAN, f64::NAN); axis.len()];
         let mut coherence = vec![f64::NAN; axis.len()];
@@ -370,7 +370,7 @@ fn is_same_line(axis: &[f64], at: usize, f: f64) -> bool {
     (axis[at] - f).abs() <= SAME_LINE * spacing
 }
 
-/// A node number; `12.0` is 12 (pandas writes integers with gaps like that).
+/// A node number; `12.0` is 12, as pandas writes integers of a column with gaps.
 fn whole(text: &str) -> Option<u64> {
     text.parse()
         .ok()

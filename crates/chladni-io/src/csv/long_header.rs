@@ -1,4 +1,4 @@
-//! The header of a long table: which column holds what.
+//! The header of a long table: the meaning of its columns.
 
 use super::column_header::ColumnHeader;
 use super::frequency::factor_to_hz;
@@ -10,7 +10,7 @@ use crate::limits::HEADER_LINES;
 use chladni_frf::Finding;
 use std::borrow::Cow;
 
-/// The place of each column.
+/// The columns of a long table, by their meaning; numbers of columns count from 0.
 pub(super) struct Columns {
     pub(super) response: DofColumns,
     pub(super) reference: DofColumns,
@@ -39,7 +39,7 @@ pub(super) struct LongTable<'a> {
     pub(super) columns: Columns,
     pub(super) above: &'a [Line<'a>],
     pub(super) rows: Vec<&'a Line<'a>>,
-    /// Rows that are comments, and the line of the first.
+    /// Number of rows that are comments, and the line of the first.
     pub(super) commented: Option<(usize, u64)>,
 }
 
@@ -85,7 +85,7 @@ pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
         })
 }
 
-/// The names of a header line; blanks in front of a unit in brackets do not cut.
+/// The names of a header line; blanks before a unit in brackets do not cut.
 fn names_of(line: &str, dialect: Dialect) -> Vec<String> {
     match dialect.delimiter {
         None => outside_brackets(line),
@@ -96,53 +96,59 @@ fn names_of(line: &str, dialect: Dialect) -> Vec<String> {
     }
 }
 
+/// Names of the columns of a DOF: one column, or node and direction.
+struct DofNames {
+    dof: &'static [&'static str],
+    node: &'static [&'static str],
+    direction: &'static [&'static str],
+}
+
+const RESPONSE: DofNames = DofNames {
+    dof: &[
+        "response",
+        "response_dof",
+        "resp",
+        "rsp",
+        "rsp_dof",
+        "output",
+        "output_dof",
+    ],
+    node: &["node", "response_node", "rsp_node"],
+    direction: &["dir", "direction", "response_dir", "rsp_dir"],
+};
+const REFERENCE: DofNames = DofNames {
+    dof: &[
+        "reference",
+        "reference_dof",
+        "ref",
+        "ref_dof",
+        "excitation",
+        "exc",
+        "input",
+        "input_dof",
+    ],
+    node: &["ref_node", "reference_node"],
+    direction: &[
+        "ref_dir",
+        "reference_dir",
+        "ref_direction",
+        "reference_direction",
+    ],
+};
+
 fn header(cells: &[String], dialect: Dialect) -> Option<Columns> {
     let names: Vec<String> = cells
         .iter()
         .map(|cell| cell.trim().to_lowercase().replace([' ', '-'], "_"))
         .collect();
     let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
-    let dof = |one: &[&str], node: &[&str], direction: &[&str]| match (
-        find(one),
-        find(node),
-        find(direction),
-    ) {
+    let dof = |names: &DofNames| match (find(names.dof), find(names.node), find(names.direction)) {
         (_, Some(node), Some(direction)) => Some(DofColumns::NodeAndDirection(node, direction)),
         (Some(one), None, _) => Some(DofColumns::Text(one)),
         _ => None,
     };
-    let response = dof(
-        &[
-            "response",
-            "response_dof",
-            "resp",
-            "rsp",
-            "rsp_dof",
-            "output",
-            "output_dof",
-        ],
-        &["node", "response_node", "rsp_node"],
-        &["dir", "direction", "response_dir", "rsp_dir"],
-    )?;
-    let reference = dof(
-        &[
-            "reference",
-            "reference_dof",
-            "ref",
-            "ref_dof",
-            "excitation",
-            "exc",
-            "input",
-            "input_dof",
-        ],
-        &["ref_node", "reference_node"],
-        &[
-            "ref_dir",
-            "reference_dir",
-            "ref_direction",
-            "reference_direction",
-        ],
-    )?;
+    let response = dof(&RESPONSE)?;
+    let reference = dof(&REFERENCE)?;
     let heads: Vec<ColumnHeader> = cells
         .iter()
         .map(|cell| ColumnHeader::parse(cell, ""))
@@ -167,8 +173,8 @@ fn header(cells: &[String], dialect: Dialect) -> Option<Columns> {
     })
 }
 
-/// The column of the frequency: a name of one whose unit is understood, else one whose unit
-/// is not, to be refused by name, else `x` without a unit, which may be a position.
+/// The column of the frequency: one whose name and unit are understood, else one whose unit is
+/// not, so that the error names it, else `x` without a unit, which may be a position.
 fn frequency_column(cells: &[String]) -> Option<usize> {
     let rank = |name: &String| {
         let lower = name.to_lowercase();
@@ -190,7 +196,7 @@ fn frequency_column(cells: &[String]) -> Option<usize> {
 }
 
 impl Columns {
-    /// A note about columns that hold nothing that is asked for, such as positions.
+    /// A note about columns that are not needed, such as positions.
     pub(super) fn unused(&self) -> Option<Finding> {
         let mut used = vec![self.f, self.first, self.second];
         used.extend(self.coherence);

@@ -7,7 +7,7 @@
 //! | long | node, dir, ref_node, ref_dir, f, re, im |
 //! | time records | t, then a column per channel, DOF and unit in the header (`101:+Z [N]`) |
 //!
-//! `# key = value` lines say `frf_kind`, `unit`, `time_sign`, `reference_unit`, and
+//! `# key = value` lines give `frf_kind`, `unit`, `time_sign`, `reference_unit`, and
 //! `response` and `reference` of a single FRF. Delimiter and decimal sign are found by
 //! trying; a column `coherence` may follow each FRF. The header must say what a column holds
 //! and in which unit. Where two readings are possible, the table is refused, and the
@@ -34,15 +34,15 @@ use super::assemble::{build_set, clean_coherence, TracedFrf};
 use super::limits::{COHERENCE_SLIPS, FIRST_NODE, SIX_DIGITS};
 use super::unit_label::{frf_unit, FrfUnit};
 use super::{DatasetInfo, Document, FileFormat, ReadOptions};
-use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, FrfSet, ReferenceUnit, Result};
+use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, ReferenceUnit, Result};
 use facts::{differ, TableFacts};
 use num_complex::Complex64;
 use remarks::lines_and_remarks;
-use std::io::Write;
 use std::path::Path;
 pub(super) use text::decode;
 use text::{refuse_complex_lists, Dialect};
 use vocabulary::known_words;
+pub(super) use write::write;
 
 /// One FRF of a table, in the units of the table.
 struct Trace {
@@ -146,11 +146,6 @@ fn read_text(
     })
 }
 
-/// Writes a set as our own long table.
-pub(super) fn write(out: &mut dyn Write, set: &FrfSet) -> std::io::Result<()> {
-    write::write(out, set)
-}
-
 /// Kind, reference unit and scale of a file.
 struct FrfUnits {
     kind: Option<FrfKind>,
@@ -205,13 +200,7 @@ impl FrfUnits {
         };
         warnings.extend(assumed.map(|words| Finding::caution("unit-assumed", words)));
         if let (Some(kind), Some((unit, label)), None) = (facts.kind, found, caller_kind) {
-            if kind != unit.kind {
-                return Err(Error::bad_data("frf_kind and unit contradict each other")
-                    .field("frf_kind")
-                    .found(format!("{kind} with unit {label}"))
-                    .expected(format!("{} for that unit", unit.kind))
-                    .help("say which is right with `frf_kind`"));
-            }
+            unit.check_kind(kind, label)?;
         }
         let reference = facts
             .reference_unit

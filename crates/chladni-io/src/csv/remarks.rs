@@ -10,7 +10,7 @@ pub(super) struct Remark {
     pub(super) value: String,
 }
 
-/// Keys that remarks are known by, each with its other names.
+/// Keys of remarks, each with its other names.
 const KEYS: [(&str, &[&str]); 8] = [
     ("frf_kind", &[]),
     (
@@ -34,7 +34,7 @@ const KEYS: [(&str, &[&str]); 8] = [
     ("reference", &[]),
 ];
 
-/// A key as it is known here: `Frequency units` is `frequency_unit`.
+/// The key that a text stands for: `Frequency units` is `frequency_unit`.
 pub(super) fn key_of(text: &str) -> String {
     let key = text.trim().to_lowercase().replace([' ', '-'], "_");
     KEYS.iter()
@@ -46,8 +46,8 @@ fn is_known(key: &str) -> bool {
     KEYS.iter().any(|(name, _)| *name == key)
 }
 
-/// Splits a comment at `=`, or at `:` behind a known key. A header with `=` in it, such
-/// as `f [Hz], Re(H=v/F)`, is no remark.
+/// Splits a comment at `=`, or at `:` after a known key. A header with `=` in it, such as
+/// `f [Hz], Re(H=v/F)`, is no remark.
 fn remark_of_comment(comment: &str) -> Option<(String, &str)> {
     let is_key = |key: &str| {
         key.chars()
@@ -68,11 +68,11 @@ fn remark_of_line(line: &str) -> Option<(String, &str)> {
         .filter(|(key, value)| is_known(key) && !value.trim().contains([',', ';', '\t']))
 }
 
-/// Lines with content, and remarks. A comment that is no remark may be the header (as
-/// `numpy.savetxt` writes it), so it stays a line, without its sign.
+/// The lines that are not blank, and the remarks. A comment that is no remark may be the header,
+/// as `numpy.savetxt` writes it. It stays a line, without its sign.
 pub(super) fn lines_and_remarks(text: &str) -> (Vec<Line<'_>>, Vec<Remark>) {
     let (mut lines, mut remarks) = (Vec::new(), Vec::new());
-    for (number, raw) in text.split(['\n', '\r']).enumerate_lines(text) {
+    for (number, raw) in numbered_lines(text) {
         let trimmed = raw.trim();
         let comment = trimmed
             .strip_prefix(['#', '%'])
@@ -103,29 +103,14 @@ pub(super) fn lines_and_remarks(text: &str) -> (Vec<Line<'_>>, Vec<Remark>) {
     (lines, remarks)
 }
 
-/// Numbers lines as editors do: LF, CRLF and lone CR each end one line.
-trait EnumerateLines<'a>: Iterator<Item = &'a str> + Sized {
-    fn enumerate_lines(self, text: &'a str) -> impl Iterator<Item = (u64, &'a str)> {
-        let bytes = text.as_bytes();
-        let base = text.as_ptr() as usize;
-        let mut number = 0;
-        self.filter_map(move |piece| {
-            let start = piece.as_ptr() as usize - base;
-            // the empty piece between CR and LF is no line of its own
-            if piece.is_empty()
-                && start > 0
-                && bytes.get(start) == Some(&b'\n')
-                && bytes[start - 1] == b'\r'
-            {
-                return None;
-            }
-            number += 1;
-            Some((number, piece))
-        })
-    }
+/// The lines of a text, numbered as editors do: LF, CRLF and lone CR each end one line.
+fn numbered_lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
+    let lines = text.split('\n').flat_map(|line| {
+        let line = line.strip_suffix('\r').unwrap_or(line);
+        line.split('\r')
+    });
+    (1..).zip(lines)
 }
-
-impl<'a, I: Iterator<Item = &'a str>> EnumerateLines<'a> for I {}
 
 #[cfg(test)]
 mod tests {

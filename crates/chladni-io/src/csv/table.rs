@@ -13,9 +13,9 @@ pub(super) struct Table {
     pub(super) units: Vec<String>,
     /// Keyword rows above the data, by keyword.
     pub(super) keywords: Vec<(String, Vec<String>)>,
-    /// All text above the rows, to see what an unnamed column may be about.
+    /// All text above the rows, which may hint at the meaning of columns without names.
     pub(super) header_text: String,
-    /// Those lines of it that name no columns.
+    /// The lines of `header_text` that name no columns.
     pub(super) prose: String,
     pub(super) columns: usize,
     /// Row by row.
@@ -121,7 +121,7 @@ impl Table {
         Ok(())
     }
 
-    /// A delimiter at the end of each row makes a column without content or name.
+    /// Drops columns without content and name, which a delimiter at the end of each row makes.
     fn drop_empty_columns(&mut self) {
         let is_empty = |column: &usize| {
             self.names[*column].is_empty()
@@ -148,7 +148,7 @@ impl Table {
         self.columns = kept;
     }
 
-    /// One column.
+    /// The numbers of one column.
     pub(super) fn column(&self, column: usize) -> Vec<f64> {
         self.values
             .iter()
@@ -173,8 +173,8 @@ impl Table {
     }
 }
 
-/// Header lines, rows and the number of columns: rows begin at the first clean row of
-/// numbers, or above it where cells of the first rows are missing, as at 0 Hz.
+/// Header lines, rows and the number of columns. Rows begin at the first clean row of numbers,
+/// or above it where cells of the first rows are missing, as they often are at 0 Hz.
 fn split<'l, 't>(
     lines: &'l [Line<'t>],
     dialect: Dialect,
@@ -200,8 +200,8 @@ fn split<'l, 't>(
     (&lines[..start], rows.collect(), columns)
 }
 
-/// Columns up to the last one that is not empty in one of the first rows: a delimiter may
-/// end each row.
+/// Number of columns up to the last that is filled in one of the first rows: each row may end
+/// with a delimiter.
 fn filled_columns(rows: &[&Line<'_>], dialect: Dialect) -> usize {
     let filled = |row: &&Line<'_>| {
         let cells = dialect.cells(row.text);
@@ -233,7 +233,7 @@ fn no_numbers(lines: &[Line<'_>]) -> Error {
         .help("tables need rows like 10.5,0.1,-0.2 under a header like f,re,im")
 }
 
-/// The error of a cell that is no number. That of the frequency cannot be masked.
+/// The error of a cell that is no number. A frequency cannot be masked.
 pub(super) fn not_finite(line: u64, name: String, cell: &str, is_axis: bool) -> Error {
     let help = match (has_thousands(cell), is_axis) {
         (true, _) => "write the numbers without separators of thousands",
@@ -252,7 +252,7 @@ pub(super) fn not_finite(line: u64, name: String, cell: &str, is_axis: bool) -> 
         .help(help)
 }
 
-/// The rows left out and the values masked, and where first.
+/// Numbers of rows left out and of values masked, each with the first line.
 #[derive(Default)]
 struct Masked {
     empty: Option<(u64, usize)>,

@@ -32,12 +32,12 @@ pub(crate) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// A line that holds something, with its number counted from 1.
+/// A line that is not blank, with its number counted from 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
     pub(super) number: u64,
     pub(super) text: &'a str,
-    /// A comment, without its sign: it may be the header, and never is a row.
+    /// True for a comment, whose sign is cut off: it may be the header, but no row.
     pub(super) is_comment: bool,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Dialect {
     pub(super) decimal_comma: bool,
 }
 
-/// In the order of preference where several fit equally.
+/// All dialects; where several fit equally, the first is taken.
 const DIALECTS: [Dialect; 7] = [
     Dialect {
         delimiter: Some('\t'),
@@ -80,7 +80,7 @@ const DIALECTS: [Dialect; 7] = [
         decimal_comma: true,
     },
 ];
-/// Commas for both: cannot be read, and must not be taken for anything else.
+/// Commas as delimiter and decimal sign: such a table is refused.
 const COMMAS: Dialect = Dialect {
     delimiter: Some(','),
     decimal_comma: true,
@@ -109,14 +109,13 @@ impl Dialect {
             .count()
     }
 
-    /// True where lines are rows of numbers only with a comma for both the decimal sign
-    /// and the delimiter.
+    /// True where lines are rows of numbers only if commas are both decimal sign and delimiter.
     pub(super) fn commas_everywhere(lines: &[Line<'_>]) -> bool {
         COMMAS.rows_among(lines) > 0
     }
 
-    /// True where some way of cutting finds two rows of numbers or more; a single one may
-    /// be a date in a letter.
+    /// True where some dialect finds two rows of numbers or more; one alone may be a date in a
+    /// letter.
     pub(super) fn any_finds_rows(lines: &[Line<'_>]) -> bool {
         DIALECTS
             .iter()
@@ -124,7 +123,7 @@ impl Dialect {
             .any(|dialect| dialect.rows_among(lines) > 1)
     }
 
-    /// True where some way of cutting makes a line a row of numbers.
+    /// True where a line is a row of numbers in some dialect.
     pub(super) fn any_finds_row(line: &str) -> bool {
         DIALECTS
             .iter()
@@ -132,8 +131,7 @@ impl Dialect {
             .any(|dialect| dialect.is_row(line))
     }
 
-    /// Every dialect, this one first: a header may be cut in another way than the
-    /// numbers.
+    /// Every dialect, this one first: the header may have another dialect than the numbers.
     pub(super) fn and_others(self) -> impl Iterator<Item = Self> {
         std::iter::once(self).chain(
             DIALECTS
@@ -161,8 +159,8 @@ impl Dialect {
         cells
     }
 
-    /// True where at least two cells are numbers, the first is, and all others are
-    /// numbers or empty.
+    /// True where the first cell and at least one other are numbers, and the rest are numbers
+    /// or empty.
     pub(super) fn is_row(self, line: &str) -> bool {
         let cells = self.cells(line);
         let values = cells
@@ -175,8 +173,8 @@ impl Dialect {
         values >= 2 && clean && matches!(self.number(&cells[0]), Cell::Value(_))
     }
 
-    /// True for a line that stands among rows of `columns` cells though it is no clean
-    /// one: it begins with a number, or holds nothing but numbers and gaps.
+    /// True for a damaged row of a table of `columns` columns: it begins with a number, or holds
+    /// nothing but numbers and gaps.
     pub(super) fn is_damaged_row(self, line: &str, columns: usize) -> bool {
         let cells = self.cells(line);
         let number = |cell: &Cow<'_, str>| self.number(cell);
@@ -207,7 +205,7 @@ impl Dialect {
         if start.to_ascii_lowercase().starts_with("1.#inf") {
             return Cell::Overflow;
         }
-        // a point beside decimal commas is a separator of thousands, or another table
+        // with decimal commas, a point separates thousands, or the dialect is wrong
         if self.decimal_comma && (cell.contains('.') || cell.ends_with(',')) {
             return Cell::Text;
         }
@@ -228,7 +226,7 @@ impl Dialect {
     }
 }
 
-/// True for what programs write where there is no number, without its sign.
+/// True for a text (without sign) that programs write in place of a number.
 fn is_gap(text: &str) -> bool {
     let lower = text.to_ascii_lowercase();
     let not_a_number = lower.strip_prefix("nan").is_some_and(|rest| {
@@ -240,8 +238,8 @@ fn is_gap(text: &str) -> bool {
             .any(|gap| lower == *gap)
 }
 
-/// True for what looks like a number with separators of thousands: `1,000.5`, `1.000`,
-/// `1 000`, `1'000`.
+/// True for a text like a number with separators of thousands: `1,000.5`, `1.000`, `1 000`,
+/// `1'000`.
 pub(super) fn has_thousands(cell: &str) -> bool {
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let cell = cell.trim().trim_start_matches(['+', '-']);
@@ -312,8 +310,8 @@ pub(super) fn refuse_complex_lists(lines: &[Line<'_>]) -> Result<()> {
     )
 }
 
-/// More cells than names, up to twice as many: the commas inside the numbers were taken
-/// for delimiters.
+/// Refuses rows of more cells than names, up to twice as many: decimal commas were taken for
+/// delimiters.
 pub(super) fn refuse_decimal_comma(
     first: &Line<'_>,
     header: &[Line<'_>],
@@ -337,7 +335,7 @@ pub(super) fn refuse_decimal_comma(
     Ok(())
 }
 
-/// The error of a table with `,` for the decimal sign and the delimiter.
+/// The error of a table with `,` as both decimal sign and delimiter.
 pub(super) fn both_commas(error: Error) -> Error {
     error
         .expected("a decimal point, or another delimiter")

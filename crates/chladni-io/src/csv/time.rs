@@ -8,19 +8,19 @@ use crate::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinat
 use chladni_frf::{Direction, Dof, Error, Finding, Result};
 use std::path::Path;
 
-/// Names that a time axis goes by.
+/// Names of a time axis.
 const TIME_NAMES: [&str; 4] = ["t", "time", "zeit", "temps"];
 
-/// Times at which the samples of a table were taken.
+/// The times of the samples of a table.
 pub(super) enum Times {
-    /// In the first column; factor to seconds.
+    /// Times in the first column, with their factor to seconds.
     FirstColumn(f64),
-    /// Evenly, Hz; no column says so.
+    /// Even sampling at this rate, Hz, without a column of times.
     Rate(f64),
 }
 
-/// The time axis of a table: its first column where name or unit say that it is time,
-/// else `rate_hz`, where the user gives one.
+/// The time axis of a table: its first column where name or unit are of a time, else the
+/// `rate_hz` of the user.
 pub(super) fn axis(table: &Table, rate_hz: Option<f64>) -> Option<Times> {
     let head = ColumnHeader::parse(table.names.first()?, table.units.first()?);
     let named = TIME_NAMES.contains(&head.base.trim());
@@ -93,7 +93,7 @@ pub(super) fn document(
     let heads = ColumnHeader::of_columns(&table.names, &table.units);
     for (column, head) in heads.iter().enumerate().skip(first_channel) {
         let samples = samples(table, column)?;
-        // the place of a channel, be it a force or a motion
+        // the DOF of a channel, be it a force or a motion
         let response = head.dofs.response.or(head.dofs.reference);
         let response = response.unwrap_or_else(|| {
             numbered += 1;

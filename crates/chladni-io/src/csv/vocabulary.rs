@@ -1,5 +1,4 @@
-//! Words that headers are made of, in the languages and spellings of analysers and
-//! scripts.
+//! The words of headers, in the languages and spellings of analysers and scripts.
 
 /// The part of an FRF that a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -54,7 +53,7 @@ const PARTS: [(Part, &[&str]); 5] = [
         ],
     ),
 ];
-/// The side of an FRF that a DOF stands on.
+/// The side of an FRF to which a DOF belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     Response,
@@ -81,9 +80,9 @@ const ROLES: [(Role, &[&str]); 2] = [
         ],
     ),
 ];
-/// The word of a response that means other things too: `relative to`, `due to`.
+/// A word before a response that has other meanings too: `relative to`, `due to`.
 pub(super) const TO: &str = "to";
-/// Words of a role that stand in front of their DOF, never behind it.
+/// Words of a role that come before their DOF, never after it.
 const IN_FRONT: [&str; 5] = [TO, "from", "ref", "reference", "referenz"];
 /// Words beside a number of seconds or repetitions: `5s record`, `10x avg`.
 const MEASUREMENT: [&str; 21] = [
@@ -109,15 +108,15 @@ const MEASUREMENT: [&str; 21] = [
     "time",
     "t",
 ];
-/// Words that a DOF stands beside: `H1 of point 1x`.
+/// Words beside a DOF: `H1 of point 1x`.
 const PLACES: [&str; 12] = [
     "h", "h1", "h2", "hv", "frf", "point", "pt", "node", "dof", "at", "channel", "ch",
 ];
-/// Signs in front of a part that turn it: `-Im`.
+/// Signs before a part that negate it: `-Im`.
 pub(super) const MINUS: [char; 3] = ['-', '\u{2212}', '\u{2013}'];
-/// Words that do the same.
+/// Words before a part that negate it.
 pub(super) const NEGATIVE: [&str; 3] = ["negative", "neg", "minus"];
-/// Word beside a phase that turns it.
+/// A word beside a phase that negates it.
 pub(super) const LAG: &str = "lag";
 /// Words for a magnitude on a logarithmic scale.
 const DECIBEL: [&str; 9] = [
@@ -133,7 +132,7 @@ const SQUARED: [&str; 7] = [
     "betragsquadrat",
     "magsq",
 ];
-/// Names that a frequency axis goes by.
+/// Names of a frequency axis.
 const FREQUENCY: [&str; 15] = [
     "f",
     "fr",
@@ -153,7 +152,7 @@ const FREQUENCY: [&str; 15] = [
 ];
 /// Names of an angular frequency, which need their unit.
 pub(super) const ANGULAR: [&str; 3] = ["omega", "ω", "w"];
-/// Words of a header that say nothing: `Real part of the FRF`.
+/// Words of a header without information: `Real part of the FRF`.
 const FILLERS: [&str; 11] = [
     "part",
     "of",
@@ -168,7 +167,7 @@ const FILLERS: [&str; 11] = [
     "unit",
 ];
 
-/// The part that a word names; numbers behind it count nothing (`re1`).
+/// The part that a word names; a number after it is ignored (`re1`).
 pub(super) fn part_of(word: &str) -> Option<Part> {
     let letters = word
         .trim_end_matches(|c: char| c.is_ascii_digit() || c == '²')
@@ -180,13 +179,13 @@ pub(super) fn part_of(word: &str) -> Option<Part> {
         .or_else(|| is_decibel(word).then_some(Part::Magnitude))
 }
 
-/// True for a word that says decibels or another logarithm.
+/// True for a word for decibels or another logarithm.
 pub(super) fn is_decibel(word: &str) -> bool {
     DECIBEL.contains(&word.to_lowercase().as_str())
 }
 
-/// True for a word that says a square, or its sign behind a magnitude: `|H|²`, `mag^2`; the
-/// square of a unit, m/s², is none.
+/// True for a text with a word for a square, or with its sign after a magnitude (`|H|²`,
+/// `mag^2`), but not after a unit (m/s²).
 pub(super) fn is_squared(text: &str) -> bool {
     let of_magnitude = |before: &str| {
         let word = words(before).last().unwrap_or_default().to_lowercase();
@@ -205,7 +204,7 @@ pub(super) fn is_frequency(word: &str) -> bool {
     FREQUENCY.contains(&word)
 }
 
-/// The name of a frequency that a word begins with, and the rest: `fkHz`.
+/// The rest of a word after the name of a frequency: `kHz` of `fkHz`.
 pub(super) fn after_frequency(word: &str) -> Option<&str> {
     let lower = word.to_lowercase();
     FREQUENCY
@@ -216,8 +215,8 @@ pub(super) fn after_frequency(word: &str) -> Option<&str> {
         .filter(|rest| !rest.is_empty())
 }
 
-/// The side that the first word of a text names. What follows `/` or `per` is the unit of
-/// a ratio: `velocity/force`.
+/// The side that the first word of a text names. Text after `/` or `per` belongs to the unit
+/// of a ratio: `velocity/force`.
 pub(super) fn role_of(text: &str) -> Option<Role> {
     let first = words(text).next().filter(|_| !text.starts_with('/'))?;
     let lower = first.to_lowercase();
@@ -227,22 +226,22 @@ pub(super) fn role_of(text: &str) -> Option<Role> {
         .map(|(role, _)| *role)
 }
 
-/// True for a word of a role, in lower case, whose DOF stands behind it.
+/// True for a word of a role, in lower case, that comes before its DOF.
 pub(super) fn is_in_front(word: &str) -> bool {
     IN_FRONT.contains(&word)
 }
 
-/// True for a word of how was measured, in lower case.
+/// True for a word about the measurement, in lower case.
 pub(super) fn is_measurement(word: &str) -> bool {
     MEASUREMENT.contains(&word)
 }
 
-/// True for a word that stands beside a DOF, in lower case, and describes nothing else.
+/// True for a word that describes nothing but the DOF beside it, in lower case.
 pub(super) fn is_beside_dof(word: &str) -> bool {
     PLACES.contains(&word) || role_of(word).is_some()
 }
 
-/// True for a word that says nothing, in lower case.
+/// True for a word without information, in lower case.
 pub(super) fn is_filler(word: &str) -> bool {
     FILLERS.contains(&word)
 }
@@ -253,7 +252,7 @@ pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
         .filter(|word| !word.is_empty())
 }
 
-/// Number of words of the trade in a line: two or more make it a header.
+/// Number of known words in a line: two or more make it a header.
 pub(super) fn known_words(text: &str) -> usize {
     words(text)
         .filter(|word| part_of(word).is_some() || is_frequency(&word.to_lowercase()))

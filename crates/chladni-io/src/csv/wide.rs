@@ -77,7 +77,7 @@ fn frequency_factor(table: &Table, facts: &TableFacts) -> Result<f64> {
     facts.frequency_factor(factor, label.trim())
 }
 
-/// Names such as `f1,re1,im1,f2,re2,im2`: each FRF has its own frequencies.
+/// Refuses names such as `f1,re1,im1,f2,re2,im2`, where each FRF has its own frequencies.
 fn refuse_own_axes(table: &Table) -> Result<()> {
     let is_numbered = |name: &String| {
         let lower = name.to_lowercase();
@@ -95,7 +95,7 @@ fn refuse_own_axes(table: &Table) -> Result<()> {
     }
 }
 
-/// The index that tables of other programs begin with, in a column without a name.
+/// Refuses a first column without a name that holds row numbers, as other programs write.
 fn refuse_row_numbers(table: &Table, raw: &[f64]) -> Result<()> {
     let counts = raw.len() > 1
         && (raw.iter().enumerate()).all(|(row, value)| *value - raw[0] == row as f64)
@@ -167,10 +167,10 @@ fn trace(
     })
 }
 
-/// The DOFs that the names of two columns give.
+/// The DOFs in the names of two columns.
 ///
 /// # Errors
-/// Different ones; words that do not tell which is the response.
+/// Different DOFs; words that do not tell response from reference.
 fn dofs_of_pair(first: &Column<'_>, second: &Column<'_>) -> Result<Dofs> {
     for column in [first, second] {
         if column.head.dofs.is_unclear {

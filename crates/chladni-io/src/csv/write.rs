@@ -1,13 +1,13 @@
-//! Own tables: remarks, a header, one row per FRF and line.
+//! Tables of our own: remarks, a header, one row per FRF and line.
 
 use chladni_frf::{Dof, FrfSet, FrfValues};
 use std::io::{self, Write};
 
-/// Writes the set; a pair that was not measured has no rows, a masked line has NaN.
+/// Writes the set as a long table; a pair that was not measured has no rows, a masked line has NaN.
 ///
 /// The column `coherence` is there only where the set has coherence. Numbers are the
 /// shortest that read back the same.
-pub(super) fn write(out: &mut dyn Write, set: &FrfSet) -> io::Result<()> {
+pub(crate) fn write(out: &mut dyn Write, set: &FrfSet) -> io::Result<()> {
     if let Some(kind) = set.kind {
         writeln!(out, "# frf_kind = {kind}")?;
         writeln!(out, "# unit = {}", kind.unit(set.reference_unit))?;

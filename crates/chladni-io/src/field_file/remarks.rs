@@ -1,5 +1,5 @@
-//! The lines with `#` of a field: frequency, unit, and the weights that were
-//! played. Lines with other keys are remarks for people.
+//! The lines with `#` of a field: frequency, unit, and the weights that were played. Lines
+//! with other keys are ignored.
 
 use super::numbered;
 use super::peak::factor_to_peak;
@@ -10,16 +10,16 @@ use chladni_frf::{Error, Result};
 /// The value that a line with `#` gives.
 pub(super) struct Stated<T> {
     pub(super) value: T,
-    /// The words of the file.
+    /// The value as in the file.
     words: String,
     line: u64,
 }
 
 impl<T: PartialEq> Stated<T> {
-    /// Notes what `field` is said to be.
+    /// Notes the value of `field`.
     ///
     /// # Errors
-    /// A line before said otherwise.
+    /// An earlier line with another value.
     fn note(self, field: &str, noted: &mut Option<Self>) -> Result<()> {
         if let Some(known) = noted.as_ref().filter(|known| known.value != self.value) {
             let message = format!(
@@ -48,10 +48,10 @@ pub(super) struct Remarks {
 }
 
 impl Remarks {
-    /// Those of a file.
+    /// Reads the remarks of a file.
     ///
     /// # Errors
-    /// A line that is not understood, or that contradicts one before.
+    /// A line that is not understood, or that contradicts an earlier one.
     pub(super) fn of(text: &str) -> Result<Self> {
         let mut remarks = Self::default();
         for (number, line) in numbered(text) {
@@ -62,7 +62,7 @@ impl Remarks {
         Ok(remarks)
     }
 
-    /// Takes what follows `#`.
+    /// Reads the text after `#`.
     fn take(&mut self, remark: &str, line: u64) -> Result<()> {
         let Some((key, value)) = remark.split_once('=') else {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Attributes of a group, every one of which must be there.
+//! Required attributes of a group.
 
 use crate::arrays::tree::Entry;
 use chladni_frf::{Error, Result};
@@ -16,7 +16,7 @@ pub(super) const ID_LINES: [&str; 5] = [
 /// The attributes of a group.
 pub(super) struct Required<'a> {
     pub(super) group: &'a Entry,
-    /// Kind of thing in the group, for messages.
+    /// Word for the content of the group, in messages.
     pub(super) holds: &'static str,
 }
 
@@ -64,7 +64,7 @@ impl Required<'_> {
     }
 }
 
-/// What `read` gives for each of `names`.
+/// The results of `read` for all `names`.
 pub(super) fn each<T: Default, const N: usize>(
     names: [&str; N],
     read: impl Fn(&str) -> Result<T>,

@@ -1,4 +1,4 @@
-//! The estimation of FRFs: the group `/estimation`, without datasets.
+//! The estimation of FRFs: the group `/estimation` of attributes alone.
 
 use crate::arrays::tree::{Attribute, Entry, Group};
 use chladni_frf::{BlockWindow, Error, Estimation, Forcing, Result};

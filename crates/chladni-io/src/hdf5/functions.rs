@@ -99,7 +99,7 @@ pub(super) fn read_functions(own: &Own<'_>) -> Result<Vec<Function>> {
         .collect()
 }
 
-/// The axis of a function that carries one, `count` values long.
+/// The uneven abscissa of a function, of `count` values; `None` for an even one.
 fn uneven(own: &Own<'_>, group: &Entry, count: usize) -> Result<Option<Vec<f64>>> {
     let path = format!("{}/abscissa", group.path);
     let Some(entry) = own.find(&path) else {

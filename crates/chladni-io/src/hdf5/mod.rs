@@ -1,8 +1,7 @@
-//! HDF5: our own layout ([`own`]) and files of others (`arrays::foreign`).
+//! HDF5: our own layout ([`own`]) and files of other programs (`arrays::foreign`).
 //!
-//! Two back ends with the same functions read and write it: pure Rust by default, the C
-//! library with the feature `system` (for files with filters or layouts that the built-in
-//! one refuses).
+//! Two back ends have the same functions: pure Rust by default, and the C library with the
+//! feature `system` (for files with filters or layouts that the built-in one refuses).
 
 mod attributes;
 #[cfg(not(feature = "system"))]
@@ -114,8 +113,8 @@ fn read_own(own: &Own<'_>, document: &mut Document) -> Result<Option<FoundFrf>> 
     }))
 }
 
-/// Lines that are NaN in a pair that was measured; pairs that are NaN throughout are
-/// missing, and listed later.
+/// Reports lines that are NaN in measured pairs. Pairs that are NaN throughout are missing
+/// ones, and are listed later.
 fn report_masked(set: &FrfSet, warnings: &mut Vec<Finding>) {
     fn masked<C: ComplexFloat>(values: &Array3<C>) -> usize {
         let counts = values
@@ -161,13 +160,12 @@ fn dataset_info(entry: &Entry) -> DatasetInfo {
             .unread()
             .map(|words| Finding::note("not-read", words))
             .collect(),
-        left_behind: true, // until something of the document is made of it
+        left_behind: true, // until its content is used
         ..DatasetInfo::default()
     }
 }
 
-/// Writes FRFs (with their geometry) and what else there is in our own layout,
-/// atomically.
+/// Writes FRFs with their geometry, functions and shapes in our own layout, atomically.
 pub(super) fn write(
     path: &Path,
     frf: Option<&FrfSet>,

@@ -1,8 +1,8 @@
-//! `/model`: a modal model, the fields of the JSON file under their names; values per
-//! mode as arrays over modes.
+//! `/model`: a modal model, with the fields of the JSON file under their names. Values of the
+//! modes are arrays over modes.
 //!
-//! Texts and single numbers are attributes; lists of texts and `options` are JSON text
-//! where HDF5 has nothing as faithful.
+//! Texts and single numbers are attributes. Some lists of texts and `options` are JSON text,
+//! because HDF5 has no type that keeps them as they are.
 
 use super::own::{add_label_lists, Own};
 use crate::arrays::tree::{Attribute, Entry, Group, Values};
@@ -46,7 +46,7 @@ fn word(value: &impl Serialize) -> String {
     }
 }
 
-/// The model as a group; its arrays were checked against each other before.
+/// The group of a model whose sizes have been checked.
 pub(super) fn model_group(model: &ModalModel) -> Group<'_> {
     let mut group = Group::new("model");
     group.set("format", model.format.as_str());
@@ -84,8 +84,8 @@ pub(super) fn model_group(model: &ModalModel) -> Group<'_> {
     group
 }
 
-/// Columns of a table of sources, by name: `blake3` only where a large file needs it, and
-/// each sum empty where a source has the other.
+/// Columns of a table of sources, by name. A checksum is empty where the source has the other
+/// kind; `blake3` is there only where some source has it.
 pub(super) fn source_columns(sources: &[Source]) -> Vec<(&'static str, Vec<String>)> {
     let names = sources.iter().map(|source| source.file.clone());
     let sums = |field: &str| -> Vec<String> {
@@ -205,46 +205,46 @@ fn quality_group(quality: &Quality) -> Group<'static> {
     group
 }
 
-/// A group of the model, with readers that name what is missing.
+/// A group of the model; its readers name missing attributes and datasets.
 struct ModelGroup<'a> {
     own: &'a Own<'a>,
-    group: &'a Entry,
+    entry: &'a Entry,
 }
 
 impl<'a> ModelGroup<'a> {
     fn open(own: &'a Own<'a>, path: &str) -> Result<Self> {
-        let group = own.find(path).ok_or_else(|| {
+        let entry = own.find(path).ok_or_else(|| {
             Error::bad_data("a group is missing")
                 .field(path)
                 .found("nothing")
                 .expected("a group of a model file")
         })?;
-        Ok(Self { own, group })
+        Ok(Self { own, entry })
     }
     fn missing(&self, name: &str) -> Error {
         Error::bad_data("an attribute is missing or of the wrong type")
-            .field(format!("{name} of {}", self.group.path))
+            .field(format!("{name} of {}", self.entry.path))
     }
     fn text(&self, name: &str) -> Result<String> {
-        self.group
+        self.entry
             .text(name)
             .map(str::to_owned)
             .ok_or_else(|| self.missing(name))
     }
     fn real(&self, name: &str) -> Result<f64> {
-        self.group.real(name).ok_or_else(|| self.missing(name))
+        self.entry.real(name).ok_or_else(|| self.missing(name))
     }
     /// A word that serde reads: `mobility`, `structural`, ...
     fn word<T: DeserializeOwned>(&self, name: &str) -> Result<T> {
-        parse_word(&self.text(name)?, &format!("{name} of {}", self.group.path))
+        parse_word(&self.text(name)?, &format!("{name} of {}", self.entry.path))
     }
     fn has(&self, name: &str) -> bool {
         self.own
-            .find(&format!("{}/{name}", self.group.path))
+            .find(&format!("{}/{name}", self.entry.path))
             .is_some()
     }
     fn dataset(&self, name: &str) -> Result<(&'a Entry, Values<'static>)> {
-        self.own.dataset(&format!("{}/{name}", self.group.path))
+        self.own.dataset(&format!("{}/{name}", self.entry.path))
     }
     fn reals(&self, name: &str) -> Result<Vec<f64>> {
         let (entry, values) = self.dataset(name)?;
@@ -274,7 +274,7 @@ impl<'a> ModelGroup<'a> {
             return Ok(());
         }
         Err(Error::bad_data("sizes disagree")
-            .field(format!("{}/{name}", self.group.path))
+            .field(format!("{}/{name}", self.entry.path))
             .found(found)
             .expected(expected))
     }
@@ -287,14 +287,14 @@ fn parse_word<T: DeserializeOwned>(text: &str, field: &str) -> Result<T> {
         .map_err(|error| Error::bad_data(error.to_string()).field(field).found(text))
 }
 
-/// The model of a file; sizes and numbers are checked by the caller.
+/// Reads the model of a file; the caller checks sizes and numbers.
 pub(super) fn read_model(own: &Own<'_>) -> Result<ModalModel> {
-    let part = ModelGroup::open(own, "/model")?;
-    let version = part
-        .group
+    let group = ModelGroup::open(own, "/model")?;
+    let version = group
+        .entry
         .integer("version")
-        .ok_or_else(|| part.missing("version"))?;
-    let format = part.text("format")?;
+        .ok_or_else(|| group.missing("version"))?;
+    let format = group.text("format")?;
     if format != MODEL_FORMAT {
         return Err(Error::bad_data("not a modal model")
             .field("format of /model")
@@ -302,32 +302,33 @@ pub(super) fn read_model(own: &Own<'_>) -> Result<ModalModel> {
             .expected(MODEL_FORMAT));
     }
     let dof_list = |name: &str| {
-        part.dataset(name)
+        group
+            .dataset(name)
             .and_then(|(entry, values)| dofs(entry, values))
     };
-    let (entry, nodes) = part.dataset("nodes")?;
+    let (entry, nodes) = group.dataset("nodes")?;
     let Values::Nodes(nodes) = nodes else {
         return Err(wrong_type(entry, "records {label u64, x y z f64}"));
     };
-    let band = part.reals("band_hz")?;
-    part.expect_count("band_hz", band.len(), 2)?;
+    let band = group.reals("band_hz")?;
+    group.expect_count("band_hz", band.len(), 2)?;
     Ok(ModalModel {
         format,
         version: u32::try_from(version).unwrap_or(0),
-        created_by: part.text("created_by")?,
+        created_by: group.text("created_by")?,
         source: read_sources(own)?,
-        options: part.word("options")?,
-        frf_kind: part.word("frf_kind")?,
-        reference_unit: part.word("reference_unit")?,
+        options: group.word("options")?,
+        frf_kind: group.word("frf_kind")?,
+        reference_unit: group.word("reference_unit")?,
         band_hz: [band[0], band[1]],
-        damping: part.word("damping")?,
-        scaling: part.word("scaling")?,
+        damping: group.word("damping")?,
+        scaling: group.word("scaling")?,
         responses: dof_list("responses")?,
         references: dof_list("references")?,
         nodes,
         lines: own.label_lists("/model/lines")?,
         faces: own.label_lists("/model/faces")?,
-        method: part.text("method")?,
+        method: group.text("method")?,
         modes: read_modes(own)?,
         residual_terms: read_residual_terms(own)?,
         quality: read_quality(own)?,
@@ -335,14 +336,14 @@ pub(super) fn read_model(own: &Own<'_>) -> Result<ModalModel> {
 }
 
 fn read_sources(own: &Own<'_>) -> Result<Vec<Source>> {
-    let part = ModelGroup::open(own, "/model/source")?;
-    let (files, sha256) = (part.texts("file")?, part.texts("sha256")?);
-    part.expect_count("sha256", sha256.len(), files.len())?;
-    let blake3 = match part.has("blake3") {
-        true => part.texts("blake3")?,
+    let group = ModelGroup::open(own, "/model/source")?;
+    let (files, sha256) = (group.texts("file")?, group.texts("sha256")?);
+    group.expect_count("sha256", sha256.len(), files.len())?;
+    let blake3 = match group.has("blake3") {
+        true => group.texts("blake3")?,
         false => vec![String::new(); files.len()],
     };
-    part.expect_count("blake3", blake3.len(), files.len())?;
+    group.expect_count("blake3", blake3.len(), files.len())?;
     let columns = files.into_iter().zip(sha256).zip(blake3);
     let source = |((file, sha256), blake3): ((String, String), String)| Source {
         file,
@@ -355,37 +356,37 @@ fn read_sources(own: &Own<'_>) -> Result<Vec<Source>> {
 }
 
 fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
-    let part = ModelGroup::open(own, "/model/modes")?;
+    let group = ModelGroup::open(own, "/model/modes")?;
     let mut numbers = Vec::new();
     for name in MODE_NUMBERS {
-        numbers.push(part.reals(name)?);
+        numbers.push(group.reals(name)?);
     }
     let count = numbers[0].len();
     for (name, values) in MODE_NUMBERS.iter().zip(&numbers) {
-        part.expect_count(name, values.len(), count)?;
+        group.expect_count(name, values.len(), count)?;
     }
-    let (entry, in_band) = part.dataset("in_band")?;
+    let (entry, in_band) = group.dataset("in_band")?;
     let in_band = integers(entry, in_band)?;
-    part.expect_count("in_band", in_band.len(), count)?;
-    let (trust, reasons) = (part.texts("trust")?, part.texts("reasons")?);
-    part.expect_count("trust", trust.len(), count)?;
-    part.expect_count("reasons", reasons.len(), count)?;
-    let doubts = match part.has("doubts") {
-        true => part.texts("doubts")?,
+    group.expect_count("in_band", in_band.len(), count)?;
+    let (trust, reasons) = (group.texts("trust")?, group.texts("reasons")?);
+    group.expect_count("trust", trust.len(), count)?;
+    group.expect_count("reasons", reasons.len(), count)?;
+    let doubts = match group.has("doubts") {
+        true => group.texts("doubts")?,
         false => vec!["[]".into(); count],
     };
-    part.expect_count("doubts", doubts.len(), count)?;
+    group.expect_count("doubts", doubts.len(), count)?;
     let (shape, participation) = (
-        part.matrix("shape", count)?,
-        part.matrix("participation", count)?,
+        group.matrix("shape", count)?,
+        group.matrix("participation", count)?,
     );
-    let shape_std = part.reals("shape_std")?;
-    part.expect_count("shape_std", shape_std.len(), shape.len())?;
-    let scale_std = match part.has("scale_std") {
-        true => part.reals("scale_std")?,
+    let shape_std = group.reals("shape_std")?;
+    group.expect_count("shape_std", shape_std.len(), shape.len())?;
+    let scale_std = match group.has("scale_std") {
+        true => group.reals("scale_std")?,
         false => vec![f64::NAN; count],
     };
-    part.expect_count("scale_std", scale_std.len(), count)?;
+    group.expect_count("scale_std", scale_std.len(), count)?;
     (0..count)
         .map(|k| {
             let field = |name: &str| format!("{name} of mode {}", k + 1);
@@ -412,41 +413,41 @@ fn read_modes(own: &Own<'_>) -> Result<Vec<Mode>> {
 }
 
 fn read_residual_terms(own: &Own<'_>) -> Result<ResidualTerms> {
-    let part = ModelGroup::open(own, "/model/residual_terms")?;
-    let powers = part.reals("power")?;
-    let (entry, matrices) = part.complex("matrix")?;
+    let group = ModelGroup::open(own, "/model/residual_terms")?;
+    let powers = group.reals("power")?;
+    let (entry, matrices) = group.complex("matrix")?;
     let matrices: Array3<Complex64> = matrices
         .into_dimensionality::<Ix3>()
         .map_err(|_| wrong_type(entry, "three axes"))?;
-    part.expect_count("matrix", matrices.dim().0, powers.len())?;
+    group.expect_count("matrix", matrices.dim().0, powers.len())?;
     let term = |(&power, matrix): (&f64, ndarray::ArrayView2<'_, Complex64>)| ResidualTerm {
         power: power as i32,
         matrix: ComplexMatrix(matrix.to_owned()),
     };
     Ok(ResidualTerms {
-        omega_scale_rad_per_s: part.real("omega_scale_rad_per_s")?,
+        omega_scale_rad_per_s: group.real("omega_scale_rad_per_s")?,
         terms: powers.iter().zip(matrices.outer_iter()).map(term).collect(),
     })
 }
 
 fn read_quality(own: &Own<'_>) -> Result<Quality> {
-    let part = ModelGroup::open(own, "/model/quality")?;
+    let group = ModelGroup::open(own, "/model/quality")?;
     Ok(Quality {
-        relative_error: part.real("relative_error")?,
-        chi2_per_dof: part.real("chi2_per_dof")?,
-        trusted: part.real("trusted")? != 0.0,
-        findings: match part.has("findings") {
-            true => part
+        relative_error: group.real("relative_error")?,
+        chi2_per_dof: group.real("chi2_per_dof")?,
+        trusted: group.real("trusted")? != 0.0,
+        findings: match group.has("findings") {
+            true => group
                 .texts("findings")?
                 .iter()
                 .map(|text| parse_word(text, "findings"))
                 .collect::<Result<_>>()?,
-            false => part
+            false => group
                 .texts("warnings")?
                 .into_iter()
                 .map(Finding::from)
                 .collect(),
         },
-        path: part.group.text("path").map(str::to_owned),
+        path: group.entry.text("path").map(str::to_owned),
     })
 }

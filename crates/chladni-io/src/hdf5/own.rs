@@ -28,7 +28,7 @@ pub(super) const FORMAT: &str = "chladni";
 /// `version` of the root.
 const VERSION: i64 = 1;
 
-/// True for the datasets that [`Own`] reads into a document; a model is read by itself.
+/// True for the datasets that [`Own`] reads into a document. A model is none of them.
 pub(super) fn is_carried(path: &str) -> bool {
     let known = [
         "/freq",
@@ -76,7 +76,7 @@ impl Own<'_> {
             .map(|at| &self.entries[at])
     }
 
-    /// The dataset at `path`, or the error that misses it.
+    /// The dataset at `path`, which must exist.
     pub(super) fn dataset(&self, path: &str) -> Result<(&Entry, Values<'static>)> {
         let entry = self.find(path).ok_or_else(|| missing(path))?;
         Ok((entry, self.file.read(entry)?))
@@ -119,7 +119,7 @@ impl Own<'_> {
         Ok(Some(set.checked()?))
     }
 
-    /// The entry of the FRFs, which have three axes.
+    /// The entry of the FRFs, which must have three axes.
     pub(super) fn frf_entry(&self) -> Result<&Entry> {
         let entry = self.find("/frf").ok_or_else(|| missing("/frf"))?;
         match entry.shape().len() {
@@ -159,7 +159,7 @@ impl Own<'_> {
         })
     }
 
-    /// Refuses a file whose values cannot be known because what says so cannot be read.
+    /// Refuses a file whose kind, unit or time sign cannot be read: its values are unknown.
     pub(super) fn check_read(&self) -> Result<()> {
         for name in ["frf_kind", "reference_unit", "time_sign"] {
             let mut unread = self.root().unread_attributes.iter();
@@ -189,12 +189,12 @@ impl Own<'_> {
         }
     }
 
-    /// Time sign that the file says.
+    /// Time sign that the file states.
     pub(super) fn time_sign(&self) -> Result<Option<TimeSign>> {
         self.attribute("time_sign")
     }
 
-    /// Reads the array that stands beside the FRF values.
+    /// Reads an array of the shape of the FRFs, if there is one.
     fn beside_frf<T>(&self, path: &str, convert: impl Fn(f64) -> T) -> Result<Option<Array3<T>>> {
         if self.find(path).is_none() {
             return Ok(None);
@@ -221,7 +221,7 @@ impl Own<'_> {
         Ok(geometry)
     }
 
-    /// Node labels of polylines or faces; none where the file has none.
+    /// Node labels of polylines or faces; empty where the file has none.
     pub(super) fn label_lists(&self, path: &str) -> Result<Vec<Vec<u64>>> {
         if self.find(path).is_none() {
             return Ok(Vec::new());
@@ -254,7 +254,7 @@ fn missing(path: &str) -> Error {
         .expected("a dataset of this layout")
 }
 
-/// Three axes as they stand, without copying.
+/// An array of three axes as FRF values, without copying.
 pub(super) fn own_array(array: ComplexArray, entry: &Entry) -> Result<FrfValues> {
     let wrong = || wrong_type(entry, "three axes: response, reference, line");
     Ok(match array {

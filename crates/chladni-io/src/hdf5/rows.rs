@@ -1,4 +1,4 @@
-//! FRFs of our own layout, some responses at a time.
+//! Reading of FRFs in our own layout, some responses at a time.
 
 use super::backend::File;
 use super::own::{own_array, Own, FORMAT};
@@ -12,7 +12,7 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Everything of such a file but the values.
+/// A file whose FRFs are read in rows, without their values.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows {
     path: PathBuf,
@@ -23,7 +23,7 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// `None` of a file in another layout, or without FRFs.
+    /// Reads the headers; `None` for a file in another layout or without FRFs.
     pub fn open(path: &Path) -> Result<Option<Self>> {
         let file = File::open(path)?;
         let entries = file.entries()?;
@@ -83,8 +83,8 @@ impl Rows {
             })
     }
 
-    /// The FRFs of some responses, without coherence and variance, in `spare` memory if
-    /// possible; `sha256` is left empty.
+    /// The FRFs of some responses, without coherence, variance and checksum. The memory of
+    /// `spare` is used again if possible.
     pub fn read(
         &self,
         options: &ReadOptions,

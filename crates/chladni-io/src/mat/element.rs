@@ -24,7 +24,7 @@ pub(super) struct Element<'a> {
     /// Type code.
     pub kind: u32,
     pub bytes: &'a [u8],
-    /// Offset of its tag in the file (for the parts of a packed one, of that).
+    /// Offset of its tag in the file; in a packed element, that of the packed one.
     pub byte: usize,
 }
 
@@ -41,7 +41,7 @@ const TAG_BYTES: usize = 8;
 const ALIGNMENT: usize = 8;
 
 impl<'a> Elements<'a> {
-    /// The elements in `bytes`, which stand at `byte` of the file.
+    /// The elements in `bytes`, which begin at `byte` of the file.
     pub(super) fn new(bytes: &'a [u8], byte: usize, order: Order) -> Self {
         Self {
             rest: bytes,
@@ -206,7 +206,7 @@ impl Element<'_> {
         Ok(reals.into_iter().map(|value| value as u64).collect())
     }
 
-    /// Its characters: UTF-8, UTF-16 or single bytes.
+    /// Its text: UTF-8, UTF-16 or single bytes.
     pub(super) fn text(&self, order: Order) -> Result<String> {
         match self.kind {
             16 | 1 | 2 => Ok(String::from_utf8_lossy(self.bytes).into_owned()),

@@ -12,7 +12,7 @@ mod write;
 
 pub(super) use write::{damping_name, scaling_name, trust_name, MatFile, PER_MODE};
 
-use super::arrays::memory::MemoryFile;
+use super::arrays::memory::{AxisOrder, MemoryFile};
 use super::arrays::tree::{check_nesting, Values};
 use super::{Document, FileFormat, ReadOptions};
 use chladni_frf::{Error, Finding, Result};
@@ -22,7 +22,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 const HEADER_BYTES: usize = 128;
-/// Element types that stand for more than numbers.
+/// Types of elements that hold other elements.
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 /// Bit of the array flags: an imaginary part follows.
@@ -90,7 +90,7 @@ struct Walk {
 }
 
 impl Walk {
-    /// One element of the file: a matrix, or one that is packed.
+    /// Reads one element of the file: a matrix, or a packed one.
     fn variable(&mut self, element: &Element<'_>) -> Result<()> {
         match element.kind {
             MATRIX => self.matrix(element, "", None, 0),
@@ -121,7 +121,7 @@ impl Walk {
         }
     }
 
-    /// The texts of a cell array that holds nothing else.
+    /// The texts of a cell array of texts alone.
     fn texts(&self, cells: &[Result<Element<'_>>]) -> Result<Option<Vec<String>>> {
         let mut texts = Vec::with_capacity(cells.len());
         for cell in cells {
@@ -139,8 +139,8 @@ impl Walk {
         Ok((!texts.is_empty()).then_some(texts))
     }
 
-    /// An array at `folder`/its name; `name` of a field or number of a cell where it has
-    /// none of its own.
+    /// Reads an array into `folder`, under its own name, else under `name` (the name of a
+    /// field or the number of a cell).
     fn matrix(
         &mut self,
         element: &Element<'_>,
@@ -172,8 +172,12 @@ impl Walk {
         match class {
             CHAR => {
                 let texts = rows(part("characters")?.text(self.order)?, &shape);
-                self.arrays
-                    .add(&path, vec![texts.len()], Values::Text(texts), false);
+                self.arrays.add(
+                    &path,
+                    vec![texts.len()],
+                    Values::Text(texts),
+                    AxisOrder::Same,
+                );
                 Ok(())
             }
             CELL => self.cells(parts.collect(), &path, depth),
@@ -200,7 +204,7 @@ impl Walk {
         }
     }
 
-    /// Keeps values and their count, where it is that of the dimensions.
+    /// Keeps the values of an array of numbers, whose count must be that of the dimensions.
     fn numbers(
         &mut self,
         (values, found): (Values<'static>, usize),
@@ -219,16 +223,16 @@ impl Walk {
         }
         // column-major in MATLAB's order of axes is row-major in the reverse
         let shape = shape.into_iter().rev().collect();
-        self.arrays.add(path, shape, values, true);
+        self.arrays.add(path, shape, values, AxisOrder::Reversed);
         Ok(())
     }
 
-    /// The cells of an array: texts as one array, anything else each by itself.
+    /// Reads the cells of an array: texts as one array, other cells one by one.
     fn cells(&mut self, cells: Vec<Result<Element<'_>>>, path: &str, depth: usize) -> Result<()> {
         if let Some(texts) = self.texts(&cells)? {
             let count = texts.len();
             self.arrays
-                .add(path, vec![count], Values::Text(texts), false);
+                .add(path, vec![count], Values::Text(texts), AxisOrder::Same);
             return Ok(());
         }
         for (k, cell) in cells.into_iter().enumerate() {
@@ -237,7 +241,7 @@ impl Walk {
         Ok(())
     }
 
-    /// The fields of a struct, or of each of `several`.
+    /// Reads the fields of a struct, or of each of several.
     fn fields(
         &mut self,
         values: Elements<'_>,
@@ -312,7 +316,7 @@ fn values(
     })
 }
 
-/// Values that the dimensions ask for: no more than bytes are there.
+/// Number of values by the dimensions; an error where the file has fewer bytes.
 fn checked_count(shape: &[usize], element: &Element<'_>, path: &str) -> Result<usize> {
     let count = shape
         .iter()
@@ -337,8 +341,8 @@ fn trimmed(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(bytes.split(|&byte| byte == 0).next().unwrap_or_default())
 }
 
-/// The texts of a matrix of characters: one for each row, without the blanks that fill it.
-/// The first index runs fastest.
+/// The texts of a matrix of characters, stored column by column: one for each row, without
+/// trailing blanks.
 fn rows(text: String, shape: &[usize]) -> Vec<String> {
     let (Some(&count), characters) = (shape.first(), text.chars().count()) else {
         return vec![text];
@@ -351,7 +355,7 @@ fn rows(text: String, shape: &[usize]) -> Vec<String> {
     (0..count).map(trimmed).collect()
 }
 
-/// A name that cannot be taken for a path.
+/// A name without the separator of paths.
 fn safe_name(name: &str) -> String {
     name.chars()
         .map(|c| if c == '/' || c.is_control() { '_' } else { c })

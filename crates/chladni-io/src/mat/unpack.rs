@@ -1,4 +1,4 @@
-//! Packed elements of version 7: zlib, with a limit to what a file may unfold to.
+//! Packed elements of version 7: zlib, with a limit to the unpacked size.
 
 use super::element::Element;
 use crate::limits::{LEAST_ROOM, MOST_EXPANSION};
@@ -6,7 +6,7 @@ use chladni_frf::{Error, Result};
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
-/// The amount left to unfold.
+/// Bytes that a file may still unpack to.
 pub(super) struct Budget {
     left: usize,
     limit: usize,

@@ -1,5 +1,5 @@
 //! MATLAB files of version 5, as `save -v6` writes them: one element for each variable,
-//! little endian, not packed. No date stands in the header: same input, same bytes.
+//! little endian, not packed. The header has no date: the same data give the same bytes.
 
 use super::{CELL, CHAR, COMPLEX, HEADER_BYTES, MATRIX, SINGLE};
 use crate::limits::LARGEST_ELEMENT;
@@ -20,7 +20,7 @@ const UNSIGNED_16: u32 = 4;
 /// Class of arrays of double precision.
 const DOUBLE: u32 = 6;
 
-/// A file of named variables on its way out.
+/// A file of named variables to be written.
 pub(crate) struct MatFile {
     bytes: Vec<u8>,
 }
@@ -34,7 +34,7 @@ impl MatFile {
         Self { bytes }
     }
 
-    /// A set: `freq`, `frf` (response, reference, line), and what the reader asks for.
+    /// The file of a set: `freq`, `frf` (response, reference, line), DOFs, kind and units.
     ///
     /// # Errors
     /// More values than such a file can hold.
@@ -85,7 +85,7 @@ impl MatFile {
         Ok(file)
     }
 
-    /// A model, its fields under their names: per-mode values as columns, shapes as
+    /// The file of a model, its fields under their names: values of modes as columns, shapes as
     /// (response, mode), participations as (reference, mode).
     ///
     /// # Errors
@@ -214,7 +214,7 @@ impl MatFile {
     }
 }
 
-/// A number of a mode, and its name in the model file.
+/// The name of a number of a mode in the model file, and the number.
 type NamedNumber = (&'static str, fn(&Mode) -> f64);
 
 /// Values of each mode, under the names of the model file.
@@ -228,7 +228,7 @@ pub(crate) const PER_MODE: [NamedNumber; 7] = [
     ("in_band", |mode| f64::from(u8::from(mode.in_band))),
 ];
 
-/// As the model file calls it.
+/// The word for a trust in the model file.
 pub(crate) fn trust_name(trust: Trust) -> &'static str {
     match trust {
         Trust::Rejected => "rejected",
@@ -237,7 +237,7 @@ pub(crate) fn trust_name(trust: Trust) -> &'static str {
     }
 }
 
-/// As the model file calls it.
+/// The word for a damping law in the model file.
 pub(crate) fn damping_name(damping: Damping) -> &'static str {
     match damping {
         Damping::Structural => "structural",
@@ -245,7 +245,7 @@ pub(crate) fn damping_name(damping: Damping) -> &'static str {
     }
 }
 
-/// As the model file calls it.
+/// The word for a scaling in the model file.
 pub(crate) fn scaling_name(scaling: Scaling) -> &'static str {
     match scaling {
         Scaling::UnitModalMass => "unit_modal_mass",

@@ -25,7 +25,7 @@ fn damaged(error: impl std::fmt::Display) -> Error {
 /// All arrays of an archive.
 ///
 /// # Errors
-/// A damaged archive or array; more than the archive can plausibly unfold to.
+/// A damaged archive or array; a larger unpacked size than plausible.
 pub(super) fn read(bytes: &[u8]) -> Result<MemoryFile> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
     let mut arrays = MemoryFile::default();
@@ -80,7 +80,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MemoryFile> {
     Ok(arrays)
 }
 
-/// Writes a set, atomically; values are exact, geometry is not held.
+/// Writes a set, atomically, with exact values and without geometry.
 ///
 /// # Errors
 /// As [`create_atomically`].

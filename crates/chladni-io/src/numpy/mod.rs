@@ -1,7 +1,7 @@
 //! NumPy files: NPZ (a zip archive of arrays) and NPY (one array).
 //!
 //! The format: NumPy enhancement proposal 1. Arrays of numbers, complex numbers and texts
-//! are read in either byte order and either order of axes; pickled objects never are.
+//! are read in either byte order and either order of axes. Pickled objects are not read.
 //! Written are `freq`, `frf` [response, reference, line], `response` and `reference`
 //! (DOFs as text), `frf_kind`, `reference_unit`, `unit`, `time_sign`, `axes`, and
 //! `coherence` where there is one.
@@ -18,7 +18,7 @@ use super::{Document, FileFormat, ReadOptions};
 use chladni_frf::{Finding, Result};
 use std::path::Path;
 
-/// Reads one array, which is listed; alone it says no frequency axis.
+/// Reads one array. It is only listed: alone it has no frequency axis.
 pub(super) fn read_npy(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Document> {
     let mut arrays = MemoryFile::default();
     npy::read_array(bytes, "/array", &mut arrays).map_err(|error| error.file(path))?;

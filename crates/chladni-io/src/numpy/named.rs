@@ -12,7 +12,7 @@ use zip::{CompressionMethod, ZipWriter};
 /// An array to be written.
 #[derive(Debug, Clone)]
 pub enum NamedArray<'a> {
-    /// Numbers, the last axis contiguous; and the extent of each axis.
+    /// Numbers with the last axis contiguous, and the extent of each axis.
     Numbers(&'a [f64], Vec<usize>),
     /// Texts, along one axis.
     Texts(Vec<String>),

@@ -1,6 +1,6 @@
 //! One array: a header in the syntax of a Python dictionary, and its values.
 
-use crate::arrays::memory::MemoryFile;
+use crate::arrays::memory::{AxisOrder, MemoryFile};
 use crate::arrays::tree::Values;
 use chladni_frf::{Error, Result};
 use num_complex::{Complex32, Complex64};
@@ -17,7 +17,7 @@ struct Header {
     /// `<`, `>` or `|`.
     big_endian: bool,
     kind: u8,
-    /// Bytes (characters, of text) of one value.
+    /// Bytes of one value; of texts, characters.
     size: usize,
     fortran_order: bool,
     shape: Vec<usize>,
@@ -45,7 +45,7 @@ pub(super) fn read_array(bytes: &[u8], path: &str, arrays: &mut MemoryFile) -> R
             "numbers (f4, f8, c8, c16, i, u, b) or text (U, S)".into(),
         )
     };
-    // pickled objects and the like, whatever their count
+    // refuses types that are not read, such as pickled objects
     values(&header, &[]).ok_or_else(unknown)?;
     let value_bytes = if header.kind == b'U' {
         header.size.saturating_mul(4)
@@ -74,7 +74,11 @@ pub(super) fn read_array(bytes: &[u8], path: &str, arrays: &mut MemoryFile) -> R
     } else {
         header.shape
     };
-    arrays.add(path, shape, values, header.fortran_order);
+    let order = match header.fortran_order {
+        true => AxisOrder::Reversed,
+        false => AxisOrder::Same,
+    };
+    arrays.add(path, shape, values, order);
     Ok(())
 }
 
@@ -120,7 +124,7 @@ fn split(bytes: &[u8]) -> Result<(Header, &[u8])> {
     Ok((header, &bytes[start + length..]))
 }
 
-/// The text behind `'key':`.
+/// The text after `'key':`.
 fn behind<'t>(text: &'t str, key: &str) -> Option<&'t str> {
     let at = text
         .find(&format!("'{key}'"))

@@ -1,7 +1,7 @@
-//! Binary dataset 58 (`58b`): where its payload lies.
+//! Binary dataset 58 (`58b`): the extent of its payload.
 //!
-//! The length of the payload comes from record 7, not from the identifier: common writers
-//! state it wrongly. A length counts as right when it lands on a closing `-1` line.
+//! The length of the payload follows from record 7, not from the identifier, which common
+//! writers state wrongly. A length is right when it lands on a closing `-1` line.
 
 use super::fields::Record;
 use super::identifier::Identifier;
@@ -10,10 +10,10 @@ use super::lines::{is_marker, Lines};
 use chladni_frf::{Error, Finding, Result};
 use std::borrow::Cow;
 
-/// The data of a binary 58, and how they are stored.
+/// The data of a binary 58, and the form in which they are stored.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Payload<'a> {
-    /// A whole number of points.
+    /// The bytes of a whole number of points.
     pub bytes: &'a [u8],
     /// Offset in the file.
     pub byte: u64,
@@ -37,7 +37,7 @@ impl Form {
     pub(super) fn point_bytes(self) -> usize {
         self.x_bytes + self.parts * self.y_bytes
     }
-    /// Bytes of `count` points, where that many lie within `available`.
+    /// Bytes of `count` points; `None` where they exceed `available`.
     fn bytes(self, count: u64, available: u64) -> Option<u64> {
         count
             .checked_mul(self.point_bytes() as u64)
@@ -45,8 +45,8 @@ impl Form {
     }
 }
 
-/// Forms that record 7 allows. For uneven doubles the definition has a single abscissa,
-/// common writers a double one.
+/// Forms that record 7 allows. For uneven doubles, the definition has an abscissa in single
+/// precision, and common writers one in double precision.
 fn allowed(layout: Layout) -> Vec<Form> {
     let parts = layout.parts();
     match (layout.double, layout.even) {
@@ -75,7 +75,7 @@ fn allowed(layout: Layout) -> Vec<Form> {
     }
 }
 
-/// Forms of writers that state one precision and write the other.
+/// Forms of writers that state one precision and write in the other.
 fn contradicting(layout: Layout) -> Vec<Form> {
     allowed(Layout {
         double: !layout.double,
@@ -83,7 +83,7 @@ fn contradicting(layout: Layout) -> Vec<Form> {
     })
 }
 
-/// Requirement on what stands behind a payload, for its length to be believed.
+/// Requirement on the bytes after a payload, for its length to count as right.
 #[derive(Clone, Copy, PartialEq)]
 enum Landing {
     /// A closing marker, then an opening one or the end of the file.
@@ -94,7 +94,7 @@ enum Landing {
     FileEnd,
 }
 
-/// The file from the beginning of a payload on.
+/// The rest of a file, from the beginning of a payload on.
 pub(super) trait Rest {
     /// Bytes to the end of the file.
     fn length(&self) -> u64;
@@ -116,10 +116,10 @@ impl Rest for &[u8] {
     }
 }
 
-/// One past the closing marker behind `length` bytes of payload, where one stands there.
+/// Offset of the end of the closing marker after `length` bytes of payload, where there is one.
 fn lands(file: &impl Rest, length: u64, landing: Landing) -> Option<u64> {
     let rest = file.behind(length);
-    // Writers put LF or CRLF between payload and marker, against the rule.
+    // against the definition, writers put LF or CRLF between payload and marker
     let blanks = rest.iter().take_while(|b| b.is_ascii_whitespace()).count();
     let mut lines = Lines {
         bytes: &rest[blanks..],
@@ -134,7 +134,7 @@ fn lands(file: &impl Rest, length: u64, landing: Landing) -> Option<u64> {
     (landing == Landing::Loose || next.is_none_or(|record| is_marker(record.text))).then_some(end)
 }
 
-/// A payload whose length lands: its form, its bytes, and one past the closing marker.
+/// A payload whose length lands: its form, its bytes, and the end of the closing marker.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Landed {
     pub form: Form,
@@ -142,7 +142,7 @@ pub(super) struct Landed {
     pub end: u64,
 }
 
-/// Everything that is known about where a payload may end.
+/// All information about the end of a payload.
 struct Search<'a, R> {
     rest: &'a R,
     /// Offset of `rest` in the file.
@@ -150,7 +150,7 @@ struct Search<'a, R> {
     layout: Layout,
     /// Line of record 7.
     line: u64,
-    /// Bytes stated by the identifier line.
+    /// Bytes that the identifier line declares.
     declared: u64,
     lenient: bool,
 }
@@ -158,7 +158,7 @@ struct Search<'a, R> {
 const COUNT: &str = "record 7: number of values";
 
 impl<R: Rest> Search<'_, R> {
-    /// The first of `forms` whose length lands; the declared length is tried first.
+    /// The first of `forms` whose length lands; a form of the declared length is preferred.
     fn any_of(&self, forms: &[Form], landings: &[Landing]) -> Option<Landed> {
         let mut sized: Vec<(Form, u64)> = forms
             .iter()
@@ -176,8 +176,8 @@ impl<R: Rest> Search<'_, R> {
         })
     }
 
-    /// The declared length, where it lands: then record 7 states the wrong number of
-    /// values.
+    /// The payload of the declared length, where it lands; then the number of values in record
+    /// 7 is wrong.
     fn declared_length(&self) -> Option<Landed> {
         let length = self.declared;
         let end = lands(self.rest, length, Landing::Loose)?;
@@ -194,7 +194,7 @@ impl<R: Rest> Search<'_, R> {
             .field(field)
     }
 
-    /// The payload that record 7 states.
+    /// The payload by record 7.
     fn as_stated(&self, warnings: &mut Vec<Finding>) -> Option<Landed> {
         let forms = allowed(self.layout);
         let at = self.any_of(&forms, &[Landing::Strict, Landing::Loose])?;
@@ -209,8 +209,7 @@ impl<R: Rest> Search<'_, R> {
         Some(at)
     }
 
-    /// The payload in the precision that record 7 does not state: an error, where not
-    /// `lenient`.
+    /// The payload in the precision that record 7 does not state; an error unless `lenient`.
     fn in_other_precision(&self, warnings: &mut Vec<Finding>) -> Result<Option<Landed>> {
         let layout = self.layout;
         let forms = contradicting(layout);
@@ -242,8 +241,8 @@ impl<R: Rest> Search<'_, R> {
         Ok(Some(at))
     }
 
-    /// The payload of the declared length: an error about the number of values, where not
-    /// `lenient`.
+    /// The payload of the declared length; unless `lenient`, an error about the number of
+    /// values.
     fn with_other_count(&self, warnings: &mut Vec<Finding>) -> Result<Option<Landed>> {
         let Some(at) = self.declared_length() else {
             return Ok(None);
@@ -264,7 +263,7 @@ impl<R: Rest> Search<'_, R> {
         Ok(Some(at))
     }
 
-    /// The payload with which the file ends: an error, where not `lenient`.
+    /// The payload up to the end of the file; an error unless `lenient`.
     fn at_file_end(&self, warnings: &mut Vec<Finding>) -> Result<Landed> {
         let forms = allowed(self.layout);
         let found = self.any_of(&forms, &[Landing::FileEnd]);
@@ -284,7 +283,7 @@ impl<R: Rest> Search<'_, R> {
         Ok(at)
     }
 
-    /// No length lands anywhere.
+    /// Words for a payload of which no length lands.
     fn nowhere(&self) -> String {
         let smallest = allowed(self.layout)
             .iter()
@@ -309,8 +308,7 @@ impl<R: Rest> Search<'_, R> {
     }
 }
 
-/// Finds where the payload at the beginning of `rest`, which lies at `byte` in the file,
-/// ends.
+/// Finds the end of the payload at the beginning of `rest`, which is at `byte` in the file.
 ///
 /// # Errors
 /// No length lands on a closing marker, or the one that does contradicts record 7.

@@ -1,9 +1,9 @@
-//! The container: where the datasets of a universal file begin and end.
+//! The container: beginnings and ends of the datasets of a universal file.
 //!
 //! A dataset is a line with `-1` in columns 5 and 6, a line with its number in columns 1
-//! to 6, its records, and a closing `-1` line. A binary 58 (number line `58b`) closes at
-//! once after its payload; its end is computed and never searched, because a payload may
-//! hold the bytes of a `-1` line.
+//! to 6, its records, and a closing `-1` line. The closing line of a binary 58 (number line
+//! `58b`) follows its payload, whose end is computed: a search for `-1` could end inside the
+//! payload.
 
 use super::binary::{self, Payload};
 use super::fields::Record;
@@ -98,8 +98,7 @@ pub(super) fn datasets<'a>(
             && number_line(record.text).is_some()
             && !blocks.is_empty()
         {
-            // The marker taken as the end of the last dataset opens this one: the last
-            // one was not closed.
+            // the marker that ended the last dataset opens this one: the last was not closed
             warnings.push(Finding::note(
                 "loosely-written",
                 format!("line {closing_line}: the dataset before this line has no closing -1"),
@@ -135,8 +134,8 @@ pub(super) fn outside(first: u64, last: u64, number: Option<u64>) -> Finding {
     }
 }
 
-/// The dataset whose opening marker ends where `at` begins, and the position after it; no
-/// dataset where the file ends.
+/// The dataset whose opening marker ends at `at`, and the position after it; no dataset at
+/// the end of the file.
 fn dataset<'a>(
     file: Lines<'a>,
     mut at: Lines<'a>,
@@ -147,7 +146,7 @@ fn dataset<'a>(
     let number_record = loop {
         match at.next() {
             None => return (None, at),
-            // A marker doubled: the second one opens.
+            // of two markers the second one opens the dataset
             Some(record) if is_marker(record.text) => line = record.line,
             Some(record) if record.text.trim_ascii().is_empty() => {}
             Some(record) => break record,
@@ -177,7 +176,7 @@ fn dataset<'a>(
     (Some(block), after)
 }
 
-/// The error about a dataset without number.
+/// The error of a dataset without number.
 pub(super) fn no_number(record: Record<'_>) -> Error {
     Error::bad_data("no dataset number after the opening -1")
         .at_line(record.line)
@@ -186,7 +185,7 @@ pub(super) fn no_number(record: Record<'_>) -> Error {
         .expected("a number in columns 1 to 6")
 }
 
-/// The error about a header of `records` records in place of `expected`.
+/// The error of a header of `records` records in place of `expected`.
 pub(super) fn ends_in_header(line: u64, records: usize, expected: usize) -> Error {
     Error::bad_data("the dataset ends inside its header")
         .at_line(line)

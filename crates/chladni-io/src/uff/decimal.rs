@@ -1,7 +1,7 @@
-//! The common case of a printed number, fast: most of the time that a text file takes
-//! goes into its numbers.
+//! Fast parsing of the common forms of printed numbers, which take most of the time of
+//! reading a text file.
 
-/// The largest power of ten that a double holds exactly, and all below it.
+/// The powers of ten that a double holds exactly.
 const EXACT_POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
@@ -11,7 +11,7 @@ const EXACT_INTEGER: u64 = 1 << 53;
 
 /// A number as writers print it, `-1.234567890123E-05`, where one rounding gives the
 /// nearest double: the digits are an exact integer and the power of ten is exact (W.
-/// Clinger, PLDI 1990). `None` for everything else; twice as fast as the general way.
+/// Clinger, PLDI 1990). `None` for all other texts. Twice as fast as the general parser.
 pub(super) fn short_decimal(text: &[u8]) -> Option<f64> {
     let (negative, digits) = match text {
         [b'-', rest @ ..] => (true, rest),
@@ -49,8 +49,8 @@ pub(super) fn right_justified<const W: usize, const POINT: usize>(field: &[u8; W
     };
     let exponent = two_digit_exponent(field[W - 4..].try_into().ok()?)?;
     let decimals = &field[POINT + 1..W - 4];
-    // the digit before the point and all decimals but the last eight, behind zeros; then
-    // these eight
+    // first the digit before the point and all decimals but the last eight, padded with
+    // zeros in front; then these eight
     let (first, last) = decimals.split_at(decimals.len().saturating_sub(8));
     let mut high = [b'0'; 8];
     let mut low = [b'0'; 8];
@@ -82,7 +82,7 @@ fn eight_digits(digits: [u8; 8]) -> Option<u64> {
     Some(high.wrapping_add(low) >> 32)
 }
 
-/// `E-05`, in any letter of Fortran's.
+/// The exponent in `E-05`, with any letter that Fortran uses.
 fn two_digit_exponent(text: [u8; 4]) -> Option<i32> {
     let [b'E' | b'D' | b'e' | b'd', sign @ (b'+' | b'-'), tens @ b'0'..=b'9', ones @ b'0'..=b'9'] =
         text

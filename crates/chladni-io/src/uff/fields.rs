@@ -1,5 +1,5 @@
-//! Fixed-width fields: cut by column first, and only where that does not parse, split on
-//! blanks. Adjacent numbers may touch, so that blanks alone do not separate them.
+//! Fields of fixed width: cut by columns, or at blanks where these do not parse. Adjacent
+//! numbers may touch, so that cutting at blanks alone is not enough.
 
 use super::number::{float, Fault};
 use chladni_frf::{Error, Finding, Result};
@@ -13,12 +13,12 @@ pub(super) struct Record<'a> {
     pub text: &'a [u8],
 }
 
-/// The place of a field in its line: first byte, and one past the last.
+/// The extent of a field in its line: first byte, and one past the last.
 type Span = (usize, usize);
 
-/// Spans of `widths` columns; how many until the last one that is not blank. `None` where
-/// a token crosses a border that no full field explains, or stands beyond the last
-/// column: then the line was not written in these columns.
+/// Puts the spans of the columns of `widths` into `spans`. Returns the number of columns up to
+/// the last that is not blank. `None` where the line was not written in these columns: a token
+/// crosses a border without filling its column, or lies beyond the last column.
 fn column_spans(text: &[u8], widths: &[usize], spans: &mut [Span]) -> Option<usize> {
     let length = text.trim_ascii_end().len();
     let mut start = 0;
@@ -41,8 +41,8 @@ fn column_spans(text: &[u8], widths: &[usize], spans: &mut [Span]) -> Option<usi
     (start >= length).then_some(filled)
 }
 
-/// Spans of the tokens between blanks, also cut before a sign that follows a complete
-/// exponent; how many there are.
+/// Puts the spans of the tokens between blanks into `spans`, also cut before a sign after a
+/// complete exponent. Returns their number.
 fn token_spans(text: &[u8], spans: &mut [Span]) -> usize {
     let mut count = 0;
     let mut push = |span: Span| {
@@ -74,9 +74,9 @@ fn token_spans(text: &[u8], spans: &mut [Span]) -> usize {
 /// The layout in which the numbers of a line were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FieldLayout {
-    /// By columns; this many fields until the last that is not blank.
+    /// In columns; number of fields up to the last that is not blank.
     Columns(usize),
-    /// Between blanks; this many.
+    /// Between blanks; number of fields.
     Blanks(usize),
 }
 
@@ -90,11 +90,10 @@ pub(super) struct BadField {
     pub fault: Fault,
 }
 
-/// No more fields than this stand in one line of any dataset read here.
+/// Most fields in a line of any dataset read here.
 const MOST_FIELDS: usize = 12;
 
-/// Puts the numbers of a line into `values`, one per width: what is missing at the end
-/// becomes 0.
+/// Puts the numbers of a line into `values`, one per width; missing ones at the end become 0.
 pub(super) fn line_numbers(
     text: &[u8],
     widths: &[usize],
@@ -123,7 +122,7 @@ pub(super) fn line_numbers(
     }
 }
 
-/// Numbers, or what stands for them, in a line.
+/// Number of fields in a line, with those that are no numbers.
 pub(super) fn count_fields(text: &[u8], widths: &[usize]) -> usize {
     let mut spans = [(0, 0); MOST_FIELDS];
     let filled = column_spans(text, widths, &mut spans[..widths.len()]);
@@ -138,7 +137,7 @@ pub(super) fn count_fields(text: &[u8], widths: &[usize]) -> usize {
         .unwrap_or_else(|| token_spans(text, &mut spans))
 }
 
-/// Words between blanks.
+/// Number of words between blanks.
 pub(super) fn count_tokens(bytes: &[u8]) -> u64 {
     bytes
         .split(u8::is_ascii_whitespace)
@@ -146,8 +145,8 @@ pub(super) fn count_tokens(bytes: &[u8]) -> u64 {
         .count() as u64
 }
 
-/// As [`line_numbers`] where that fails: NaN in every field that is no number; how many
-/// those are.
+/// Puts the numbers of a line that [`line_numbers`] refuses into `values`, with NaN for every
+/// field that is no number. Returns the number of these fields.
 pub(super) fn masked_numbers(text: &[u8], widths: &[usize], values: &mut [f64]) -> usize {
     let mut spans = [(0, 0); MOST_FIELDS];
     if token_spans(text, &mut spans) != values.len() {
@@ -208,7 +207,7 @@ pub(super) fn numbers<const N: usize>(
     }
 }
 
-/// Warns once per dataset that a line was not written in the format's columns.
+/// Warns, once per dataset, of a line that was not written in the columns of the format.
 pub(super) fn warn_split(line: u64, warnings: &mut Vec<Finding>) {
     const WHAT: &str = "not in the format's columns, split on blanks (first such line)";
     if !warnings.iter().any(|warning| warning.text.ends_with(WHAT)) {
@@ -219,7 +218,7 @@ pub(super) fn warn_split(line: u64, warnings: &mut Vec<Finding>) {
     }
 }
 
-/// The error about a field.
+/// The error of a field that is no number.
 pub(super) fn bad_field(record: Record<'_>, name: &str, bad: BadField) -> Error {
     let (start, end) = bad.span;
     Error::bad_data(bad.fault.message())
@@ -253,7 +252,7 @@ pub(super) fn whole(record: Record<'_>, name: &str, value: f64) -> Result<i64> {
         .expected("an integer"))
 }
 
-/// Text in UTF-8, else Latin-1: reading header text never fails.
+/// Text in UTF-8, else Latin-1, which never fails.
 pub(super) fn decode(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_string(),
@@ -261,7 +260,7 @@ pub(super) fn decode(bytes: &[u8]) -> String {
     }
 }
 
-/// A text field: trimmed, `NONE` is empty.
+/// A trimmed text field; `NONE` becomes empty.
 pub(super) fn label(text: &str) -> String {
     let trimmed = text.trim_matches(|c: char| c.is_whitespace() || c == '\0');
     if trimmed.eq_ignore_ascii_case("none") {

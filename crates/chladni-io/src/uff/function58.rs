@@ -1,5 +1,4 @@
-//! Dataset 58: one function at a DOF pair, from its header, its numbers and what the
-//! codes say.
+//! Dataset 58: one function at a DOF pair, from its header, its numbers and its codes.
 
 use super::container::Block;
 use super::header::Units;
@@ -11,7 +10,7 @@ use super::values::{read_binary, read_text, Values};
 use crate::{Abscissa, Function, Ordinate, ReadOptions};
 use chladni_frf::{Error, Finding, Result};
 
-/// Takes DOFs from entity names where the node number is 0; says so, or asks.
+/// Takes DOFs from entity names where the node number is 0, and reports it.
 fn dofs_from_entities(header: &mut Header, warnings: &mut Vec<Finding>) {
     let one_sided = !matches!(header.function_type, 3..=6);
     for (k, what) in ["response", "reference"].into_iter().enumerate() {
@@ -53,7 +52,7 @@ fn dofs_from_entities(header: &mut Header, warnings: &mut Vec<Finding>) {
     }
 }
 
-/// A dataset 58 and what could be learnt of it, if only its header.
+/// A dataset 58 as far as it could be read.
 pub(super) struct ReadFunction {
     pub header: Option<Header>,
     pub function: Result<Function>,
@@ -97,7 +96,8 @@ pub(super) fn read(block: &Block<'_>, units: Option<Units>, options: &ReadOption
     }
 }
 
-/// A text dataset without closing -1 may have lost digits of its last number.
+/// Refuses a text dataset without closing -1, unless `lenient`: digits of its last number may
+/// be missing.
 fn closed(block: &Block<'_>, options: &ReadOptions, values: Values) -> Result<Values> {
     if block.closed || options.lenient {
         return Ok(values);
@@ -105,7 +105,7 @@ fn closed(block: &Block<'_>, options: &ReadOptions, values: Values) -> Result<Va
     Err(not_closed(block))
 }
 
-/// The error about a file that ends inside a dataset.
+/// The error of a file that ends inside a dataset.
 pub(super) fn not_closed(block: &Block<'_>) -> Error {
     Error::bad_data("the file ends inside this dataset")
         .at_line(block.line)
@@ -173,7 +173,7 @@ fn abscissa(
     } = header.record7;
     let tagged_step = step::tagged(&header.id_lines[3], "df=").filter(|&step| step > 0.0);
     if !layout.even {
-        // In binary data the abscissa has all its digits.
+        // the abscissa of binary data has all its digits
         let exact = is_text
             .then(|| step::even_behind(&x, tagged_step))
             .flatten();
@@ -211,8 +211,8 @@ fn abscissa(
     }
 }
 
-/// The exact step behind that of record 7: the one of ID line 4, or the only one that is
-/// printed so, where `snap`.
+/// The exact step in place of that of record 7: that of ID line 4, or with `snap` the only
+/// step that is printed with these digits.
 fn exact_step(
     step: Printed,
     tagged: Option<f64>,

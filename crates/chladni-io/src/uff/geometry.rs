@@ -1,12 +1,11 @@
-//! Nodes of all datasets of a universal file as one geometry.
+//! The nodes of all datasets of a universal file as one geometry.
 
 use super::header::Units;
 use super::nodes::{FileNode, System};
 use chladni_frf::{Finding, Geometry, Node};
 use std::collections::HashMap;
 
-/// Nodes of all datasets, in metres, labels unique; what is odd about them goes to
-/// `warnings`.
+/// Nodes of all datasets, in metres, with unique labels; adds findings to `warnings`.
 pub(super) fn geometry(
     datasets: &[(Vec<FileNode>, Units)],
     systems: &[System],
@@ -56,21 +55,21 @@ pub(super) fn geometry(
     geometry
 }
 
-/// 0 is the global system, and 1 its usual other name.
+/// True for the global system: 0, or 1, its usual other number.
 fn is_global(system: i64) -> bool {
     matches!(system, 0 | 1)
 }
 
-/// Labels of the nodes about which a warning speaks.
+/// Labels of nodes with an irregularity, for the warnings.
 #[derive(Default)]
 struct OddNodes {
-    /// With two positions.
+    /// Nodes with two positions.
     moved: Names,
-    /// With directions of a system that no dataset defines.
+    /// Nodes with directions in a system that no dataset defines.
     undefined: Names,
-    /// With directions of a system of their own.
+    /// Nodes with directions in a local system.
     local: Names,
-    /// With positions in a system of their own.
+    /// Nodes with positions in a local system.
     displaced: Names,
 }
 

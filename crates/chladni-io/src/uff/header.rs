@@ -6,8 +6,8 @@
 //! | 2 | 3D25.17 (4th value on the next line) | length, force, temperature factors, temperature offset |
 //!
 //! Values in the file are **divided** by the factor to get SI (feet: 3.2808...).
-//! Multiplying instead is a mistake that shipping programs made. Dataset 151 (header)
-//! holds nothing but text; it is listed and not read.
+//! Some programs multiply instead, by mistake. Dataset 151 (header) holds nothing but text;
+//! it is listed and not read.
 
 use super::fields::{numbers, whole, Record};
 use chladni_frf::{Error, Finding, Result};
@@ -48,7 +48,7 @@ const KNOWN_CODES: [(i64, &str, f64, f64); 9] = [
     (8, "mm, kgf", 1e3, 0.101_971_621_297_793),
     (10, "mm, N", 1e3, 1.0),
 ];
-/// Printed factors differ from the table by their rounding, wrong ones by far more.
+/// Relative rounding of printed factors; wrong ones differ by far more.
 const FACTOR_TOLERANCE: f64 = 1e-3;
 
 /// Reads dataset 164.
@@ -66,8 +66,8 @@ pub(super) fn read_units<'a>(
             .expected("a record with unit factors")
     };
     let first = records.next().ok_or_else(|| missing("record 1"))?;
-    // The description may have any length and the temperature mode may be missing: only
-    // the code is read.
+    // only the code is read: the description may have any length, and the temperature mode
+    // may be missing
     let code_field = Record {
         text: &first.text[..first.text.len().min(10)],
         ..first
@@ -112,7 +112,7 @@ pub(super) fn read_units<'a>(
     Ok(Units { length, force })
 }
 
-/// The content of a dataset, in words.
+/// The name of a dataset.
 pub(super) fn dataset_name(number: u32) -> String {
     match number {
         15 | 2411 => "nodes",

@@ -29,10 +29,10 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads records 1 to 11; also gives the lines behind them.
+    /// Reads records 1 to 11. Returns with them the lines that follow.
     ///
     /// # Errors
-    /// A record that is missing or a field that is not what it must be.
+    /// A missing record or a field that cannot be read.
     pub(super) fn read<'a>(
         mut lines: Lines<'a>,
         warnings: &mut Vec<Finding>,
@@ -76,7 +76,7 @@ impl Header {
     }
 }
 
-/// Reference node where there is none, as some programs write it.
+/// Number that some programs write where there is no reference node.
 const NO_REFERENCE: i64 = -1;
 
 /// Record 6.
@@ -103,8 +103,8 @@ type Fields6 = ([f64; 8], [String; 2]);
 
 impl Record6 {
     fn read(record: Record<'_>, warnings: &mut Vec<Finding>) -> Result<Self> {
-        // Columns count characters; in a file that pads by bytes, a name in UTF-8 shifts
-        // them.
+        // columns count characters; some programs pad by bytes, and a name in UTF-8 shifts
+        // the columns
         let by_character: Vec<char> = decode(record.text).chars().collect();
         let by_byte: Vec<char> = record.text.iter().map(|&b| char::from(b)).collect();
         let first = Self::cut(&by_character);
@@ -219,8 +219,7 @@ fn read_axis(record: Record<'_>, warnings: &mut Vec<Finding>) -> Result<Axis> {
     let numeric = &record.text[..record.text.len().min(25)];
     let by_column = line_numbers(numeric, &[10, 5, 5, 5], &mut codes);
     let line: Vec<char> = match decode(record.text).chars().collect::<Vec<_>>() {
-        // A label in UTF-8 in a file that pads by bytes: column 47 is blank in the right
-        // cut.
+        // where a file pads labels in UTF-8 by bytes, column 47 is not blank in the wrong cut
         shifted
             if shifted.get(46).is_some_and(|c| !c.is_whitespace())
                 && record.text.get(46).is_some_and(u8::is_ascii_whitespace) =>

@@ -1,4 +1,4 @@
-//! Record 7 of dataset 58: how the data are laid out.
+//! Record 7 of dataset 58: the layout of the data.
 //!
 //! | case | type | spacing | line format | values per line |
 //! |---|---|---|---|---|
@@ -21,7 +21,7 @@ pub(super) struct Layout {
     pub complex: bool,
     pub double: bool,
     pub even: bool,
-    /// Abscissa values that the record declares; nothing is allocated on its word.
+    /// Declared number of abscissa values. It may be wrong, so memory is not allocated by it.
     pub count: u64,
 }
 
@@ -39,7 +39,7 @@ impl Layout {
     pub(super) fn parts(self) -> usize {
         1 + usize::from(self.complex)
     }
-    /// Numbers per abscissa value, its own included where the file states it.
+    /// Numbers per point: those of the ordinate, and the abscissa value where it is uneven.
     pub(super) fn numbers_per_point(self) -> usize {
         self.parts() + usize::from(!self.even)
     }
@@ -127,7 +127,7 @@ impl Record7 {
     }
 }
 
-/// The text of field `index` of record 7, cut as its number was.
+/// The text of field `index` of record 7, cut in the same way as its number.
 fn digits_of(text: &[u8], index: usize, between_blanks: bool) -> &[u8] {
     if between_blanks {
         return text

@@ -41,7 +41,7 @@ impl<'a> Lines<'a> {
             line: self.line,
         }
     }
-    /// This position, `count` bytes further; lines are counted on.
+    /// The position `count` bytes further on, with the lines between counted.
     pub fn skip_bytes(self, count: usize) -> Lines<'a> {
         let (skipped, bytes) = self.bytes.split_at(count.min(self.bytes.len()));
         Lines {
@@ -54,7 +54,7 @@ impl<'a> Lines<'a> {
 /// True for `    -1`, padded with blanks or not at all.
 pub(super) fn is_marker(text: &[u8]) -> bool {
     const LAST_COLUMN: usize = 6;
-    // most lines are data, and full there
+    // fast exit: most lines are data, which fill these columns
     if text
         .get(LAST_COLUMN)
         .is_some_and(|b| !b.is_ascii_whitespace())

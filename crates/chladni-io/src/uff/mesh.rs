@@ -1,12 +1,11 @@
-//! Reads what joins the nodes: trace lines (dataset 82) and elements (2412).
+//! Reads the connections of nodes: trace lines (dataset 82) and elements (2412).
 //!
 //! * 82: 3I10 number, count of labels, colour; 80A1 name; 8I10 labels, 0 lifts the pen.
 //!   Repeats.
 //! * 2412: 6I10 label, descriptor, physical property, material, colour, count of nodes;
 //!   for beams 3I10 orientation; 8I10 labels. Repeats.
 //!
-//! Beams become lines, shells faces, and of solids the faces are kept: pictures need no
-//! more.
+//! Beams become lines, shells faces. Of solids only the faces are kept, for pictures.
 
 use super::fields::{line_numbers, numbers, warn_split, whole, Column, FieldLayout, Record};
 use chladni_frf::{Error, Finding, Result};
@@ -32,11 +31,10 @@ const ELEMENT_FIELDS: [Column; 6] = [
     ("count of nodes", 10),
 ];
 const LABELS_PER_LINE: usize = 8;
-/// Elements of the descriptors known here have at most 20 nodes; unknown ones are read to
-/// skip them.
+/// Most nodes of an element. Those of known descriptors have at most 20; others are skipped.
 const MOST_ELEMENT_NODES: i64 = 1000;
 
-/// Descriptors of beams: an orientation record stands before their nodes.
+/// Descriptors of beams, which have an orientation record before their nodes.
 const BEAMS: [i64; 5] = [11, 21, 22, 23, 24];
 
 /// Faces of linear solids as positions in their node list.
@@ -147,8 +145,8 @@ pub(super) fn read_2412<'a>(
 }
 
 impl Mesh {
-    /// Adds an element; false where its descriptor, or its count of nodes for it, is not
-    /// known.
+    /// Adds an element; returns false where its descriptor, or the number of nodes for it, is
+    /// not known.
     fn add(&mut self, descriptor: i64, nodes: Vec<u64>) -> bool {
         let solid = |faces: &[&[usize]]| -> Vec<Vec<u64>> {
             faces
@@ -183,7 +181,7 @@ fn ends_early(record: Record<'_>, present: usize, declared: u64) -> Error {
         .help("the file is cut short or was changed by hand; export it again")
 }
 
-/// `count` labels in lines of eight; nothing is allocated on the word of the count.
+/// `count` labels in lines of eight. The count may be wrong: memory is not allocated by it.
 fn labels<'a>(
     records: &mut impl Iterator<Item = Record<'a>>,
     head: Record<'a>,

@@ -1,19 +1,22 @@
 //! Universal files (UFF, UNV): datasets 15, 18, 55, 58 and 58b, 82, 151, 164, 2411, 2412,
 //! 2414, 2420.
 //!
-//! The way of the data: `container` cuts the file into datasets. `function58` reads one
-//! function: its header in `header58`, its layout in `layout`, its numbers in `values`;
-//! `binary` finds those of a binary one, behind the line that `identifier` reads.
-//! `scaling` learns kind and units from codes, labels (`unit_label`) and dataset 164
-//! (`header`); `step` finds the exact step of an axis. `nodes` and `mesh` read what
-//! `geometry` puts together, `shapes` mode shapes and fields, whose codes `shape_head`
-//! reads. `scan` lists a file without holding it: its lines come from `stream`, what is
-//! kept of a dataset is in `passed`. `write` goes the other way, with `write58`,
-//! `write_mesh` and `write_shape` for what their names say.
+//! The way of the data:
 //!
-//! Definitions: universal file format pages of UC-SDRL; the binary 58 of the same. Field
-//! experience is written beside the code that needs it. A damaged dataset never hides the
-//! sound ones.
+//! - `container` cuts the file into datasets.
+//! - `function58` reads one function: its header in `header58`, its layout in `layout`, its
+//!   numbers in `values`. `identifier` and `binary` find the payload of a binary one.
+//! - `scaling` derives kind and units from codes, labels (`unit_label`) and dataset 164
+//!   (`header`). `step` finds the exact step of an axis.
+//! - `nodes` and `mesh` read the parts of the `geometry`.
+//! - `shapes` reads mode shapes and fields; `shape_head` reads their codes.
+//! - `scan` lists a file without holding it. Its lines come from `stream`, and `passed` is the
+//!   part of a dataset that is kept.
+//! - `write` writes a file, with `write58`, `write_mesh` and `write_shape`.
+//!
+//! Definitions: the pages of UC-SDRL on universal files and on the binary 58. Mistakes of
+//! real writers are described beside the code that handles them. A damaged dataset does not
+//! affect the others.
 
 mod binary;
 mod container;
@@ -67,7 +70,7 @@ pub fn read(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Document
     let mut warnings = Vec::new();
     let blocks = container::datasets(bytes, options.lenient, &mut warnings);
     let units = units_in_force(&blocks);
-    let parts: Vec<Part> = blocks
+    let parts: Vec<DatasetContent> = blocks
         .par_iter()
         .zip(units.par_iter())
         .map(|(block, units)| part(block, units, options))
@@ -78,7 +81,7 @@ pub fn read(bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Document
     collector.finish(units.iter().any(|units| matches!(units, Ok(Some(_)))))
 }
 
-/// Parts of a file on their way into its document.
+/// Collects the content of all datasets into the document.
 struct Collector {
     document: Document,
     nodes: Vec<(Vec<FileNode>, Units)>,
@@ -96,7 +99,7 @@ impl Collector {
         }
     }
 
-    fn add(&mut self, part: Part) {
+    fn add(&mut self, part: DatasetContent) {
         let document = &mut self.document;
         document.datasets.push(part.info);
         document.functions.extend(part.function);
@@ -138,8 +141,8 @@ impl Collector {
     }
 }
 
-/// Units of one dataset: those of the last 164 before it, else of the first in the file.
-/// `Err` where that 164 is damaged.
+/// Units that hold for one dataset: those of the last 164 before it, else of the first in the
+/// file. `Err` where that 164 is damaged.
 type UnitsInForce = std::result::Result<Option<Units>, ()>;
 
 fn units_in_force(blocks: &[Block<'_>]) -> Vec<UnitsInForce> {
@@ -161,7 +164,7 @@ fn units_in_force(blocks: &[Block<'_>]) -> Vec<UnitsInForce> {
         .collect()
 }
 
-/// Lines and faces that name nodes without coordinates cannot be drawn.
+/// Reports nodes without coordinates in lines and faces: these cannot be drawn.
 fn note_lost_nodes(document: &mut Document) {
     let geometry = &document.geometry;
     let known: std::collections::HashSet<u64> =
@@ -187,11 +190,11 @@ fn note_lost_nodes(document: &mut Document) {
     }
 }
 
-/// Datasets whose content is in the document, or is written anew (header, units).
+/// Datasets whose content the document holds, or which are written anew (header, units).
 const CARRIED: [u32; 11] = [15, 18, 55, 58, 82, 151, 164, 2411, 2412, 2414, 2420];
 
-/// The part of the document that one dataset contributes.
-struct Part {
+/// The content of one dataset.
+struct DatasetContent {
     info: DatasetInfo,
     function: Option<Function>,
     nodes: Option<(Vec<FileNode>, Units)>,
@@ -201,7 +204,7 @@ struct Part {
     error: Option<Error>,
 }
 
-fn part(block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Part {
+fn part(block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> DatasetContent {
     let name = block
         .number
         .map_or_else(|| "unreadable dataset".to_string(), header::dataset_name);
@@ -215,7 +218,7 @@ fn part(block: &Block<'_>, units: &UnitsInForce, options: &ReadOptions) -> Part 
         left_behind,
         ..DatasetInfo::default()
     };
-    let mut part = Part {
+    let mut part = DatasetContent {
         info,
         function: None,
         nodes: None,
@@ -247,7 +250,7 @@ fn damaged_units(block: &Block<'_>) -> Error {
 }
 
 fn fill_function(
-    part: &mut Part,
+    part: &mut DatasetContent,
     block: &Block<'_>,
     units: &UnitsInForce,
     options: &ReadOptions,
@@ -280,7 +283,7 @@ fn list_shape(info: &mut DatasetInfo, shape: &Shape) {
 }
 
 fn fill(
-    part: &mut Part,
+    part: &mut DatasetContent,
     block: &Block<'_>,
     units: &UnitsInForce,
     options: &ReadOptions,

@@ -1,5 +1,4 @@
-//! Nodes (datasets 15 and 2411) and whether the coordinate systems they name are defined
-//! (18, 2420).
+//! Nodes (datasets 15 and 2411) and the coordinate systems that they name (18, 2420).
 //!
 //! * 15: one record per node, 4I10,1P3E13.5: label, definition system, displacement
 //!   system, colour, x, y, z.
@@ -112,7 +111,7 @@ fn node(
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct System {
     pub label: i64,
-    /// Cartesian, along the global axes, from the global origin: nodes in it are in the
+    /// True for a Cartesian system along the global axes from the global origin: it is the
     /// global system.
     pub is_global: bool,
 }

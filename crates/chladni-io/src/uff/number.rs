@@ -3,7 +3,7 @@
 
 use super::decimal::{right_justified, short_decimal};
 
-/// The reason that a field is no number.
+/// The reason why a field is no number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fault {
     /// `*****`: the writer's field was too narrow.
@@ -55,12 +55,11 @@ pub(super) fn float(field: &[u8]) -> std::result::Result<f64, Fault> {
     }
 }
 
-/// The number in a field of 13 or 20 columns, in one of the forms that writers of dataset
-/// 58 use; `None` for what must be looked at more closely: a field that is blank,
-/// damaged, left-justified against its neighbour, or longer than its line.
+/// The number in a field of 13 or 20 columns, in one of the usual forms of dataset 58. `None`
+/// for a field that needs the general parser: blank, damaged, touching its neighbour, or cut
+/// by the end of its line.
 pub(super) fn usual_float(field: &[u8]) -> Option<f64> {
-    // Fortran fills the field but for the sign, C's %13.4e and %20.11e leave one column
-    // more
+    // Fortran leaves one column for the sign; %13.4e and %20.11e of C leave one more
     let usual = match (field.len(), field.get(3)) {
         (13, Some(b'.')) => right_justified::<13, 3>(field.try_into().ok()?),
         (13, _) => right_justified::<13, 4>(field.try_into().ok()?),

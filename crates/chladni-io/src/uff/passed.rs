@@ -1,4 +1,4 @@
-//! The part kept of a dataset whose data were passed over.
+//! A dataset whose data were passed over.
 
 use super::container::Block;
 use super::lines::Lines;
@@ -11,14 +11,14 @@ pub(super) struct Passed {
     /// Line and byte of the opening marker.
     pub line: u64,
     pub byte: u64,
-    /// The line that lines are counted from; 0 is the beginning of the file.
+    /// Offset from which lines are counted; 0 is the beginning of the file.
     pub counted_from: u64,
     /// The records that were kept, and the line of the first.
     pub records: Vec<u8>,
     pub first_record: u64,
-    /// Values of a 58 that are there.
+    /// Number of values in the file, of a 58.
     pub values: Option<u64>,
-    /// Longer than what is looked into: listed by its name.
+    /// True where it is too long to be read, and listed by its name.
     pub too_large: bool,
     pub fault: Option<Error>,
     pub closed: bool,
@@ -26,10 +26,9 @@ pub(super) struct Passed {
 }
 
 impl Passed {
-    /// As a dataset of a file that is held, without its data.
+    /// The dataset as a block without data.
     pub fn block(&self) -> Block<'_> {
         Block {
-            // without its number, nothing is read of it
             number: self.number,
             line: self.line,
             records: Lines {
@@ -45,7 +44,8 @@ impl Passed {
         }
     }
 
-    /// Says where the dataset stands when its lines are not those of the file.
+    /// Reports the byte of the dataset where its lines are not counted from the beginning of
+    /// the file.
     pub fn place(&self, info: &mut DatasetInfo, error: &mut Option<Error>) {
         if self.counted_from == 0 {
             return;

@@ -1,9 +1,9 @@
-//! The joint meaning of the codes, exponents and unit labels of a 58: FRF kind, unit of
-//! the reference, factors to SI.
+//! FRF kind, unit of the reference and factors to SI, from the codes, exponents and unit
+//! labels of a 58.
 //!
-//! Quantity codes decide, and dataset 164 says in which units; a label fills in where the
-//! codes say nothing (volts always). Vendors write either in one file: where label and
-//! 164 contradict each other, 164 is used and a warning names both.
+//! Quantity codes tell the quantity, and dataset 164 its units. A label counts where the codes
+//! tell nothing, as they never do for volts. Where label and 164 contradict each other, 164 is
+//! used and a warning names both.
 
 use super::header::Units;
 use crate::unit_label::{self, Unit, STANDARD_GRAVITY};
@@ -33,8 +33,7 @@ pub(super) struct Scaling {
     pub abscissa_to_si: f64,
 }
 
-/// Relative difference at which two unit factors are no longer the same unit, printed
-/// with few digits.
+/// Relative difference up to which two unit factors, printed with few digits, are equal.
 const FACTOR_TOLERANCE: f64 = 1e-3;
 
 fn differ(a: f64, b: f64) -> bool {
@@ -60,7 +59,7 @@ pub(super) fn scaling(
     };
     match function_type {
         FRF => frf(axes, directions, units, &mut scaling, warnings),
-        // products of two signals: vendors disagree on what their units are
+        // products of two signals: vendors disagree on their units
         2 | 3 | 7..=10 => {
             if units.is_some_and(|units| !units.is_si()) {
                 warnings.push(Finding::note(
@@ -89,10 +88,9 @@ pub(super) fn scaling(
     scaling
 }
 
-/// Exponents of length and force behind a quantity code; `None` where only a label can
-/// tell.
+/// Exponents of length and force of a quantity code; `None` where only a label tells.
 pub(super) fn exponents(axis: &Axis, direction: Direction) -> Option<[i32; 2]> {
-    /// Beyond this, exponents are not exponents.
+    /// Largest plausible exponent.
     const LARGEST: i32 = 9;
     let given = [axis.exponents[0], axis.exponents[1]];
     if (axis.quantity == 1 || direction == Direction::SCALAR) && given != [0, 0] {
@@ -123,7 +121,7 @@ fn side(
     match (units, label) {
         (Some(units), Some(unit)) => {
             let factor = 1.0 / units.factor(exponents);
-            // N = kg·m/s²: force shows as a power of kg
+            // N = kg·m/s²: the power of kg is that of the force
             let measures_this = unit.powers[..2] == [exponents[0] + exponents[1], exponents[1]];
             if exponents != [0, 0] && (!measures_this || differ(factor, unit.factor)) {
                 warnings.push(Finding::caution(
@@ -192,7 +190,7 @@ fn frf(
         _ => None,
     };
     let by_codes = motion(numerator.quantity).zip(reference);
-    // The ratio: numerator label over denominator label, or all of it in the numerator's.
+    // the unit is numerator label over denominator label, or the numerator label alone
     let ratio = [
         above.zip(below).map(|(above, below)| above.per(below)),
         above,
@@ -247,8 +245,8 @@ fn kinds_contradict(
     (codes != label).then(|| Finding::caution("unit-contradicted", words))
 }
 
-/// The newton where the label of the motion alone is there, and nothing else tells the unit of the
-/// force.
+/// The newton, assumed where only the motion has a label and nothing else tells the unit of
+/// the force.
 fn assumed_newton(
     axes: &[Axis; 4],
     units: Option<Units>,
@@ -259,7 +257,7 @@ fn assumed_newton(
     let newton = unit_label::parse("N").filter(|_| unsaid && units.is_none())?;
     let is_motion = |unit: &Unit| {
         let kind = unit.per(newton).frf_kind().map(|(kind, _)| kind);
-        // beside inches and feet the force is hardly in newtons
+        // with inches and feet, the force is hardly in newtons
         let metric = unit.factor.log10().fract() == 0.0 || unit.factor == STANDARD_GRAVITY;
         kind.is_some() && kind == motion(numerator.quantity) && metric
     };
@@ -272,8 +270,7 @@ fn assumed_newton(
     Some(newton)
 }
 
-/// Factor to SI of an FRF by `factors` of dataset 164 and of the label; of two, that of
-/// the dataset.
+/// Factor to SI of an FRF: that of dataset 164, else that of the label.
 fn frf_factor(
     factors: [Option<f64>; 2],
     sides: [(&Axis, Direction); 2],
@@ -292,7 +289,7 @@ fn frf_factor(
             used
         }
         [Some(used), None] => {
-            // one label alone may still contradict its own side
+            // the label of one side may still contradict the dataset
             for (axis, direction) in sides {
                 if unit_label::parse(&axis.unit).is_some_and(|unit| unit.frf_kind().is_none()) {
                     side(axis, direction, units, warnings);
@@ -313,7 +310,7 @@ fn frf_factor(
     }
 }
 
-/// Quantity codes that no FRF has.
+/// The finding about quantity codes that no FRF has.
 fn swapped([above, below]: [i32; 2], is_unknown: bool) -> Option<Finding> {
     let words = if above == EXCITATION_FORCE && motion(below).is_some() {
         "the quantity codes say force over motion: response and reference are swapped (correct \

@@ -1,9 +1,7 @@
-//! Universal files that are too large to be held: headers are read, data are passed over.
-//! Memory is that of the listing.
+//! Universal files that do not fit into memory: headers are read, data are passed over.
 //!
-//! The payload of a 58b is left out by seeking, as `binary` says where it ends; the lines
-//! of a text 58 are only counted. All other datasets are small, and read as in a file
-//! that is held; one that is not small is listed by its name.
+//! The payload of a 58b is skipped; `binary` computes its end. The lines of a text 58 are only
+//! counted. Other datasets are read as usual; a large one is listed by its name.
 
 use super::binary;
 use super::container::{ends_in_header, is_number_line, no_number, number_line, outside};
@@ -23,14 +21,14 @@ use std::io;
 use std::ops::Range;
 use std::path::Path;
 
-/// Bytes of a dataset other than 58 that are read; a longer one is listed by its name.
+/// Largest dataset other than 58 that is read, bytes; a longer one is listed by its name.
 const LARGEST_DATASET: usize = 16 << 20;
 
 /// Lists a universal file without its values: `functions` and `shapes` of the document
 /// stay empty, and so does `sha256`.
 ///
-/// Lines behind the first binary dataset are counted from its end, as the warnings of the
-/// datasets say.
+/// Lines after the first binary dataset are counted from its end; the warnings of the datasets
+/// say so.
 ///
 /// # Errors
 /// Those of reading, and as [`super::read`].
@@ -117,9 +115,9 @@ pub(crate) fn places(path: &Path, lenient: bool) -> Result<Vec<DatasetPlace>> {
 /// The datasets of a file, one after the other.
 struct Datasets {
     lines: FileLines,
-    /// The last line is a closing marker.
+    /// True where the last line is a closing marker.
     after_closing: bool,
-    /// The last line is the number line of a dataset.
+    /// True where the last line is the number line of a dataset.
     at_number: bool,
     warnings: Vec<Finding>,
 }
@@ -219,8 +217,8 @@ impl Datasets {
         }
     }
 
-    /// Reads one more record of a dataset; false where it ends, with its marker or with
-    /// the file.
+    /// Reads the next record of a dataset; returns false at its closing marker or the end of the
+    /// file.
     fn next_record(&mut self, passed: &mut Passed) -> io::Result<bool> {
         passed.closed = self.next_line()?;
         self.after_closing = passed.closed && is_marker(&self.lines.text);
@@ -368,8 +366,8 @@ impl Datasets {
         }
     }
 
-    /// Goes on to the next marker with a dataset number behind it. Only used where no
-    /// length fits, to list what follows.
+    /// Goes on to the next marker before a dataset number. Only used where no length fits, to
+    /// list the datasets that follow.
     fn go_on_behind_damage(&mut self) -> io::Result<()> {
         let mut after_marker = false;
         while self.next_line()? {

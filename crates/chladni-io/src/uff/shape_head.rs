@@ -34,7 +34,7 @@ pub(super) const SIX_REALS: [Column; 6] = [
     ("value 5", 13),
     ("value 6", 13),
 ];
-/// More integers or reals than this before the values are none.
+/// Most integers or reals before the values.
 const MOST_HEADER_NUMBERS: i64 = 100;
 
 /// A shape without values.
@@ -42,7 +42,7 @@ pub(super) struct ShapeHead {
     pub shape: Shape,
     /// Values per node.
     pub components: usize,
-    /// False where the values stand at elements or points.
+    /// False where the values belong to elements or points.
     pub at_nodes: bool,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct Reader<'w, I> {
 }
 
 impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
-    /// The next record, which must be there.
+    /// The next record, which must exist.
     pub fn next(&mut self, what: &str) -> Result<Record<'a>> {
         let record = self.records.next().ok_or_else(|| {
             Error::bad_data("the dataset is too short")
@@ -69,7 +69,7 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
         Ok(record)
     }
 
-    /// Everything before the values of dataset 55.
+    /// Reads dataset 55 up to its values.
     pub fn head_of_55(&mut self) -> Result<ShapeHead> {
         let mut id_lines: [String; 5] = Default::default();
         let mut reference = None;
@@ -119,7 +119,7 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
         })
     }
 
-    /// Everything before the values of dataset 2414.
+    /// Reads dataset 2414 up to its values.
     pub fn head_of_2414(&mut self) -> Result<ShapeHead> {
         self.next("analysis dataset label")?;
         let name = label(&decode(self.next("name")?.text));
@@ -179,7 +179,7 @@ impl<'a, I: Iterator<Item = Record<'a>>> Reader<'_, I> {
         let complex = match (form, data_type) {
             (_, 2) | (ShapeForm::Analysis2414, 1 | 4) => false,
             (_, 5) | (ShapeForm::Analysis2414, 6) => true,
-            // outside of the definition of 55, and written all the same
+            // not in the definition of 55, but written by some programs
             (ShapeForm::AtNodes55, 4 | 6) => {
                 let read_as = if data_type == 4 { 2 } else { 5 };
                 let words =

@@ -8,8 +8,8 @@
 //! | reals, 6E13.5 | as many as stated: by analysis | twelve: time, frequency, eigenvalue, mass, ζ, η, Re λ, Im λ, A, B |
 //! | per node | I10 node; 6E13.5 values, complex as pairs | the same |
 //!
-//! A node that is left out is at rest in 55 and has no value in 2414. What stands before
-//! the values is read in `shape_head`.
+//! A node that is left out is at rest in 55 and has no value in 2414. `shape_head` reads the
+//! records before the values.
 
 use super::fields::{numbers, whole, Record};
 use super::header::Units;
@@ -21,11 +21,11 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use std::collections::HashSet;
 
-/// Reads dataset 55 or 2414; `None` for data of 2414 that do not stand at nodes.
+/// Reads dataset 55 or 2414; `None` for data of 2414 that do not belong to nodes.
 ///
 /// # Errors
-/// A record that is missing, a field that is no number, a node without all its values or
-/// that occurs twice.
+/// A missing record, a field that is no number, a node without all its values or that occurs
+/// twice.
 pub(super) fn read<'a>(
     number: u32,
     line: u64,
@@ -57,8 +57,7 @@ pub(super) fn read<'a>(
     Ok(Some(shape))
 }
 
-/// Shapes of modes have a scaling of their own; everything that moves in metres is turned
-/// into metres.
+/// Factor of the values to SI: 1 for modes, which have a scaling of their own.
 fn scale(shape: &Shape, units: Option<Units>, warnings: &mut Vec<Finding>) -> f64 {
     let moves = [DISPLACEMENT, VELOCITY, ACCELERATION]
         .iter()
@@ -86,7 +85,7 @@ fn scale(shape: &Shape, units: Option<Units>, warnings: &mut Vec<Finding>) -> f6
     }
 }
 
-/// The values node by node, to the end of the dataset.
+/// Reads the values of all nodes, to the end of the dataset.
 fn read_values<'a>(
     reader: &mut Reader<'_, impl Iterator<Item = Record<'a>>>,
     shape: &mut Shape,

@@ -1,12 +1,11 @@
-//! The precision trap of dataset 58: start and step of an even axis carry six printed
-//! digits.
+//! Exact steps of even axes: dataset 58 prints start and step with six digits.
 //!
 //! 2.44140625 Hz is stored as 2.44141, which puts line 6399 off by 0.024 Hz: enough to
-//! bias the damping of a sharp mode. Axes of real instruments are not arbitrary, though:
-//! a step is a sampling rate over a power of two, or one over a whole number of seconds.
-//! If exactly one such number has the printed digits, it is the candidate.
+//! bias the damping of a sharp mode. But the steps of real instruments are not arbitrary: a
+//! step is a sampling rate over a power of two, or one over a whole number of seconds. If
+//! exactly one such number prints as the digits of the file, it is the candidate.
 
-/// A number as printed, with what its digits leave open.
+/// A printed number and its precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Printed {
     pub value: f64,
@@ -65,8 +64,7 @@ impl Printed {
         (exact - self.value).abs() <= self.half_unit * (1.0 + ROUNDING)
     }
 
-    /// The exact step that the digits may stand for, where it differs from their own
-    /// value.
+    /// The exact step that the digits may stand for; `None` where it equals their value.
     pub(super) fn candidate(&self) -> Option<f64> {
         let written_out = self.digits_used + 2 <= self.digits || self.digits >= EXACT_DIGITS;
         if written_out {
@@ -79,15 +77,14 @@ impl Printed {
 /// Slack for the rounding of decimal fractions, relative to half a unit of the last
 /// digit.
 const ROUNDING: f64 = 1e-6;
-/// From this many digits on the axis is exact enough: at 10⁶ lines it is off by less than
-/// 10⁻⁴ of a line.
+/// Digits from which an axis is exact enough: at line 10⁶ the error is below 10⁻⁴ of a line.
 const EXACT_DIGITS: usize = 10;
-/// Longest record in whole seconds that a step of 1/T is believed to come from. Ten times
-/// more would let one number in twenty pass by chance.
+/// Longest record in whole seconds, T, for a step of 1/T. With ten times more, one number in
+/// twenty would match by chance.
 const LONGEST_RECORD_S: f64 = 1000.0;
 /// Factors of sampling rates beside powers of two and five: 44.1 kHz has 441, 48 kHz has
-/// 3; the others are multiples m·f_s/2^k. The list stays short because every entry adds a
-/// chance match of about 10⁻⁴.
+/// 3; the others are multiples m·f_s/2^k. Every entry adds a probability of about 10⁻⁴ of a
+/// match by chance.
 const RATE_FACTORS: [f64; 9] = [1.0, 3.0, 5.0, 7.0, 9.0, 11.0, 13.0, 15.0, 441.0];
 /// Largest power of five in a sampling rate: 10⁸ samples per second.
 const LARGEST_POWER_OF_FIVE: i32 = 8;
@@ -119,8 +116,8 @@ pub(super) fn candidate(value: f64, half_unit: f64) -> Option<f64> {
     None
 }
 
-/// The exact even axis (start, step) behind printed abscissa values of six digits; `None`
-/// where the values are no such axis, or already exact.
+/// The exact even axis (start, step) of abscissa values printed with six digits; `None` where
+/// the values are not even, or exact already.
 pub(super) fn even_behind(values: &[f64], tagged_step: Option<f64>) -> Option<(f64, f64)> {
     let (&first, &last) = (values.first()?, values.last()?);
     let intervals = values.len().checked_sub(1).filter(|&n| n >= 2)? as f64;
@@ -131,7 +128,7 @@ pub(super) fn even_behind(values: &[f64], tagged_step: Option<f64>) -> Option<(f
     let mut exact = true;
     for (k, &value) in values.iter().enumerate() {
         let difference = (start + step * k as f64 - value).abs();
-        // half a unit is more than that: most values need no logarithm
+        // a bound below half a unit of any six digits spares most values the logarithm
         let surely_within = difference <= 0.5e-6 * value.abs();
         if !surely_within && difference > half_unit_of_six_digits(value) * (1.0 + ROUNDING) {
             return None;

@@ -1,5 +1,4 @@
-//! The lines of a file that is not held in memory, and a look at what stands behind a
-//! place in it.
+//! The lines of a file that is not held in memory, and the first bytes after a place in it.
 
 use super::binary::Rest;
 use super::fields::Record;
@@ -8,14 +7,14 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Bytes of a line that are looked at: no header has longer ones.
+/// Bytes of a line that are read: no header has longer ones.
 pub(super) const LONGEST_LINE: usize = 1 << 12;
 
-/// A file read line by line.
+/// A file that is read line by line.
 pub(super) struct FileLines {
     input: BufReader<File>,
     length: u64,
-    /// Offset behind the last line.
+    /// Offset of the end of the last line.
     at: u64,
     /// Offset of the last line.
     pub line_at: u64,
@@ -28,7 +27,7 @@ pub(super) struct FileLines {
 }
 
 impl FileLines {
-    /// Opens `path` before its first line; a byte-order mark is passed over.
+    /// Opens `path` before its first line, after a byte-order mark.
     pub fn open(path: &Path) -> io::Result<Self> {
         let file = File::open(path)?;
         let length = file.metadata()?.len();
@@ -77,7 +76,7 @@ impl FileLines {
         Ok(found)
     }
 
-    /// The last line holds nothing.
+    /// True where the last line is blank.
     pub fn is_blank(&self) -> bool {
         self.text.trim_ascii().is_empty()
     }
@@ -90,7 +89,7 @@ impl FileLines {
         }
     }
 
-    /// The rest behind the last line, and its offset in the file.
+    /// The rest after the last line, and its offset in the file.
     pub fn rest(&self) -> (FileRest<'_>, u64) {
         (
             FileRest {
@@ -102,20 +101,20 @@ impl FileLines {
         )
     }
 
-    /// Goes on `count` bytes behind the last line, counting lines anew from there.
+    /// Goes on `count` bytes after the last line, and counts lines anew from there.
     pub fn skip_bytes(&mut self, count: u64) -> io::Result<()> {
         self.at += count;
         (self.line_at, self.counted_from, self.line) = (self.at, self.at, 0);
         self.return_behind_last_line()
     }
 
-    /// Takes reading back to where lines end, after a look at the [rest](Self::rest).
+    /// Goes back to the end of the last line, after use of the [rest](Self::rest).
     pub fn return_behind_last_line(&mut self) -> io::Result<()> {
         self.input.seek(SeekFrom::Start(self.at)).map(drop)
     }
 }
 
-/// The rest of a file from one place on, of which a few bytes are looked at.
+/// The rest of a file, of which a few bytes are read.
 pub(super) struct FileRest<'a> {
     file: &'a File,
     from: u64,
@@ -130,7 +129,7 @@ impl Rest for FileRest<'_> {
         let mut bytes = Vec::new();
         let mut file = self.file;
         let read = file.seek(SeekFrom::Start(self.from.saturating_add(offset)));
-        // what cannot be read is no marker: the dataset is then listed as damaged
+        // unreadable bytes count as no marker: the dataset is then listed as damaged
         let read = read.and_then(|_| file.take(LONGEST_LINE as u64).read_to_end(&mut bytes));
         if read.is_err() {
             bytes.clear();

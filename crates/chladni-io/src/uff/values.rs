@@ -1,8 +1,7 @@
 //! The data of dataset 58: numbers of a text dataset, floats of a binary one.
 //!
-//! The count of record 7 is compared with the data that are there before anything is
-//! allocated; both numbers go into the error. A line that was masked holds NaN in all
-//! parts.
+//! The count of record 7 is compared with the data in the file before memory is allocated;
+//! the error names both numbers. A masked line is NaN in all parts.
 
 use super::binary::Payload;
 use super::fields::{
@@ -88,11 +87,10 @@ pub(super) fn read_text(
     Ok(split(reader.numbers, layout))
 }
 
-/// Columns of the narrowest field of data.
+/// Columns of the narrowest data field.
 const LEAST_WIDTH: usize = 13;
 
-/// The error about data from `line` on that hold another number of values than record 7
-/// declares.
+/// The error of data from `line` on whose number of values is not that of record 7.
 pub(super) fn counts_disagree(line: u64, declared: u64, present: u64) -> Error {
     Error::bad_data("the declared number of values and the data disagree")
         .at_line(line)
@@ -105,9 +103,8 @@ pub(super) fn counts_disagree(line: u64, declared: u64, present: u64) -> Error {
         )
 }
 
-/// The numbers of data that stand wholly in the layout's columns, as many as declared:
-/// one pass, no lines. `None` leaves them to [`TextReader`], which knows every other form
-/// and what is wrong with it.
+/// The numbers of data that lie wholly in the columns of the layout, as many as declared, in
+/// one pass without cutting lines. `None` leaves all other data to [`TextReader`].
 fn usual_form(bytes: &[u8], layout: Layout) -> Option<Vec<f64>> {
     let widths = layout.widths();
     let declared = layout
@@ -150,10 +147,10 @@ struct TextReader {
 }
 
 impl TextReader {
-    /// The first `wanted` numbers of lines in the layout's columns.
+    /// Reads the first `wanted` numbers, in the columns of the layout.
     fn lines(&mut self, data: Lines<'_>, wanted: u64, warnings: &mut Vec<Finding>) -> Result<()> {
         let widths = self.layout.widths();
-        // A number takes at least one byte: the file itself bounds the allocation.
+        // a number takes at least one byte: the file itself bounds the allocation
         self.numbers
             .reserve_exact((data.bytes.len() as u64).min(wanted) as usize);
         let mut line = [0.0; 6];
@@ -190,7 +187,7 @@ impl TextReader {
         Ok(())
     }
 
-    /// All numbers between blanks, for lines of another length than the layout's.
+    /// Reads all numbers between blanks, for lines of another length than in the layout.
     fn free_format(&mut self, data: Lines<'_>, warnings: &mut Vec<Finding>) -> Result<()> {
         warn_split(data.line, warnings);
         for record in data {
@@ -224,7 +221,7 @@ impl TextReader {
         Ok(())
     }
 
-    /// Masks what cannot be read in a line, or refuses.
+    /// Masks the fields of a line that cannot be read; an error unless `lenient`.
     fn mask(
         &mut self,
         record: Record<'_>,
@@ -254,7 +251,7 @@ impl TextReader {
         Ok(())
     }
 
-    /// Single precision must hold what is declared single.
+    /// Refuses numbers that are declared single and exceed single precision.
     fn in_range(&self, record: Record<'_>, values: &[f64]) -> Result<()> {
         if self.layout.double {
             return Ok(());
@@ -306,8 +303,8 @@ impl TextReader {
     }
 }
 
-/// Interleaved numbers as abscissa and ordinate; a value with one masked part is masked
-/// as a whole.
+/// Splits interleaved numbers into abscissa and ordinate. A value with one masked part is
+/// masked as a whole.
 fn split(numbers: Vec<f64>, layout: Layout) -> Values {
     let points = numbers.chunks_exact(layout.numbers_per_point());
     let first = usize::from(!layout.even);
@@ -343,12 +340,11 @@ fn narrow(value: Complex64) -> Complex32 {
     Complex32::new(value.re as f32, value.im as f32)
 }
 
-/// Reads the payload of a binary 58. The ordinate keeps the precision that is really
-/// there.
+/// Reads the payload of a binary 58. The ordinate keeps the precision of the file.
 ///
 /// # Errors
-/// An abscissa value that is not finite; ordinate values that are not finite are masked
-/// and reported.
+/// An abscissa value that is not finite. Ordinate values that are not finite are masked and
+/// reported.
 pub(super) fn read_binary(payload: &Payload<'_>, warnings: &mut Vec<Finding>) -> Result<Values> {
     let form = payload.form;
     let big = payload.big_endian;
@@ -404,7 +400,7 @@ pub(super) fn read_binary(payload: &Payload<'_>, warnings: &mut Vec<Finding>) ->
     Ok(Values { x, ordinate })
 }
 
-/// The values, with `mask` in place of those that are not finite.
+/// The values, with `mask` for those that are not finite.
 fn masked<T: Copy>(
     values: impl Iterator<Item = T>,
     mask: T,
@@ -412,7 +408,7 @@ fn masked<T: Copy>(
     warnings: &mut Vec<Finding>,
 ) -> Vec<T> {
     let mut values: Vec<T> = values.collect();
-    // without a way out of the loop, several values are looked at in one step
+    // a loop without early exit tests several values in one step
     if values
         .iter()
         .fold(true, |all, value| all & is_finite(value))

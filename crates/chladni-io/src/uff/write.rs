@@ -1,12 +1,10 @@
 //! Writes universal files: 151, 164 (SI), 2411 or 15, 82, 2412, one 55 or 2414 per shape,
 //! and one 58 or 58b per function.
 //!
-//! A [`Plan`] first decides and checks, so that nothing is found out in the middle of a
-//! file:
+//! A [`Plan`] checks everything before the first byte is written:
 //!
 //! * Every pair of an FRF set becomes a function of type 4 and its coherence one of type
-//!   6; pairs that were not measured are left out. Other functions are written as they
-//!   are, in SI.
+//!   6; pairs that were not measured are left out. Other functions are written in SI.
 //! * An even axis gets spacing 1 and its exact step as `df=` in ID line 4, because record
 //!   7 prints six digits of it. An uneven axis gets spacing 0; as text it keeps six
 //!   digits only.
@@ -25,7 +23,7 @@ use std::io::{self, Write};
 /// Largest number that a field of ten columns holds.
 pub(super) const LARGEST_NODE: u64 = 9_999_999_999;
 
-/// A checked intention to write a universal file.
+/// The checked content and options of a universal file to write.
 #[derive(Debug)]
 pub struct Plan<'a> {
     contents: &'a Contents,
@@ -35,8 +33,7 @@ pub struct Plan<'a> {
     warnings: Vec<Finding>,
 }
 
-/// Writes `contents` at once and returns what the format could not carry; see [`Plan`] to
-/// check first.
+/// Checks and writes `contents`. Returns findings on what the format cannot hold.
 ///
 /// # Errors
 /// As [`Plan::new`], and [`ErrorKind::Io`].
@@ -156,7 +153,7 @@ impl<'a> Plan<'a> {
         Ok(())
     }
 
-    /// Findings on what the format cannot carry.
+    /// Findings on what the format cannot hold.
     pub fn warnings(&self) -> &[Finding] {
         &self.warnings
     }
@@ -167,11 +164,10 @@ impl<'a> Plan<'a> {
     /// Those of `sink`.
     pub fn write(&self, sink: &mut dyn Write) -> io::Result<()> {
         write_header(sink)?;
-        let old = self.options.old_datasets;
-        write_mesh::write_nodes(sink, self.contents.geometry(), old)?;
+        write_mesh::write_nodes(sink, self.contents.geometry(), self.options)?;
         write_mesh::write_mesh(sink, self.contents.geometry())?;
         for (k, shape) in self.contents.shapes.iter().enumerate() {
-            write_shape::write(sink, shape, k + 1, old)?;
+            write_shape::write(sink, shape, k + 1, self.options)?;
         }
         self.each_function(|function| write58::write(sink, function, self.options))
     }
@@ -219,7 +215,7 @@ fn check_node(label: u64) -> Result<()> {
     )
 }
 
-/// The axis as start and step where all its steps are equal to rounding.
+/// The axis; start and step where all its steps are equal within rounding.
 fn axis_of(frequency_hz: &[f64]) -> Abscissa {
     /// Rounding of a computed axis, in units of the last place of its largest value.
     const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -236,7 +232,7 @@ fn axis_of(frequency_hz: &[f64]) -> Abscissa {
         };
     }
     let mean = (last - first) / (frequency_hz.len() - 1) as f64;
-    // The step that the axis was computed from is usually a short decimal number.
+    // the step that an axis was computed from is usually a short decimal number
     let short = |digits: usize| format!("{mean:.digits$e}").parse().unwrap_or(mean);
     let error = |step: f64| -> f64 {
         frequency_hz

@@ -9,7 +9,7 @@ use num_complex::Complex;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// Checks that it can be written as asked, and tells what will be lost.
+/// Checks that a function can be written with these options. Returns findings on losses.
 ///
 /// # Errors
 /// Values that are not finite, in text; numbers that do not fit their columns.
@@ -53,7 +53,7 @@ fn named(function: &Function) -> String {
     format!("function {} / {}", function.response, function.reference)
 }
 
-/// Numbers of the records that must fit their columns.
+/// Checks that the numbers of the header fit their columns.
 fn check_numbers(function: &Function) -> Result<()> {
     let of_record_6 = [
         ("function type", i64::from(function.function_type), 99_999),
@@ -83,7 +83,7 @@ fn check_numbers(function: &Function) -> Result<()> {
     Ok(())
 }
 
-/// The abscissa: as long as the values, finite, and in text still rising.
+/// Checks the abscissa: as long as the values, finite, and still rising when printed.
 fn check_abscissa(function: &Function, options: WriteOptions) -> Result<Option<Finding>> {
     let field = format!("{}: abscissa", named(function));
     let count = function.ordinate.len();
@@ -295,8 +295,7 @@ fn write_records(sink: &mut dyn Write, function: &Function, layout: Layout) -> i
     Ok(())
 }
 
-/// Text without control characters, at most `width` characters; `NONE` where there is
-/// none.
+/// Text of at most `width` characters without control characters; `NONE` for an empty one.
 fn text_field(text: &str, width: usize) -> String {
     let clean: String = text
         .trim()
@@ -311,8 +310,7 @@ fn text_field(text: &str, width: usize) -> String {
     }
 }
 
-/// An ID line; one that reads `-1` is moved out of the columns where it would end the
-/// dataset.
+/// An ID line. A line `-1` is moved to other columns, so that it does not end the dataset.
 pub(super) fn id_line(text: &str) -> String {
     match text_field(text, 80) {
         line if line.trim() == "-1" => format!("{line:>20}"),
@@ -320,7 +318,7 @@ pub(super) fn id_line(text: &str) -> String {
     }
 }
 
-/// A number in `width` columns with an exponent of Fortran's: `1.00000E+00`.
+/// A number in `width` columns with an exponent as Fortran prints it: `1.00000E+00`.
 pub(super) fn fortran(value: f64, width: usize, decimals: usize, letter: char) -> String {
     let mut text = String::new();
     push_fortran(&mut text, value, width, decimals, letter);
@@ -343,10 +341,10 @@ fn push_fortran(out: &mut String, value: f64, width: usize, decimals: usize, let
     }
 }
 
-/// The buffer is passed on when it holds this many bytes.
+/// Bytes from which the buffer is passed on.
 const FLUSH_AT: usize = 1 << 16;
 
-/// Data lines or payload on their way to the sink.
+/// Buffered data lines or payload.
 struct Data<'a> {
     sink: &'a mut dyn Write,
     layout: Layout,

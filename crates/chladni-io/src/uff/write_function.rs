@@ -1,4 +1,4 @@
-//! Functions as they are written: those of a set, and all others in SI.
+//! Functions to be written: those of a set, and all others in SI.
 
 use super::scaling::{exponents, motion_code, COHERENCE, EXCITATION_FORCE, FREQUENCY, FRF};
 use crate::unit_label;
@@ -48,7 +48,7 @@ pub(super) fn coherence(set: &FrfSet, response: usize, reference: usize) -> Opti
         .then(|| function(set, COHERENCE, dofs, axes, Ordinate::Real32(values)))
 }
 
-/// ID lines that say how the set was estimated, where that is known.
+/// ID lines with the estimation of the set, where it is known.
 fn estimated(set: &FrfSet) -> [String; 5] {
     let mut lines: [String; 5] = Default::default();
     if let Some(made) = &set.estimation {
@@ -153,7 +153,7 @@ fn with_exponents(quantity: i32, label: &str, unit: &str, dof: Dof) -> Axis {
     }
 }
 
-/// The function with its values and abscissa in SI, as dataset 164 of our files says.
+/// The function with values and abscissa in SI, the units of dataset 164 in our files.
 pub(super) fn in_si(function: &Function) -> Cow<'_, Function> {
     if function.scale_to_si == 1.0 && function.abscissa_to_si == 1.0 {
         return Cow::Borrowed(function);
@@ -189,7 +189,7 @@ pub(super) fn in_si(function: &Function) -> Cow<'_, Function> {
 fn si_labels(function: &mut Function) {
     let [_, numerator, denominator, _] = &mut function.axes;
     match function.kind {
-        // codes that do not say the kind: the numerator's label carries the whole ratio
+        // where codes do not tell the kind, the label of the numerator has the whole unit
         Some(kind)
             if numerator.quantity != motion_code(kind)
                 || (denominator.quantity != EXCITATION_FORCE

@@ -1,10 +1,11 @@
 //! Writes nodes (2411, or 15 for old programs), trace lines (82) and elements (2412).
 
 use super::write58::fortran;
+use super::WriteOptions;
 use chladni_frf::Geometry;
 use std::io::{self, Write};
 
-/// The definition allows a trace line no more labels.
+/// Most labels of a trace line by the definition.
 const MOST_TRACE_LABELS: usize = 250;
 /// Labels in a line of 8I10.
 const LABELS_PER_LINE: usize = 8;
@@ -15,15 +16,20 @@ const QUADRILATERAL: u32 = 94;
 const NODE_COLOUR: u32 = 11;
 const LINE_COLOUR: u32 = 7;
 
-/// Nodes: 2411 with 17 digits, or 15 with six.
-pub(super) fn write_nodes(sink: &mut dyn Write, geometry: &Geometry, old: bool) -> io::Result<()> {
+/// Writes nodes: 2411 with 17 digits, or 15 with six.
+pub(super) fn write_nodes(
+    sink: &mut dyn Write,
+    geometry: &Geometry,
+    options: WriteOptions,
+) -> io::Result<()> {
     if geometry.nodes.is_empty() {
         return Ok(());
     }
-    writeln!(sink, "    -1\n{:6}", if old { 15 } else { 2411 })?;
+    let number = if options.old_datasets { 15 } else { 2411 };
+    writeln!(sink, "    -1\n{number:6}")?;
     for node in &geometry.nodes {
         write!(sink, "{:10}{:10}{:10}{NODE_COLOUR:10}", node.label, 0, 0)?;
-        if old {
+        if options.old_datasets {
             let [x, y, z] = node.xyz_m.map(|x| fortran(x, 13, 5, 'E'));
             writeln!(sink, "{x}{y}{z}")?;
         } else {
@@ -34,8 +40,8 @@ pub(super) fn write_nodes(sink: &mut dyn Write, geometry: &Geometry, old: bool) 
     sink.write_all(b"    -1\n")
 }
 
-/// Lines as trace lines, a dataset each; triangles and quadrilaterals as thin shells;
-/// faces with more corners as closed trace lines, because no element has as many.
+/// Writes lines as trace lines, a dataset each; triangles and quadrilaterals as thin shells;
+/// faces with more corners, which no element has, as closed trace lines.
 pub(super) fn write_mesh(sink: &mut dyn Write, geometry: &Geometry) -> io::Result<()> {
     let is_shell = |face: &&Vec<u64>| matches!(face.len(), 3 | 4);
     let closed = geometry
@@ -48,7 +54,7 @@ pub(super) fn write_mesh(sink: &mut dyn Write, geometry: &Geometry) -> io::Resul
     for line in lines {
         let mut start = 0;
         while start + 1 < line.len() {
-            // parts of a long line share a node
+            // neighbouring parts of a long line share a node
             let end = (start + MOST_TRACE_LABELS).min(line.len());
             number += 1;
             writeln!(
@@ -85,7 +91,7 @@ pub(super) fn write_mesh(sink: &mut dyn Write, geometry: &Geometry) -> io::Resul
     sink.write_all(b"    -1\n")
 }
 
-/// Faces that no element holds.
+/// Number of faces with too many corners for an element.
 pub(super) fn faces_as_lines(geometry: &Geometry) -> usize {
     geometry
         .faces

@@ -5,7 +5,6 @@
 pub struct WriteOptions {
     /// Binary 58 (IEEE 754, little endian): exact, and much smaller and faster than text.
     pub binary: bool,
-    /// Datasets 15 and 55 in place of 2411 and 2414, for programs that know nothing
-    /// newer: six digits.
+    /// Datasets 15 and 55 (six digits) in place of 2411 and 2414, for old programs.
     pub old_datasets: bool,
 }

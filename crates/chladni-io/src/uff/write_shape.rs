@@ -1,7 +1,7 @@
-//! Writes shapes: dataset 55, or 2414 for those that come from one. Values in SI, with
-//! six digits.
+//! Writes shapes: dataset 55, or 2414 for shapes read from one. Values in SI, with six digits.
 
 use super::write58::{fortran, id_line};
+use super::WriteOptions;
 use crate::{Analysis, Shape, ShapeForm};
 use chladni_frf::{Error, Result};
 use num_complex::Complex64;
@@ -46,7 +46,7 @@ pub(super) fn check(shape: &Shape) -> Result<()> {
     Ok(())
 }
 
-/// Writes the dataset with its markers; `old` makes a 55 of a 2414 too.
+/// Writes the dataset with its markers; with `old_datasets`, always as a 55.
 ///
 /// # Errors
 /// Those of `sink`.
@@ -54,9 +54,9 @@ pub(super) fn write(
     sink: &mut dyn Write,
     shape: &Shape,
     label: usize,
-    old: bool,
+    options: WriteOptions,
 ) -> io::Result<()> {
-    if old || shape.form == ShapeForm::AtNodes55 {
+    if options.old_datasets || shape.form == ShapeForm::AtNodes55 {
         head_55(sink, shape)?;
     } else {
         head_2414(sink, shape, label)?;

@@ -1,6 +1,6 @@
-//! Decibels: a level over a reference value, which the label must name.
+//! Decibels, relative to a reference value in the label.
 
-/// dB reference: `dB re 1e-6 m/s/N` gives (1e-6, "m/s/N").
+/// Reference value and its unit: (1e-6, "m/s/N") for `dB re 1e-6 m/s/N`.
 pub(crate) fn decibel_reference(label: &str) -> Option<(f64, &str)> {
     let at = label.to_lowercase().find("db")?;
     let after = label

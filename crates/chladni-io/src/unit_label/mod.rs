@@ -1,9 +1,9 @@
 //! Unit labels as people write them, `m/s/N`, `(m/s)/N`, `m/(s·N)`, `mm/s/V`, `m/s²`,
-//! `g/N`: what they measure, and their factor to SI.
+//! `g/N`: their quantity and their factor to SI.
 //!
 //! A label is a product of powers of known units. Division associates to the left, as
-//! engineers write it: `m/s/N` is (m/s)/N. What is not understood gives `None`; nothing
-//! is guessed.
+//! engineers write it: `m/s/N` is (m/s)/N. A label that is not understood gives
+//! `None`; nothing is guessed.
 
 mod decibel;
 mod parser;
@@ -12,7 +12,7 @@ pub(super) use decibel::{decibel_reference, is_decibel_label};
 pub(super) use parser::parse;
 
 use crate::limits::SAME_UNIT;
-use chladni_frf::{FrfKind, ReferenceUnit};
+use chladni_frf::{Error, FrfKind, ReferenceUnit, Result};
 use std::f64::consts::{PI, TAU};
 
 /// A unit: factor to SI and the powers of m, kg, s, V, rad, cycle.
@@ -33,13 +33,30 @@ pub(super) const STANDARD_GRAVITY: f64 = 9.80665;
 /// Pound-force: 0.45359237 kg · g_n, N.
 const POUND_FORCE: f64 = 4.448_221_615_260_5;
 
-/// The information in the unit of an FRF.
+/// The unit of an FRF.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FrfUnit {
     pub kind: FrfKind,
     pub reference: ReferenceUnit,
-    /// From the label's unit to SI.
+    /// Factor to SI.
     pub to_si: f64,
+}
+
+impl FrfUnit {
+    /// Refuses another kind that the file states beside this unit with the label `label`.
+    ///
+    /// # Errors
+    /// Bad data in the field `frf_kind`.
+    pub(super) fn check_kind(self, kind: FrfKind, label: &str) -> Result<()> {
+        if kind == self.kind {
+            return Ok(());
+        }
+        Err(Error::bad_data("frf_kind and unit contradict each other")
+            .field("frf_kind")
+            .found(format!("{kind} with unit {label}"))
+            .expected(format!("{} for that unit", self.kind))
+            .help("say which is right with `frf_kind`"))
+    }
 }
 
 /// Kind, reference and scale of an FRF's unit label; `None` where it is no motion per
@@ -123,8 +140,8 @@ impl Unit {
     }
 }
 
-/// A unit by its name; capitals of old files (`M/S**2`) are read where they cannot be
-/// mistaken.
+/// A unit by its name. Names in capitals, as in old files (`M/S**2`), are read where they are
+/// unambiguous.
 fn named(name: &str) -> Option<Unit> {
     let unit = |factor, powers| Some(Unit { factor, powers });
     match name {

@@ -1,4 +1,4 @@
-//! Readers, writers and what they keep, against hand-made bytes and other tools' files.
+//! Readers and writers, checked with hand-made bytes and files of other programs.
 
 mod arrays;
 mod assemble;
@@ -11,8 +11,7 @@ mod model_file;
 mod selection;
 mod uff;
 
-/// Says what a test leaves out. Written past the test harness, which would keep it to
-/// itself.
+/// Reports what a test leaves out, past the test harness, which would hide it.
 fn skipped(what: &str) {
     use std::io::Write;
     drop(writeln!(std::io::stderr(), "skipped: {what}"));

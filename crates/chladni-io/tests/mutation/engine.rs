@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 const SEED: u64 = 0x5eed;
-/// A reader that takes longer hangs.
+/// Time from which a reader counts as hanging.
 const SLOWEST: Duration = Duration::from_secs(1);
 /// Words that numbers and other values are replaced with.
 const WORDS: [&str; 32] = [
@@ -122,7 +122,7 @@ fn mutated(seeds: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
     bytes
 }
 
-/// The word around `at` becomes another one, as wide as it was or not.
+/// Replaces the word around `at`, with or without its width.
 fn replace_word(
     bytes: &mut Vec<u8>,
     at: usize,
@@ -187,7 +187,7 @@ fn run(name: &str, seeds: &[Vec<u8>], mut target: impl FnMut(&[u8])) {
     );
 }
 
-/// Runs a target whose reader wants a file.
+/// Runs a target whose reader needs a file.
 pub fn run_files(name: &str, extension: &str, seeds: &[Vec<u8>], target: impl Fn(&Path, &[u8])) {
     // in memory, where the system has a place for it
     let memory = Path::new("/dev/shm");

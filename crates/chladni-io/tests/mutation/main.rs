@@ -1,6 +1,6 @@
-//! Damaged files by the thousand: seeds with a few random changes must never make a
-//! reader panic, hang, or take a count on trust. Sums that wrap are panics here (overflow
-//! checks are on).
+//! Thousands of damaged files: seeds with a few random changes must never make a reader
+//! panic, hang, or allocate by a wrong count. Sums that overflow panic here (overflow checks
+//! are on).
 //!
 //! In the normal suite each target runs for about a second. `CHLADNI_FUZZ_SECONDS=1200
 //! cargo test --release -p chladni-io --test mutation -- --nocapture uff_text` runs one

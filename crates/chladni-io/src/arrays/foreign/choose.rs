@@ -50,12 +50,12 @@ pub(super) enum Source<'a> {
     Complex(&'a Entry),
     Parts(&'a Entry, &'a Entry),
     Polar(&'a Entry, &'a Entry),
-    /// Frequencies and FRFs beside each other in one array.
+    /// One array whose first row or column holds the frequencies.
     Joined(&'a Entry),
 }
 
 impl<'a> Source<'a> {
-    /// The dataset that gives shape, unit and place.
+    /// The dataset that gives the shape, the unit and the folder.
     pub(super) fn first(self) -> &'a Entry {
         match self {
             Self::Complex(entry)
@@ -145,7 +145,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// True where frequencies stand in the array's own first row or column.
+    /// True where the first row or column of the array holds the frequencies.
     fn is_joined(&self, entry: &Entry) -> Result<bool> {
         if entry.shape().len() != 2 {
             return Ok(false);
@@ -201,7 +201,7 @@ impl<'a> Reader<'a> {
             self.datasets()
                 .find(|entry| entry.folder() == folder && entry.name().eq_ignore_ascii_case(name))
         };
-        // by the bare names of parts, else by `H_re` and `H_im`
+        // named `re` and `im`, else `H_re` and `H_im`
         for stem in ["", "H_", "FRF_"] {
             let mut parts = Vec::new();
             for first in self.datasets().filter(of_rank).filter(real) {
@@ -268,7 +268,8 @@ impl<'a> Reader<'a> {
         Ok(all)
     }
 
-    /// Complex arrays beside lists of numbers that may be their axis, but for the name.
+    /// The finding about complex arrays for which some list may be the axis, though not by its
+    /// name.
     fn nameless_axis(&self, sources: &[Source<'a>]) -> Option<Finding> {
         let is_real = |entry: &&Entry| {
             is_list(entry) && !matches!(entry.element(), Some(Element::Complex { .. }))
@@ -304,7 +305,7 @@ fn rising<'a>(lists: &[NumberList<'a>]) -> Vec<&'a Entry> {
     rising.map(|list| list.entry).collect()
 }
 
-/// FRFs with the axes that are as long as one of theirs.
+/// FRFs, each with the lists that are as long as one of its axes.
 fn pairs<'a>(sources: &[Source<'a>], axes: &[&'a Entry]) -> Vec<(Source<'a>, &'a Entry)> {
     let mut pairs = Vec::new();
     for &source in sources {
@@ -320,8 +321,8 @@ fn pairs<'a>(sources: &[Source<'a>], axes: &[&'a Entry]) -> Vec<(Source<'a>, &'a
     pairs
 }
 
-/// The axis along which a frequency axis and the FRFs stand beside each other: its first
-/// slice is real, not negative and rises, and the others are not all real.
+/// The axis along which the frequencies come first and the FRFs follow: its first slice is
+/// real, not negative and rises, and the others are not all real.
 pub(super) fn joined_axis(values: &ndarray::ArrayViewD<'_, Complex64>) -> Option<usize> {
     let is_axis = |axis: &usize| {
         let (first, others) = values.view().split_at(Axis(*axis), 1);

@@ -5,11 +5,11 @@ use super::super::values::wrong_type;
 use super::{is_characters, length, Reader};
 use chladni_frf::{Direction, Dof, Error, Finding, Result};
 
-/// The words about the DOFs of one side of the FRFs.
+/// The words for the DOFs of one side of the FRFs.
 pub(super) struct SideWords {
-    /// In the caller's map, and in messages.
+    /// Key in the caller's map, and word in messages.
     key: &'static str,
-    /// Names that the list of DOFs goes by.
+    /// Names of the list of DOFs.
     names: [&'static str; 5],
     /// Direction of a DOF that the file does not give one.
     direction: Direction,
@@ -39,7 +39,7 @@ pub(super) const REFERENCE: SideWords = SideWords {
 };
 
 impl SideWords {
-    /// True for an entry beside the FRFs that goes by one of the names.
+    /// True for an entry beside the FRFs with one of the names.
     fn is_beside(&self, entry: &Entry, frf: &Entry) -> bool {
         entry.folder() == frf.folder() && self.is_name(entry.name())
     }
@@ -48,13 +48,13 @@ impl SideWords {
     }
 }
 
-/// True for the names that a list of DOFs goes by.
+/// True for a name of a list of DOFs.
 pub(super) fn is_name(name: &str) -> bool {
     RESPONSE.is_name(name) || REFERENCE.is_name(name)
 }
 
 impl<'a> Reader<'a> {
-    /// Number of DOFs in the list beside the FRFs of so many lines, where there is one.
+    /// Number of DOFs in the list beside the FRFs, where there is one.
     pub(super) fn dof_list(
         &self,
         side: &SideWords,
@@ -63,7 +63,7 @@ impl<'a> Reader<'a> {
     ) -> Result<Option<usize>> {
         let is_list = |entry: &&Entry| match entry.element() {
             Some(Element::Text | Element::Dof | Element::Integer) => true,
-            // node numbers, no level, spectrum or time record
+            // a list of node numbers, not a level, spectrum or time record
             Some(Element::Real { .. }) => {
                 let count = length(entry);
                 count > 1
@@ -125,7 +125,7 @@ impl<'a> Reader<'a> {
         Ok(dofs)
     }
 
-    /// DOFs of a dataset; of node numbers, in `direction`.
+    /// DOFs of a dataset; node numbers get `direction`.
     fn read_dofs(
         &self,
         entry: &Entry,

@@ -1,5 +1,5 @@
 //! Facts that a foreign file states in words: attributes of an array and of the groups
-//! around it, and texts that stand beside it or further up.
+//! around it, and texts beside it or further up.
 
 use super::super::tree::{Attribute, Element, Entry, Values};
 use super::super::values::reals;
@@ -12,8 +12,8 @@ use std::str::FromStr;
 
 const UNIT: [&str; 2] = ["unit", "frf_unit"];
 const FREQUENCY_UNIT: [&str; 2] = ["frequency_unit", "freq_unit"];
-/// Names that may also say the unit of a place or a force, each with the array whose unit it says
-/// where there is one.
+/// Names of arrays that may be the frequency axis, or positions (`x`) and forces (`f`); each
+/// with the name of the text that states its unit.
 const MAYBE_FREQUENCY_UNIT: [(&str, &str); 2] = [("x", "x_unit"), ("f", "f_unit")];
 const PHASE_UNIT: [&str; 2] = ["phase_unit", "angle_unit"];
 
@@ -21,7 +21,7 @@ const PHASE_UNIT: [&str; 2] = ["phase_unit", "angle_unit"];
 pub(super) struct Fact<'a> {
     pub(super) text: String,
     pub(super) field: String,
-    /// The text that states it, where no attribute does.
+    /// The dataset that states it; `None` for an attribute.
     dataset: Option<&'a Entry>,
 }
 
@@ -36,13 +36,13 @@ impl<'a> Fact<'a> {
         })
     }
 
-    /// The fact as one of the words of `T`, in any case.
+    /// The fact as a word of `T`, in any case.
     fn word<T: FromStr<Err = String>>(&self) -> Result<T> {
         let word = self.text.to_lowercase().parse();
         word.map_err(|message: String| self.not_understood(&message))
     }
 
-    /// The error of a fact that `message` says nothing can be made of.
+    /// The error of a fact that is not understood.
     pub(super) fn not_understood(&self, message: &str) -> Error {
         Error::bad_word(message, &self.text)
             .field(&self.field)
@@ -50,7 +50,7 @@ impl<'a> Fact<'a> {
     }
 }
 
-/// The facts about the FRFs.
+/// The facts that a file states about its FRFs.
 pub(super) struct FrfFacts<'a> {
     pub(super) kind: Option<FrfKind>,
     pub(super) reference_unit: Option<ReferenceUnit>,
@@ -59,7 +59,7 @@ pub(super) struct FrfFacts<'a> {
     pub(super) frequency_unit: Option<Fact<'a>>,
     pub(super) phase_unit: Option<Fact<'a>>,
     pub(super) axes: Option<Fact<'a>>,
-    /// Texts that state a fact.
+    /// Datasets that state a fact.
     pub(super) used: Vec<&'a Entry>,
 }
 
@@ -75,7 +75,7 @@ fn key_of(name: &str) -> String {
     name.trim().to_lowercase().replace([' ', '-'], "_")
 }
 
-/// True for one of `names`, and its plural.
+/// True for one of `names` or its plural.
 fn is_one_of(name: &str, names: &[&str]) -> bool {
     let key = key_of(name);
     names.contains(&key.as_str())
@@ -110,7 +110,7 @@ impl<'a> Reader<'a> {
         let own = |entry: &Entry| format!("{}_unit", key_of(entry.name()));
         let (own_unit, mut own_frequency_unit) = (own(frf), own(freq));
         if matches!(source, Source::Joined(_)) {
-            own_frequency_unit.clear(); // the name of the FRFs
+            own_frequency_unit.clear(); // here it is the unit of the FRFs
         }
         let phase = match source {
             Source::Polar(_, phase) => Some((phase, own(phase))),
@@ -164,8 +164,8 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The kind that the file says; a word that is none matters only where the caller
-    /// says no kind.
+    /// The kind that the file states. A word that is not understood is an error only where
+    /// the caller gives no kind.
     fn kind(&self, fact: &Fact<'_>) -> Result<Option<FrfKind>> {
         match (fact.word(), self.options.frf_kind) {
             (Ok(kind), _) => Ok(Some(kind)),
@@ -174,8 +174,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The time sign that the file says; a word that is none matters only where the
-    /// caller says no minus.
+    /// The time sign that the file states. A word that is not understood is an error only
+    /// where the caller does not give minus.
     fn time_sign(&self, fact: &Fact<'_>) -> Result<Option<TimeSign>> {
         let sign = match fact.text.to_lowercase().as_str() {
             "1" | "+1" | "plus" => Ok(TimeSign::Plus),
@@ -191,8 +191,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The nearest statement under one of `names`: an attribute of `entry`, else an
-    /// attribute of or a text in its group, or one around that.
+    /// The nearest fact under one of `names`: an attribute of `entry`, else an attribute of
+    /// its group or a text in it, else of the groups around.
     fn near(&self, entry: &'a Entry, names: &[&str]) -> Result<Option<Fact<'a>>> {
         let mut fact = attribute(entry, names);
         for group in entry.groups() {
@@ -212,7 +212,7 @@ impl<'a> Reader<'a> {
         Ok(fact)
     }
 
-    /// The fact in a dataset: texts, or a single number.
+    /// The fact that a dataset of texts or of a single number states.
     fn statement(&self, entry: &'a Entry) -> Result<Option<Fact<'a>>> {
         let text = match entry.element() {
             _ if is_characters(entry) => self.texts(entry)?,
@@ -227,8 +227,8 @@ impl<'a> Reader<'a> {
         Ok(Fact::new(&Attribute::joined(&text), path, Some(entry)))
     }
 
-    /// Texts of a dataset; MATLAB 7.3 writes them as the codes of their characters, one
-    /// row for each text.
+    /// Texts of a dataset. MATLAB 7.3 stores the codes of their characters, one row for each
+    /// text.
     pub(super) fn texts(&self, entry: &Entry) -> Result<Vec<String>> {
         match self.file.read(entry)? {
             Values::Unsigned(codes) if is_characters(entry) => {

@@ -8,7 +8,7 @@ use crate::limits::SAME_UNIT;
 use crate::unit_label::frequency_unit;
 use chladni_frf::{Error, Finding, Result};
 
-/// Names that a frequency axis goes by.
+/// Names of a frequency axis.
 const NAMES: [&str; 10] = [
     "f",
     "freq",
@@ -24,12 +24,12 @@ const NAMES: [&str; 10] = [
 /// Words for a frequency that may be in rad/s as well as in Hz.
 const ANGULAR: [&str; 5] = ["w", "omega", "ω", "angular", "circular"];
 
-/// True for the names that a frequency axis goes by.
+/// True for a name of a frequency axis.
 pub(super) fn is_name(name: &str) -> bool {
     NAMES.iter().any(|known| name.eq_ignore_ascii_case(known))
 }
 
-/// True for names that are a frequency axis where no other is: `omega`, `f_kHz`.
+/// True for a less usual name of a frequency axis: `omega`, `f_kHz`.
 pub(super) fn is_likely_name(name: &str) -> bool {
     let stem = name.split('_').next().unwrap_or_default();
     is_angular(name) || (is_name(stem) && unit_in_name(name).is_some())
@@ -40,7 +40,7 @@ fn is_angular(name: &str) -> bool {
         .any(|word| ANGULAR.contains(&word.to_lowercase().as_str()))
 }
 
-/// Factor to Hz of a label in any case; a small m in capitals is neither milli nor mega.
+/// Factor to Hz of a label in any case. `MHZ` is not understood: it may be milli or mega.
 pub(super) fn factor_of(label: &str) -> Option<f64> {
     frequency_unit(label).or_else(|| frequency_unit(&label.to_lowercase()))
 }
@@ -69,7 +69,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Factor to Hz of an axis of its own: every place that says a unit says the same.
+/// Factor to Hz of an axis in a dataset of its own. All places that state a unit must agree.
 fn axis_to_hz(freq: &Entry, facts: &FrfFacts<'_>, warnings: &mut Vec<Finding>) -> Result<f64> {
     let own = attribute(freq, &["unit"]);
     let by_own = own.as_ref().and_then(|fact| factor_of(&fact.text));
@@ -113,10 +113,10 @@ fn axis_to_hz(freq: &Entry, facts: &FrfFacts<'_>, warnings: &mut Vec<Finding>) -
         .help("correct the one that is wrong"))
 }
 
-/// Factor to Hz by the file's word about all frequencies.
+/// Factor to Hz by the unit that the file states for all frequencies.
 ///
 /// # Errors
-/// A word that is no unit of a frequency.
+/// A label that is no unit of a frequency.
 pub(super) fn said_to_hz(facts: &FrfFacts<'_>) -> Result<Option<f64>> {
     let factor = |fact: &super::facts::Fact<'_>| {
         factor_of(&fact.text).ok_or_else(|| {

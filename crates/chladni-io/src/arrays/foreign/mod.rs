@@ -1,8 +1,8 @@
-//! FRFs in files of others: by the caller's map, else by looking for one complex array
-//! with an axis as long as a frequency axis.
+//! FRFs in files of other programs: by the caller's map, else by a search for one complex
+//! array with an axis as long as a frequency axis.
 //!
-//! There is no standard layout. What cannot be decided is an error that lists the
-//! candidates; what was decided is said in a warning.
+//! There is no standard layout. Where several datasets may be meant, the error lists them;
+//! where the search has chosen, a warning names its choice.
 
 mod axes;
 mod choose;
@@ -44,18 +44,18 @@ const MAP_KEYS: [&str; 9] = [
     "axes",
 ];
 
-/// `/data/H (77 x 1 x 801)`.
+/// Path and shape of a dataset: `/data/H (77 x 1 x 801)`.
 pub(crate) fn describe(entry: &Entry) -> String {
     let extents: Vec<String> = logical_shape(entry).iter().map(usize::to_string).collect();
     format!("{} ({})", entry.path, extents.join(" x "))
 }
 
-/// True for what stands in the file in reverse order, because MATLAB wrote it.
+/// True for a dataset whose axes are in reverse order, because MATLAB wrote it.
 fn is_matlab(entry: &Entry) -> bool {
     entry.attribute("MATLAB_class").is_some()
 }
 
-/// True for texts of MATLAB 7.3, which stand in the file as numbers.
+/// True for texts of MATLAB 7.3, which are stored as numbers.
 fn is_characters(entry: &Entry) -> bool {
     entry.text("MATLAB_class") == Some("char") && entry.element() == Some(&Element::Integer)
 }
@@ -208,7 +208,7 @@ impl<'a> Reader<'a> {
             .ok_or_else(|| Error::new(ErrorKind::Internal, "the axis of the lines is not known"))?;
         let mut values = array.into_frf_values(response, reference, line);
         self.refuse_infinities(frf, &values)?;
-        // with one reference a swap would show in the number of responses
+        // with one reference, the number of responses would show swapped axes
         if shape.len() == 3 && values.dim().1 > 1 && !named.are_named {
             warnings.push(axes_guessed(frf));
         }
@@ -280,7 +280,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Kind and reference unit, as far as attributes say them; values are scaled to SI.
+    /// Kind and reference unit, as far as the file states them; scales the values to SI.
     fn units(
         &self,
         source: Source<'a>,
@@ -311,13 +311,8 @@ impl<'a> Reader<'a> {
             ));
             return Ok(unscaled);
         };
-        let told = self.options.frf_kind;
-        if let Some(kind) = (facts.kind).filter(|kind| told.is_none() && *kind != unit.kind) {
-            return Err(Error::bad_data("frf_kind and unit contradict each other")
-                .field("frf_kind")
-                .found(format!("{kind} with unit {label}"))
-                .expected(format!("{} for that unit", unit.kind))
-                .help("say which is right with `frf_kind`"));
+        if let (Some(kind), None) = (facts.kind, self.options.frf_kind) {
+            unit.check_kind(kind, label)?;
         }
         if let Some(reference) = (facts.reference_unit).filter(|stated| *stated != unit.reference) {
             return Err(
@@ -332,7 +327,7 @@ impl<'a> Reader<'a> {
         Ok((facts.kind.or(Some(unit.kind)), unit.reference))
     }
 
-    /// Infinities are errors, as in every format.
+    /// Refuses infinite values, unless `lenient`.
     fn refuse_infinities(&self, frf: &Entry, values: &FrfValues) -> Result<()> {
         fn first_infinite<C: ComplexFloat + Display>(
             values: &Array3<C>,
@@ -369,7 +364,7 @@ fn axes_guessed(frf: &Entry) -> Finding {
     Finding::note("layout-guessed", words)
 }
 
-/// Number of its values; of texts.
+/// Number of values, or of texts.
 fn length(entry: &Entry) -> usize {
     let shape = entry.shape();
     if is_characters(entry) {

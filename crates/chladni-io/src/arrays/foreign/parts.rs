@@ -13,10 +13,10 @@ use chladni_frf::{Error, Finding, Result};
 use ndarray::{Axis, Zip};
 use num_complex::Complex64;
 
-/// The label of linear values: that behind `dB re 1`, where values were in decibels.
+/// The label of the linear values; of decibels, the unit after `dB re 1`.
 ///
 /// # Errors
-/// Decibels of values that are no magnitude.
+/// A label in decibels where the values are no magnitude.
 pub(super) fn linear_label<'l>(source: Source<'_>, label: &'l str) -> Result<&'l str> {
     if !is_decibel_label(label) {
         return Ok(label);
@@ -35,7 +35,7 @@ fn without_reference(entry: &Entry, label: &str) -> Error {
         .help("save linear complex values, or write the reference value and unit into `unit`")
 }
 
-/// The value at 0 dB of a magnitude in decibels; `None` of a linear one.
+/// The value at 0 dB of a magnitude in decibels; `None` for a linear one.
 fn decibel(
     entry: &Entry,
     facts: &FrfFacts<'_>,
@@ -62,7 +62,7 @@ fn decibel(
 }
 
 impl<'a> Reader<'a> {
-    /// The values, axes in the order of the program that wrote them.
+    /// The values, with axes in the order of the program that wrote them.
     pub(super) fn array(
         &self,
         source: Source<'a>,
@@ -151,8 +151,8 @@ impl<'a> Reader<'a> {
         Ok(unit)
     }
 
-    /// Frequencies, Hz, and the FRFs beside them in one array: the first row or column is
-    /// real and rises.
+    /// Splits an array whose first row or column holds the frequencies into frequencies, Hz,
+    /// and FRFs.
     pub(super) fn split_joined(
         &self,
         entry: &Entry,

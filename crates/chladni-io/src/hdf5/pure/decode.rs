@@ -1,8 +1,8 @@
-//! From the bytes of a file to values, by the type that the file declares.
+//! Values from the bytes of a file, by the type that the file declares.
 //!
-//! A member name or byte order which is not understood is an error and never a row of
-//! zeros. Large datasets are decoded row window by row window, so that the raw bytes of
-//! all never stand beside the values of all.
+//! A member name or byte order that is not understood is an error, and never gives zeros.
+//! Large datasets are decoded window by window, so that memory holds the raw bytes of one
+//! window only.
 
 use super::number::{Member, Number};
 use super::File;
@@ -17,15 +17,15 @@ use std::borrow::Cow;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 
-/// Raw bytes read at a time; at 1 MiB and at 16 MiB the panel of the demonstration is
-/// read equally fast.
+/// Raw bytes read at a time. With 1 MiB or 16 MiB, the FRFs of the demonstration are read
+/// equally fast.
 const WINDOW_BYTES: u64 = 4 << 20;
 
-/// Bytes read at a time of values that lie in the file as they do in memory: fresh memory
-/// is cleared in the cache next to a core.
+/// Bytes read at a time of values that lie in the file as they do in memory. A stretch fits
+/// into the cache next to a core, where fresh memory is cleared before it is filled.
 const STRETCH_BYTES: usize = 256 << 10;
 
-/// Element type, as both back ends name it.
+/// Element type of a dataset.
 pub(super) fn element_of(datatype: &Datatype) -> Element {
     match datatype {
         Datatype::FloatingPoint { size: 8, .. } => Element::Real { single: false },
@@ -62,15 +62,15 @@ pub(super) fn element_of(datatype: &Datatype) -> Element {
     }
 }
 
-/// The two spellings of complex numbers, and what home-made files use; MATLAB writes
-/// `real`, `imag`, h5py `r`, `i`.
+/// True for the names of the parts of complex numbers: `r`, `i` (h5py), `real`, `imag`
+/// (MATLAB), and those of home-made files.
 fn is_complex_pair(first: &str, second: &str) -> bool {
     let (first, second) = (first.to_ascii_lowercase(), second.to_ascii_lowercase());
     [("r", "i"), ("real", "imag"), ("re", "im")].contains(&(first.as_str(), second.as_str()))
 }
 
-/// The values of some rows (along the first axis) of a dataset, in `spare` memory where
-/// it is of their kind; `None` for types that are not understood.
+/// The values of some rows (along the first axis) of a dataset, in the memory of `spare`
+/// where its type fits; `None` for types that are not understood.
 pub(super) fn values_of(
     file: &File,
     dataset: &Dataset,
@@ -158,8 +158,8 @@ fn node_of(record: &[u8], label: Member, [x, y, z]: [Member; 3]) -> Option<Node>
     })
 }
 
-/// Complex numbers as this program and h5py write them on most machines: no look at each
-/// value.
+/// Complex numbers as this program and h5py write them on most machines: they are copied
+/// without decoding each value.
 fn plain_complex(
     windows: &Windows<'_>,
     file: &File,
@@ -217,7 +217,7 @@ struct Windows<'a> {
 }
 
 impl<'a> Windows<'a> {
-    /// `None` for elements without size, and more of them than can be counted.
+    /// `None` for elements of size 0, and for more elements than can be counted.
     fn new(
         dataset: &'a Dataset,
         datatype: &Datatype,
@@ -246,8 +246,7 @@ impl<'a> Windows<'a> {
             .unwrap_or(all);
         let rows = (rows.start as u64).min(all)..(rows.end as u64).min(all);
         let count = count.checked_div(all).unwrap_or(0) * (rows.end - rows.start);
-        // rows without elements would be looked for one after the other, however many a
-        // header claims
+        // a damaged header may claim any number of rows without elements: none is visited
         let rows = if count == 0 { 0..0 } else { rows };
         let count = usize::try_from(count).ok().filter(|_| element_bytes > 0);
         Ok(count.map(|count| Self {
@@ -260,8 +259,8 @@ impl<'a> Windows<'a> {
         }))
     }
 
-    /// The raw bytes of each window to `take`, until it says that it understands them no
-    /// more; true where it never does.
+    /// Gives the raw bytes of each window to `take`, until that returns false. Returns true
+    /// where it took all.
     fn each(&self, mut take: impl FnMut(&[u8]) -> bool) -> Result<bool, Error> {
         let mut row = self.rows.start;
         while row < self.rows.end {
@@ -277,7 +276,7 @@ impl<'a> Windows<'a> {
         Ok(true)
     }
 
-    /// The beginning of the rows in the file, of a dataset that lies there in one
+    /// Offset of the rows in the file; `None` where the dataset does not lie there in one
     /// stretch.
     fn stretch(&self, file: &File) -> Result<Option<u64>, Error> {
         let Layout::Contiguous {
@@ -298,8 +297,8 @@ impl<'a> Windows<'a> {
         Ok((is_whole && is_inside).then(|| address + self.rows.start * self.row_bytes))
     }
 
-    /// Every element of a type that lies in the file as it does in memory, into the
-    /// memory of `values`.
+    /// Reads every element of a type that lies in the file as it does in memory, into the memory
+    /// of `values`.
     fn collect_plain<T: Pod>(
         &self,
         file: &File,
@@ -339,7 +338,7 @@ impl<'a> Windows<'a> {
         Ok(values)
     }
 
-    /// Every element through `read`; `None` where one is not understood.
+    /// Decodes every element with `read`; `None` where one is not understood.
     fn collect<T>(&self, read: impl Fn(&[u8]) -> Option<T>) -> Result<Option<Vec<T>>, Error> {
         let mut values = Vec::with_capacity(self.count);
         let understood = self.each(|raw| {

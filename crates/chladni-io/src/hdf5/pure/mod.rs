@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// An open file.
 pub(super) struct File {
     path: PathBuf,
-    /// The place that its bytes are read from.
+    /// The file that its bytes are read from; for a pipe, a temporary one.
     place: Place,
     bytes: u64,
     file: hdf5_pure::File,
@@ -91,7 +91,7 @@ impl File {
         Ok(())
     }
 
-    /// A dataset that cannot be described is listed with the reason.
+    /// The entry of a dataset; one that cannot be described has the reason.
     fn dataset_entry(&self, path: &str) -> Entry {
         let described = self.file.dataset(path).and_then(|dataset| {
             let shape: Vec<usize> = dataset
@@ -112,9 +112,10 @@ impl File {
         self.read_rows(entry, 0..usize::MAX, None, None)
     }
 
-    /// The values of some rows (along the first axis) of a dataset; all of a text.
-    /// `turn`: where the bytes are to be handed over for a checksum; `spare`: memory to
-    /// read into, where it is of this kind.
+    /// The values of some rows (along the first axis) of a dataset; of texts, all.
+    ///
+    /// * `turn`: takes the bytes for a checksum
+    /// * `spare`: its memory is used again where its type fits
     pub(super) fn read_rows(
         &self,
         entry: &Entry,
@@ -155,8 +156,8 @@ impl File {
             .unwrap_or(false)
     }
 
-    /// Refuses a dataset of which a piece ends beyond the file: the library makes room
-    /// for pieces that touch before it reads them.
+    /// Refuses a dataset with a chunk that ends beyond the file: the library allocates memory
+    /// for neighbouring chunks before it reads them.
     fn check_chunks(&self, dataset: &Dataset) -> Result<()> {
         if !dataset.is_chunked() {
             return Ok(());
@@ -214,7 +215,7 @@ fn known_attributes(
         });
         match attribute {
             Some(attribute) => known.push((name, attribute)),
-            None if value.is_some() => {} // an array of numbers: nothing here asks for one
+            None if value.is_some() => {} // an array of numbers: not needed here
             None => {
                 let why = format!("{} cannot be read", element_of(&datatype).describe());
                 unread.push((name, why));

@@ -1,12 +1,12 @@
 //! Back end of the C library (feature `system`), for files with filters or layouts that
 //! the built-in one refuses.
 //!
-//! The library converts records by the names of their members and leaves members that it
-//! does not find at zero, without an error: an array of `{real, imag}` read as `{r, i}`
-//! is all zeros. So the names are compared before anything is read.
+//! The library converts records by the names of their members. A member that it does not
+//! find stays zero, without an error: `{real, imag}` read as `{r, i}` gives zeros. Therefore
+//! the names are compared before anything is read.
 //!
-//! Avoid it for damaged or hostile files: they can crash or hang the C library (version
-//! 1.10 at least); the built-in back end refuses them.
+//! Avoid it for damaged or hostile files: they can crash or hang the C library (1.10 and
+//! perhaps others). The built-in back end refuses them.
 
 mod values;
 mod write;
@@ -39,8 +39,8 @@ impl File {
         let place = place_of(path)?;
         let metadata =
             std::fs::metadata(&*place).map_err(|error| Error::from_read(&error, path))?;
-        // no lock: it fails on some network shares, and where a process that was started
-        // meanwhile still holds the writer's
+        // no lock: locking fails on some network shares, and while a child process still holds
+        // the lock of the writer
         let unlocked = hdf5::File::with_options()
             .with_fapl(|access| access.file_locking(false))
             .open(&*place);
@@ -85,7 +85,7 @@ impl File {
         Ok(())
     }
 
-    /// A dataset that cannot be described is listed with the reason.
+    /// The entry of a dataset; one that cannot be described has the reason.
     fn dataset_entry(&self, path: &str) -> Entry {
         let described = self.file.dataset(path).and_then(|dataset| {
             let element = element_of(&dataset.dtype()?.to_descriptor()?);
@@ -212,7 +212,7 @@ fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Unread)> {
                     _ => unread.push((name, "it cannot be read".into())),
                 }
             }
-            (Element::Text | Element::Integer | Element::Real { .. }, _) => {} // a list of numbers: nothing here asks for one
+            (Element::Text | Element::Integer | Element::Real { .. }, _) => {} // a list of numbers: not needed here
             (element, _) => {
                 unread.push((name, format!("{} cannot be read", element.describe())));
             }

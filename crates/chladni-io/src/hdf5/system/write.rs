@@ -104,7 +104,7 @@ fn write_dataset(target: &hdf5::Group, dataset: &Dataset<'_>) -> hdf5::Result<()
     write_attributes(&written, &dataset.attributes)
 }
 
-/// Packed, so that no padding byte of a record reaches the file.
+/// Creates a dataset of packed records, so that no padding bytes are written.
 fn create<T: H5Type>(
     target: &hdf5::Group,
     dataset: &Dataset<'_>,

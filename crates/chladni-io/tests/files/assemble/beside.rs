@@ -1,4 +1,4 @@
-//! What comes with the FRFs: coherence, geometry, other functions, damaged datasets, sets.
+//! The content beside the FRFs: coherence, geometry, other functions, damaged datasets, sets.
 
 use super::documents::{document, frf, function, merge};
 use chladni_frf::{Error, Geometry, Node};

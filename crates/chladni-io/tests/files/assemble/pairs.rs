@@ -1,4 +1,4 @@
-//! Which pairs a set has: single-reference surveys, duplicates, gaps.
+//! The pairs of a set: single-reference surveys, duplicates, gaps.
 
 use super::documents::{document, frf, function, merge, names};
 use chladni_frf::ErrorKind;
