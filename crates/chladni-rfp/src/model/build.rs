@@ -57,6 +57,7 @@ impl Shaped {
         let mut free = FreeFit::new(data, &mut identified)?;
         let real = free.real_constraints(&identified);
         let shapes = free.shapes(data, &identified, real)?;
+        free.doubt_shared(&identified.work, &shapes);
         free.answer(data, &shapes);
         let chi2_per_dof = free.chi2_per_dof(&identified, shapes.rise, shapes.constraints + real);
         let (scales, scaling) = scales(data, identified.damping, &free.poles, &shapes);

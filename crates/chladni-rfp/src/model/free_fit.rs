@@ -2,14 +2,15 @@
 //! are brought into.
 
 use crate::damping::law::loss_bound;
+use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::model::identified::Identified;
 use crate::model::limits;
 use crate::model::residues::{linear, Linear};
 use crate::poles::pole::{Given, Pole};
 use crate::shapes::low_rank::{low_rank_around, Shapes};
-use crate::shapes::residues::{most_by_chance, significant_rank, Residues};
-use chladni_frf::{Damping, Trust};
+use crate::shapes::residues::{most_by_chance, significant_values, Residues};
+use chladni_frf::{Damping, Reason, Trust};
 use chladni_linalg::blocked::blocked_matmul_mixed;
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2, Axis, ShapeBuilder};
@@ -98,7 +99,8 @@ impl FreeFit {
     }
 
     /// Shapes of low rank: one for each mode, of poles outside the band as many as the data
-    /// show, and more together where weak directions of single poles explain something.
+    /// show, and more together where weak directions of single poles explain something. A pole of
+    /// the band has several where one leaves too much and its residues clearly have more.
     pub fn shapes(
         &self,
         data: &DataLayout,
@@ -121,7 +123,7 @@ impl FreeFit {
             .collect();
         let mut ranks = vec![1; given.len()];
         for &n in &loose {
-            ranks[n] = significant_rank(&free, n, variance)?;
+            ranks[n] = significant_values(&free, n, variance)?.len().max(1);
         }
         let mut shapes = low_rank_around(&free, &ranks, &given)?;
         let full = responses.min(references);
@@ -131,6 +133,17 @@ impl FreeFit {
             let held = (work, data.pairs.len());
             shapes.rise > most_by_chance(constraints, variance, rounding, held)
         };
+        if misfits(&shapes) {
+            // modes at one frequency, which no search for one shape each has parted
+            for n in (0..given.len()).filter(|&n| !outside(n) && given[n].is_none()) {
+                let values = significant_values(&free, n, variance)?;
+                let clear = |value: &&f64| **value > limits::SECOND_SHAPE * values[0];
+                ranks[n] = values.iter().filter(clear).count().max(1);
+            }
+            if ranks.iter().sum::<usize>() > shapes.owner.len() {
+                shapes = low_rank_around(&free, &ranks, &given)?;
+            }
+        }
         let mut rounds = 0;
         while misfits(&shapes) && loose.iter().any(|&n| ranks[n] < full) {
             let more = if rounds < limits::RANK_ROUNDS {
@@ -145,6 +158,17 @@ impl FreeFit {
             rounds += 1;
         }
         Ok(shapes)
+    }
+
+    /// Grades poles of the band with several shapes as weak.
+    pub fn doubt_shared(&mut self, work: &Columns, shapes: &Shapes) {
+        for (n, pole) in self.poles.iter_mut().enumerate() {
+            let terms = shapes.owner.iter().filter(|&&owner| owner == n).count();
+            if terms > 1 && pole.given.is_none() && work.in_band((pole.omega * pole.omega).into()) {
+                pole.grade.trust = pole.grade.trust.min(Trust::Weak);
+                pole.grade.reasons.push(shared_frequency(terms));
+            }
+        }
     }
 
     /// Residual terms that answer the residues of the shapes in place of the free ones.
@@ -183,6 +207,15 @@ impl FreeFit {
         let free = ((work.lines() * work.columns()) as f64 - unknowns as f64).max(1.0);
         (self.linear.sse * self.noise + rise) / (variance * (free + 0.5 * constraints as f64))
     }
+}
+
+/// The reason of modes that share one pole.
+fn shared_frequency(modes: usize) -> Reason {
+    Reason::new(
+        "shared-frequency",
+        "several modes at one frequency: their frequencies are too close to be told apart",
+    )
+    .detail(format!("{modes} shapes"))
 }
 
 /// True where the model's fields can hold the pole.

@@ -92,24 +92,22 @@ pub(crate) fn most_by_chance(
     by_chance.max(variance * (mean + seen * (values + mean)))
 }
 
-/// Rank that the residues of one pole need: singular values that noise of variance
-/// `variance` in the data cannot make (the largest of pure noise is about σ(√responses +
-/// √references)).
-pub(crate) fn significant_rank(
+/// Singular values of the residues of one pole that noise of variance `variance` in the data
+/// cannot make (the largest of pure noise is about σ(√responses + √references)), falling.
+pub(crate) fn significant_values(
     residues: &Residues,
     pole: usize,
     variance: f64,
-) -> Result<usize, LinalgError> {
+) -> Result<Vec<f64>, LinalgError> {
     let (responses, references) = residues.present.dim();
     let values = singular_values(residues.of_pole(pole).view())?;
     let inverse = covariance(ridge(residues.weight).view());
     let noise = (variance * inverse[[pole, pole]].re).sqrt()
         * ((responses as f64).sqrt() + (references as f64).sqrt());
     Ok(values
-        .iter()
-        .filter(|s| **s > limits::RANK_OVER_NOISE * noise)
-        .count()
-        .max(1))
+        .into_iter()
+        .filter(|s| *s > limits::RANK_OVER_NOISE * noise)
+        .collect())
 }
 
 /// A pair of modes with the same pole makes the system singular; a trace of ridge shares

@@ -1,7 +1,7 @@
 //! Structured refinement through the public door, judged by known truth and the bounds of
 //! identification.md's study.
 
-use chladni_frf::{Damping, FrfSet, FrfValues, ModalModel, Mode};
+use chladni_frf::{Damping, FrfSet, FrfValues, ModalModel, Mode, Trust};
 use chladni_plate::{Synthetic, SyntheticSet, SyntheticShapes};
 use chladni_rfp::{mac, FitOptions, ShapeModel};
 use ndarray::Array1;
@@ -132,6 +132,31 @@ fn a_repeated_pole_is_two_modes_of_one_frequency() {
         assert_eq!(frequencies[1], frequencies[2], "{snr_db} dB");
         assert!((frequencies[1] - 70.0).abs() < 0.05);
     }
+}
+
+/// Free residues know no second mode at a pole: their rank does.
+#[test]
+fn two_modes_at_one_pole_are_both_kept_where_no_search_parts_them() {
+    let set = Synthetic {
+        natural_frequency_hz: vec![40.0, 70.0, 70.0, 110.0],
+        responses: 8,
+        references: 2,
+        snr_db: 40.0,
+        ..Synthetic::default()
+    }
+    .build()
+    .expect("a set");
+    let model = fitted(&set.frf, ShapeModel::Free);
+    let of_pair = |mode: &&Mode| (mode.frequency_hz - 70.0).abs() < 0.05;
+    let pair: Vec<&Mode> = model.in_band_modes().filter(of_pair).collect();
+    assert_eq!(pair.len(), 2, "{:?}", model.quality.path);
+    for mode in pair {
+        let codes: Vec<&str> = mode.reasons.iter().map(|r| r.code.as_ref()).collect();
+        assert_eq!((mode.trust, codes), (Trust::Weak, vec!["shared-frequency"]));
+    }
+    assert!(model.quality.chi2_per_dof < 1.1, "{:?}", model.quality);
+    let sure = model.in_band_modes().filter(|m| m.trust == Trust::Sure);
+    assert_eq!(sure.count(), 2);
 }
 
 #[test]
