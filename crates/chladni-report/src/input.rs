@@ -217,8 +217,8 @@ impl<'a> Measured<'a> {
                 .field("measured FRFs")
                 .found("none in common")
                 .expected("the FRFs that the model was fitted to")
-                .help("leave the measured FRFs out, or give the file that the model names as its \
-                       source"));
+                .help("name with `measured` the file that the model names as its source, or leave \
+                       `measured` out"));
         }
         let factor = |&f: &f64| {
             let omega = std::f64::consts::TAU * f;

@@ -112,6 +112,22 @@ fn without_the_frfs_no_mode_is_added() {
 }
 
 #[test]
+fn frfs_without_a_dof_of_the_model_are_refused_with_the_option_that_named_them() {
+    let (folder, hz) = with_few();
+    folder.write("add.toml", format!("add = [{{frequency_hz = {hz:.1}}}]\n"));
+    let rows =
+        "# unit = m/s/N\nresponse,reference,f,re,im\n9001Z,9002Z,100,1,2\n9001Z,9002Z,101,3,4\n";
+    folder.write("other.csv", rows);
+    let run = folder.run("select few.json add.toml -o x.json --measured other.csv");
+    assert_eq!(run.code, 65);
+    let said = run.said();
+    assert!(
+        said.contains("no DOF pair of the model") && said.contains("name with --measured the file"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_mode_added_where_nothing_is_is_rejected() {
     let folder = Folder::with_panel();
     folder.run("fit panel.h5 -o whole.json -q").exits(0);
