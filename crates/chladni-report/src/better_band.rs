@@ -1,7 +1,8 @@
 //! The band to fit instead where modes explain little of the data.
 
 use crate::sizes::{MOST_ABOVE, MOST_BELOW, MOST_OF_BAND};
-use chladni_frf::{ModalModel, Trust};
+use chladni_frf::{ModalModel, Mode, Trust};
+use std::ops::RangeInclusive;
 
 /// A band in which most modes are sure.
 #[derive(Debug, PartialEq)]
@@ -12,24 +13,24 @@ pub struct BetterBand {
     pub sure: usize,
 }
 
-/// The run of modes with the most sure ones over weak ones, where that leaves much of the
-/// band out; `None` where there is none.
+/// The band of the run of modes with the most sure ones over weak ones; `None` where it would
+/// leave out little of the band of `model`, or holds fewer than two sure modes.
 pub fn better_band(model: &ModalModel) -> Option<BetterBand> {
-    let modes: Vec<(f64, bool)> = model
-        .in_band_modes()
-        .map(|mode| (mode.frequency_hz, mode.trust == Trust::Sure))
-        .collect();
-    let (first, last) = best_run(&modes)?;
+    let modes: Vec<&Mode> = model.in_band_modes().collect();
+    let is_sure: Vec<bool> = modes.iter().map(|mode| mode.trust == Trust::Sure).collect();
+    let run = best_run(&is_sure)?;
+    let hz = |k: usize| modes.get(k).map(|mode| mode.frequency_hz);
     let [low_hz, high_hz] = model.band_hz;
-    let before = first.checked_sub(1).map_or(low_hz, |k| modes[k].0);
-    let after = modes.get(last + 1).map_or(high_hz, |mode| mode.0);
+    let (first_hz, last_hz) = (hz(*run.start())?, hz(*run.end())?);
+    let before_hz = run.start().checked_sub(1).and_then(hz).unwrap_or(low_hz);
+    let after_hz = hz(run.end() + 1).unwrap_or(high_hz);
     let [low, high] = [
-        between(before, modes[first].0).max(MOST_BELOW * modes[first].0),
-        between(modes[last].0, after).min(MOST_ABOVE * modes[last].0),
+        between(before_hz, first_hz).max(MOST_BELOW * first_hz),
+        between(last_hz, after_hz).min(MOST_ABOVE * last_hz),
     ];
-    let low = round_down(low, before).unwrap_or_else(|| round(low, before, modes[first].0));
-    let high = round(high, modes[last].0, after);
-    let sure = modes[first..=last].iter().filter(|mode| mode.1).count();
+    let low = round_down(low, before_hz).unwrap_or_else(|| round(low, before_hz, first_hz));
+    let high = round(high, last_hz, after_hz);
+    let sure = is_sure[run].iter().filter(|is_sure| **is_sure).count();
     let leaves_out = (high - low) < MOST_OF_BAND * (high_hz - low_hz);
     (leaves_out && sure > 1).then_some(BetterBand {
         hz: [low, high],
@@ -37,35 +38,33 @@ pub fn better_band(model: &ModalModel) -> Option<BetterBand> {
     })
 }
 
-/// First and last mode of the run with the largest count of sure modes less that of weak
-/// ones.
-fn best_run(modes: &[(f64, bool)]) -> Option<(usize, usize)> {
-    let mut best: Option<(i64, usize, usize)> = None;
-    for first in (0..modes.len()).filter(|&k| modes[k].1) {
+/// The run of modes with the largest number of sure modes minus that of weak ones.
+fn best_run(is_sure: &[bool]) -> Option<RangeInclusive<usize>> {
+    let mut best: Option<(i64, RangeInclusive<usize>)> = None;
+    for first in (0..is_sure.len()).filter(|&k| is_sure[k]) {
         let mut score = 0;
-        for last in first..modes.len() {
-            score += if modes[last].1 { 1 } else { -1 };
-            if best.is_none_or(|(known, ..)| score > known) {
-                best = Some((score, first, last));
+        for last in first..is_sure.len() {
+            score += if is_sure[last] { 1 } else { -1 };
+            if best.as_ref().is_none_or(|(known, _)| score > *known) {
+                best = Some((score, first..=last));
             }
         }
     }
-    best.map(|(_, first, last)| (first, last))
+    best.map(|(_, run)| run)
 }
 
 fn between(low: f64, high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The value in one digit, rounded down, where that stays above `low`: there is no mode
-/// between.
+/// The value rounded down to one digit; `None` where that is not above `low`.
 fn round_down(value: f64, low: f64) -> Option<f64> {
     let unit = 10f64.powf(value.log10().floor());
     let round = (value / unit).floor() * unit;
     (low < round).then_some(round)
 }
 
-/// The value in two digits where these stay between `low` and `high`.
+/// The value rounded to two digits, or unchanged where that is not between `low` and `high`.
 fn round(value: f64, low: f64, high: f64) -> f64 {
     let unit = 10f64.powf(value.log10().floor() - 1.0);
     let round = (value / unit).round() * unit;
@@ -81,19 +80,9 @@ mod tests {
 
     #[test]
     fn the_run_with_most_sure_modes_is_taken() {
-        let modes: Vec<(f64, bool)> = [
-            (52.6, true),
-            (468.0, true),
-            (921.0, false),
-            (972.0, true),
-            (1655.0, true),
-            (2064.0, false),
-            (2128.0, false),
-            (4695.0, true),
-        ]
-        .to_vec();
-        assert_eq!(best_run(&modes), Some((0, 4)));
-        assert_eq!(best_run(&[(1.0, false)]), None);
+        let is_sure = [true, true, false, true, true, false, false, true];
+        assert_eq!(best_run(&is_sure), Some(0..=4));
+        assert_eq!(best_run(&[false]), None);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Measured FRFs against their synthesis: the frequency axis, sums over all FRFs, and the
-//! pairs that are shown.
+//! Measured FRFs compared with their synthesis: the frequency axis, sums over all FRFs, and the
+//! pairs to show.
 
 use crate::input::{Measured, Quantity, ReportInput};
 use crate::sizes;
@@ -8,7 +8,7 @@ use chladni_frf::{ComplexMatrix, ComplexVector, Dof, ModalModel, Result};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
-/// Everything that the FRF figures draw.
+/// The data of the FRF figures.
 pub(crate) struct Comparison<'a> {
     pub(crate) model: Option<&'a ModalModel>,
     pub(crate) measured: Option<Measured<'a>>,
@@ -23,16 +23,16 @@ pub(crate) struct Sums {
     pub(crate) measured: Option<Vec<f64>>,
     pub(crate) synthesis: Option<Vec<f64>>,
     pub(crate) difference: Option<Vec<f64>>,
-    /// Rms difference over rms measured value of each pair in the band, (response,
+    /// Rms difference over rms measured value of each pair in the band, axes (response,
     /// reference); NaN where not measured.
     pub(crate) error: Option<Array2<f64>>,
 }
 
-/// A pair of DOFs and why it is shown.
+/// A pair of DOFs, and the reason for showing it.
 pub(crate) struct Pair {
     pub(crate) response: usize,
     pub(crate) reference: usize,
-    /// `12:+Z / 105:+Z`.
+    /// Names of both DOFs: `12:+Z / 105:+Z`.
     pub(crate) label: String,
     pub(crate) why: String,
 }
@@ -88,7 +88,7 @@ impl<'a> Comparison<'a> {
         self.responses.len() * self.references.len()
     }
 
-    /// Sums over all FRFs, in one pass over the lines.
+    /// Sums over all FRFs.
     pub(crate) fn sums(&self) -> Sums {
         let (responses, references) = (self.responses.len(), self.references.len());
         let (mut measured, mut synthesis, mut difference) = (Vec::new(), Vec::new(), Vec::new());
@@ -216,7 +216,7 @@ impl<'a> Comparison<'a> {
         }
         let (rows, columns) = (self.responses.len(), self.references.len());
         for k in 0..4 * sizes::PAIRS {
-            // golden sections spread both numbers evenly and apart from each other
+            // multiples of these numbers, modulo 1, are spread evenly over a square
             let part = |step: f64| (0.5 + step * k as f64).fract();
             let at = (
                 (part(0.618_034) * rows as f64) as usize,
@@ -272,8 +272,7 @@ fn single_pair(model: &ModalModel, response: usize, reference: usize) -> ModalMo
     single
 }
 
-/// Pairs (response, reference) in the order of their difference, the largest first; none
-/// whose difference is not known.
+/// Pairs (response, reference) with a known difference, the largest first.
 fn from_worst_to_best(error: &Array2<f64>) -> Vec<(usize, usize)> {
     let mut order: Vec<((usize, usize), f64)> = error
         .indexed_iter()
@@ -284,7 +283,7 @@ fn from_worst_to_best(error: &Array2<f64>) -> Vec<(usize, usize)> {
     order.into_iter().map(|(at, _)| at).collect()
 }
 
-/// Even lines over the band, and more of them at each natural frequency.
+/// Evenly spaced lines over the band, and additional ones around each natural frequency, Hz.
 fn synthesis_lines(model: &ModalModel) -> Array1<f64> {
     let [low, high] = model.band_hz;
     let step = (high - low) / sizes::SYNTHESIS_LINES as f64;
@@ -302,6 +301,7 @@ fn synthesis_lines(model: &ModalModel) -> Array1<f64> {
     lines.into()
 }
 
+/// Sum of squares, and number, of finite values.
 #[derive(Default)]
 struct Mean {
     sum: f64,

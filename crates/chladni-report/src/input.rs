@@ -1,6 +1,6 @@
 //! The input of a report.
 
-use chladni_frf::{Error, Finding, FrfKind, FrfSet, ModalModel, ReferenceUnit, Result};
+use chladni_frf::{Dof, Error, Finding, FrfKind, FrfSet, ModalModel, ReferenceUnit, Result};
 use chladni_render::{
     AreaField, Evaluation, Field, FieldEvaluation, Indices, Limits, Played, Rendering, Weights,
     ZoneMap,
@@ -21,14 +21,14 @@ pub struct ReportInput<'a> {
     /// Tables of `chladni bench`: speed against accuracy, scenes over modes and
     /// actuators.
     pub tables: Vec<Table>,
-    /// Findings of the caller, as that the measured file is gone.
+    /// Findings of the caller, for example that the measured file is missing.
     pub findings: Vec<Finding>,
 }
 
 /// A table of `chladni bench`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// The file that it comes from, as `accuracy.csv`.
+    /// Name of its file, for example `accuracy.csv`.
     pub name: String,
     /// Names of the columns.
     pub header: Vec<String>,
@@ -36,14 +36,14 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
-/// Weights for a scene and, where it is at hand, the field that they make.
+/// Weights for a scene, and the field that they make where it is known.
 #[derive(Debug, Clone, Copy)]
 pub struct RenderedScene<'a> {
     /// The weights.
     pub weights: &'a Weights,
-    /// The field; weights files do not carry it.
+    /// The field; `None` where it is not known, since weights files do not contain it.
     pub shown: Option<ShownField<'a>>,
-    /// The same scene with fewer modes or actuators.
+    /// The same scene with fewer modes and with fewer actuators.
     pub curves: Option<&'a Curves>,
     /// The drive in time with pictures of the ground, where the scene has a table `[time]`.
     pub time: Option<&'a Played>,
@@ -65,17 +65,17 @@ pub struct Curves {
 /// whole model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
-    /// Modes or actuators.
+    /// Number of modes or actuators.
     pub count: usize,
-    /// Of the hot ones.
+    /// Share of the hot responses.
     pub hot_ratio: f64,
-    /// Of the cold ones.
+    /// Share of the cold responses.
     pub cold_ratio: f64,
-    /// Of both.
+    /// Share of both.
     pub success_ratio: f64,
 }
 
-/// The field that weights make, and what was asked of it.
+/// The field that weights make, with the demands of the scene.
 #[derive(Debug, Clone, Copy)]
 pub struct ShownField<'a> {
     /// The data that it was computed on, in words: `the model`, `panel.h5 at 300 Hz`.
@@ -107,10 +107,8 @@ impl<'a> RenderedScene<'a> {
             findings: &[],
         };
         Self {
-            weights: &rendering.weights,
             shown: Some(shown),
-            curves: None,
-            time: None,
+            ..Self::of_weights(&rendering.weights)
         }
     }
 
@@ -126,14 +124,12 @@ impl<'a> RenderedScene<'a> {
             findings: &evaluation.findings,
         };
         Self {
-            weights,
             shown: Some(shown),
-            curves: None,
-            time: None,
+            ..Self::of_weights(weights)
         }
     }
 
-    /// Weights and the field that was measured under them: points, nothing between them.
+    /// Weights and the field that was measured under them, at the responses alone.
     pub fn of_measured(weights: &'a Weights, evaluation: &'a FieldEvaluation) -> Self {
         let shown = ShownField {
             on: "the measured field",
@@ -145,10 +141,8 @@ impl<'a> RenderedScene<'a> {
             findings: &evaluation.findings,
         };
         Self {
-            weights,
             shown: Some(shown),
-            curves: None,
-            time: None,
+            ..Self::of_weights(weights)
         }
     }
 
@@ -177,11 +171,31 @@ impl<'a> RenderedScene<'a> {
 #[derive(Debug, Clone)]
 pub(crate) struct Measured<'a> {
     set: &'a FrfSet,
-    /// Index in the set and sense, per response of the model.
-    responses: Vec<Option<(usize, f64)>>,
-    /// The same per reference.
-    references: Vec<Option<(usize, f64)>>,
+    /// Place in the set of each response of the model.
+    responses: Vec<Option<InSet>>,
+    /// Place in the set of each reference of the model.
+    references: Vec<Option<InSet>>,
+    /// Factor from the kind of the set to that of the model, per line.
     factors: Vec<Complex64>,
+}
+
+/// A DOF of a model in a set of FRFs.
+#[derive(Debug, Clone, Copy)]
+struct InSet {
+    /// Index among the responses or references of the set.
+    index: usize,
+    /// 1 where both directions agree, −1 where they are opposite.
+    sense: f64,
+}
+
+/// The places of the `wanted` DOFs among those of a set.
+fn find(wanted: &[Dof], among: &[Dof]) -> Vec<Option<InSet>> {
+    let place = |dof: &Dof| {
+        let index = among.iter().position(|other| other.same_axis(*dof))?;
+        let sense = dof.direction.sign() * among[index].direction.sign();
+        Some(InSet { index, sense })
+    };
+    wanted.iter().map(place).collect()
 }
 
 impl<'a> Measured<'a> {
@@ -199,15 +213,6 @@ impl<'a> Measured<'a> {
             .expected(model.reference_unit));
         }
         let kind = set.known_kind()?;
-        let find = |wanted: &[chladni_frf::Dof],
-                    among: &[chladni_frf::Dof]|
-         -> Vec<Option<(usize, f64)>> {
-            let position = |dof: &chladni_frf::Dof| {
-                let k = among.iter().position(|other| other.same_axis(*dof))?;
-                Some((k, dof.direction.sign() * among[k].direction.sign()))
-            };
-            wanted.iter().map(position).collect()
-        };
         let (responses, references) = (
             find(&model.responses, &set.responses),
             find(&model.references, &set.references),
@@ -232,9 +237,10 @@ impl<'a> Measured<'a> {
         })
     }
 
-    /// The set's own DOFs and kind, where there is no model.
+    /// A set without a model, in its own order and kind.
     pub(crate) fn alone(set: &'a FrfSet) -> Self {
-        let all = |count: usize| (0..count).map(|k| Some((k, 1.0))).collect();
+        let own = |index| Some(InSet { index, sense: 1.0 });
+        let all = |count: usize| (0..count).map(own).collect();
         Self {
             set,
             responses: all(set.responses.len()),
@@ -246,8 +252,9 @@ impl<'a> Measured<'a> {
     /// The value of a pair of the model on a line; NaN where it was not measured.
     pub(crate) fn value(&self, response: usize, reference: usize, line: usize) -> Complex64 {
         match (self.responses[response], self.references[reference]) {
-            (Some((i, a)), Some((j, b))) => {
-                self.set.values.get(i, j, line) * self.factors[line] * (a * b)
+            (Some(i), Some(j)) => {
+                let value = self.set.values.get(i.index, j.index, line);
+                value * self.factors[line] * (i.sense * j.sense)
             }
             _ => Complex64::new(f64::NAN, f64::NAN),
         }

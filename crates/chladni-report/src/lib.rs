@@ -1,13 +1,12 @@
-//! Charts, and the report: one HTML file that needs nothing else, and its views as SVG
-//! and PNG files.
+//! Charts, and the report: one HTML file that loads nothing else, and its views as SVG and PNG
+//! files.
 //!
-//! [`html`] puts the numbers of a [`ReportInput`] into a page whose own script draws
-//! them: FRFs of any pair, stabilization diagram, pole table, MAC, complexity, moving
-//! shapes, fields, weights, curves, stress. [`studio_html`] is the same page, live: its
-//! numbers come from [`data`], [`draft_data`] and [`scene_data`] over a local connection.
-//! [`charts`] draws the views as files: a [`Figure`] is plain data (axes with label and
-//! unit, layers, legend), [`Figure::draw`] makes a [`Drawing`], and that writes itself as
-//! SVG or PNG.
+//! [`html`] puts the numbers of a [`ReportInput`] into a page whose own script draws them: FRFs
+//! of any pair, stabilization diagram, pole table, MAC, complexity, moving shapes, fields,
+//! weights, curves, stress. [`studio_html`] is the live page: its numbers come from [`data`],
+//! [`draft_data`] and [`scene_data`] over a local connection. [`charts`] draws the views as
+//! files: a [`Figure`] is plain data (axes, layers, legend), [`Figure::draw`] makes a [`Drawing`]
+//! of it, and that is written as SVG or PNG.
 //!
 //! ```
 //! use chladni_plate::{simulate, Panel};
@@ -69,8 +68,8 @@ pub fn html(input: &ReportInput) -> Result<String> {
     Ok(page::report(&input.title, &data::of(input)?))
 }
 
-/// A page of any figures, one section each, with `words` above them; like the report it
-/// needs nothing else.
+/// A page of any figures, one section each, with `words` above them. Like the report it loads
+/// nothing else.
 pub fn gallery(title: &str, words: &str, figures: &[Figure]) -> String {
     page::gallery(title, words, figures)
 }
@@ -83,8 +82,7 @@ pub fn data(input: &ReportInput) -> Result<Value> {
     data::of(input)
 }
 
-/// The measured FRFs alone, with the places where they were measured: what the studio
-/// shows before the first fit.
+/// The measured FRFs alone and the places of their DOFs, for the studio before the first fit.
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::UnknownFrfKind`].
@@ -92,25 +90,24 @@ pub fn measured_data(set: &FrfSet) -> Result<Value> {
     data::of_measured(set)
 }
 
-/// The parts of [`data`] that a fit of the same FRFs changes, `model`, `mac` and
-/// `geometry`, with the residual `terms` of the FRFs: what the studio shows while the
-/// band is being moved.
+/// The parts of [`data`] that a quick fit of the same FRFs changes, for the studio while
+/// something is dragged: `model`, `mac`, `geometry`, `structure`, and the residual `terms`.
 pub fn draft_data(model: &ModalModel) -> Value {
     data::of_draft(model)
 }
 
-/// The parts of [`data`] that a result begins with: `sentence`, `findings`, `better_band`.
+/// The head of [`data`]: `sentence`, `findings`, `better_band`.
 pub fn head_data(input: &ReportInput) -> Value {
     data::head(input)
 }
 
-/// The first scene of `input` alone, as it stands in [`data`]; null without a scene.
+/// The first scene of `input` alone, as in [`data`]; null without a scene.
 pub fn scene_data(input: &ReportInput) -> Value {
     data::of_scene(input).unwrap_or_default()
 }
 
-/// The page of the studio, which asks its server for [`data`]; `number` says which page of
-/// the server it is.
+/// The page of the studio, which asks its server for [`data`]; `number` is that of the page among
+/// those of the server.
 pub fn studio_html(title: &str, number: u64) -> String {
     page::studio(title, number)
 }
@@ -127,8 +124,8 @@ pub struct ChartFormats {
     pub gif: bool,
 }
 
-/// The views of the report as files: name (`cmif.svg`, `mode-03.png`) and content, in the
-/// order of the page. The caller writes them.
+/// The views of the report as files in the order of the page: name (`cmif.svg`, `mode-03.png`)
+/// and content. The caller writes them.
 ///
 /// # Errors
 /// Those of [`html`].

@@ -1,18 +1,18 @@
-//! The sentence that a result begins with.
+//! The first sentence of a result.
 
 use crate::better_band::{better_band, BetterBand};
 use crate::sizes::HALF;
 use crate::text::{counted, plain, significant};
 use chladni_frf::{ModalModel, Trust};
 
-/// The band to fit instead, where the modes explain little of this one.
+/// The band to fit instead, where the modes explain less than half of the data.
 pub(crate) fn advised_band(model: &ModalModel) -> Option<BetterBand> {
     let is_little = 1.0 - model.quality.relative_error < HALF;
     better_band(model).filter(|_| is_little)
 }
 
-/// Tells how many modes there are, how sure, how much of the data they explain, and what
-/// to do where that is little.
+/// A sentence on the number of modes, their trust, and the part of the data that they explain,
+/// with a better band where that is little.
 pub fn sentence(model: &ModalModel) -> String {
     let modes = model.in_band_modes().count();
     let sure = model

@@ -1,5 +1,5 @@
-//! The measured structure in space: nodes, the lines and faces that join them, and how
-//! each response moves its node.
+//! The measured structure in space: nodes, the lines and faces between them, and the motion of
+//! the nodes.
 
 use crate::sizes::{ALONG, ON_LINE};
 use chladni_frf::{Dof, Geometry, ModalModel, Mode};
@@ -20,12 +20,14 @@ pub(crate) struct Structure {
     /// Node and direction of each response of the model; `None` for rotations, and for
     /// nodes without a place.
     pub moves: Vec<Option<(usize, Vector)>>,
-    /// Responses along a beam are drawn across it: the file's axes are not the beam's.
+    /// True where all responses point along a beam. They are drawn across it, since the axes of
+    /// the file are not those of the beam.
     pub is_turned: bool,
 }
 
 impl Structure {
-    /// `None` where fewer than two nodes have a place, or no response moves one.
+    /// The structure of a model; `None` where fewer than two nodes have a place, or no response
+    /// moves one.
     pub fn of(model: &ModalModel) -> Option<Self> {
         let Geometry {
             nodes,
@@ -66,7 +68,8 @@ impl Structure {
         Some(structure)
     }
 
-    /// Nodes on one line: joined along it where the file joins none, and moved across it.
+    /// Completes a structure with all nodes on one line: joins them along it where the file has
+    /// no lines, and turns responses along the line across it.
     fn as_beam(&mut self, axis: Vector, moved: &[Vector]) {
         if self.lines.is_empty() && self.faces.is_empty() {
             let mut order: Vec<usize> = (0..self.places_m.len()).collect();
@@ -83,8 +86,8 @@ impl Structure {
         }
     }
 
-    /// Motion of every node in a mode, turned to the phase at which it is as real as can
-    /// be, its largest part 1; `None` at nodes that were not measured.
+    /// Motion of every node in a mode, turned to the phase at which it is most real and scaled to
+    /// a largest part of 1; `None` at nodes that were not measured.
     pub fn motion(&self, mode: &Mode) -> Vec<Option<[Complex64; 3]>> {
         let mut motion = vec![None; self.places_m.len()];
         let square: Complex64 = mode.shape.0.iter().map(|value| value * value).sum();
@@ -106,7 +109,7 @@ impl Structure {
     }
 }
 
-/// Direction of a translation; a response without one moves along z, as from a plate.
+/// Direction of a translation, z where the DOF has no direction; `None` for rotations.
 fn direction(dof: &Dof) -> Option<Vector> {
     let sign = dof.direction.sign();
     match dof.direction.axis().code() {
@@ -117,7 +120,7 @@ fn direction(dof: &Dof) -> Option<Vector> {
     }
 }
 
-/// Unit vector of the line that all places lie on; `None` where they do not.
+/// Unit vector of the line through all places; `None` where they are not on one line.
 fn line_through(places: &[Vector]) -> Option<Vector> {
     let first = *places.first()?;
     let from_first = |place: &Vector| [0, 1, 2].map(|k| place[k] - first[k]);

@@ -32,8 +32,8 @@ impl Surface {
         }
     }
 
-    /// The field at the centres of `columns` columns of square pixels, rows rising with
-    /// y: cubic between the grid's points (Catmull & Rom, 1974), linear at its borders.
+    /// The field at the centres of square pixels in `columns` columns, rows rising with y. The
+    /// interpolation is cubic (Catmull & Rom, 1974), and linear at the borders of the grid.
     pub(crate) fn refined(&self, columns: usize) -> Self {
         let (width, height) = (
             self.x[self.x.len() - 1] - self.x[0],
@@ -79,7 +79,7 @@ impl Surface {
     }
 }
 
-/// The interval of a rising axis that holds `value`, and the place in it, 0..=1.
+/// The interval of a rising axis that contains `value`, and the place in it, 0..=1.
 fn interval(axis: &[f64], value: f64) -> (usize, f64) {
     let k = axis
         .partition_point(|&a| a <= value)
@@ -95,8 +95,8 @@ fn cubic(t: f64, [a, b, c, d]: [Complex64; 4]) -> Complex64 {
     b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
 }
 
-/// The lines along which `values` on the grid (`x`, `y`) equal `level`, by marching
-/// squares; none beside NaN.
+/// The contours of `values` on the grid (`x`, `y`) at `level`, by marching squares; none next to
+/// NaN.
 pub(crate) fn contours(
     x: &[f64],
     y: &[f64],
@@ -124,8 +124,8 @@ pub(crate) fn contours(
         .collect()
 }
 
-/// The two sides of the mesh that the lines along `level` go on to from each side. Sides
-/// along x are numbered first, then those along y.
+/// For each side of the mesh, the sides to which the contour at `level` continues. Sides along x
+/// are numbered first, then those along y.
 fn links(values: &Array2<f64>, level: f64) -> Vec<[Option<usize>; 2]> {
     let (rows, columns) = values.dim();
     let along_x = |row: usize, column: usize| row * columns + column;
@@ -161,7 +161,7 @@ fn links(values: &Array2<f64>, level: f64) -> Vec<[Option<usize>; 2]> {
                 .collect();
             match crossed[..] {
                 [a, b] => join(a, b),
-                // a saddle: the mean of the corners says which corners belong together
+                // a saddle: the mean of the corners decides which corners are joined
                 [a, b, c, d] if (corners.iter().sum::<f64>() / 4.0 >= level) == above[0] => {
                     join(a, b);
                     join(c, d);
@@ -177,8 +177,8 @@ fn links(values: &Array2<f64>, level: f64) -> Vec<[Option<usize>; 2]> {
     ends
 }
 
-/// Follows the links from side to side: open lines first, then closed ones, which end
-/// where they began.
+/// The contours as lists of sides: open ones first, then closed ones, whose first side is also
+/// the last.
 fn trace(ends: &[[Option<usize>; 2]]) -> Vec<Vec<usize>> {
     let mut seen = vec![false; ends.len()];
     let mut lines = Vec::new();

@@ -1,10 +1,10 @@
-//! Text: escaping for HTML and SVG, base64, and numbers as people write them.
+//! Text: escaping for HTML and SVG, base64, numbers.
 
 use base64::engine::general_purpose::STANDARD;
 use base64::Engine;
 
-/// `text` with everything neutralised that HTML or SVG could take for markup. Control
-/// characters, and marks that turn the direction of writing, become a visible box.
+/// `text` without characters that HTML or SVG would read as markup. Control characters, and marks
+/// that reverse the direction of writing, become a visible box.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -29,7 +29,7 @@ pub(crate) fn base64(bytes: &[u8]) -> String {
     STANDARD.encode(bytes)
 }
 
-/// `value` with `decimals` places and a true minus sign; what rounds to zero has none.
+/// `value` with `decimals` places and a true minus sign; without a sign where it rounds to zero.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return if value.is_nan() {
@@ -43,8 +43,7 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     format!("{}{digits}", if value < 0.0 && !is_zero { "−" } else { "" })
 }
 
-/// `value` with `digits` significant digits; powers of ten where it is very large or
-/// small.
+/// `value` with `digits` significant digits, and a power of ten where it is very large or small.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return fixed(value, 0);
@@ -77,7 +76,7 @@ pub(crate) fn superscript(exponent: i32) -> String {
     format!("{}{raised}", if exponent < 0 { "⁻" } else { "" })
 }
 
-/// `count` and the word, with an s where there is not one.
+/// A count with its noun: `1 mode`, `2 modes`.
 pub(crate) fn counted(count: usize, word: &str) -> String {
     format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }

@@ -5,8 +5,9 @@ use crate::input::ReportInput;
 use crate::sizes::{UNEXPLAINED, WORSE_THAN_FIT};
 use chladni_frf::{Finding, FrfSet, ModalModel, Result};
 
-/// The finding on FRFs of another structure, or of another state of it: `model` leaves most of
-/// them, and far more than of those that it was fitted to. `None` where no line lies in its band.
+/// The finding on FRFs of another structure, or of a structure that has changed: `model` leaves
+/// most of them unexplained, and far more than of its own FRFs. `None` where it explains them, and
+/// where no line lies in its band.
 ///
 /// # Errors
 /// Those of [`crate::html`].

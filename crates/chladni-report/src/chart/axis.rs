@@ -83,8 +83,7 @@ impl Axis {
         format!("{} ({})", self.label, self.unit)
     }
 
-    /// The ends for data between `data[0]` and `data[1]` (infinite and swapped without
-    /// data).
+    /// The ends for data between `data[0]` and `data[1]`; without data these are +∞ and −∞.
     pub(crate) fn ends(&self, data: [f64; 2]) -> [f64; 2] {
         if let Some(range) = self.range {
             return range;
@@ -116,8 +115,8 @@ impl Axis {
         }
     }
 
-    /// Ticks between the ends, about `tick_px` apart where they are free: place and text;
-    /// empty text for small ticks.
+    /// Places and texts of the ticks between the ends, about `tick_px` apart where the axis has
+    /// neither step nor names. Small ticks have an empty text.
     pub(crate) fn ticks(
         &self,
         [low, high]: [f64; 2],
@@ -142,7 +141,7 @@ impl Axis {
 pub(crate) const ALONG_X: f64 = 68.0;
 /// Px from tick to tick along y: room for some lines.
 pub(crate) const ALONG_Y: f64 = 36.0;
-/// Ticks on an axis at most, whatever its data.
+/// Most ticks on an axis.
 const MAX_TICKS: f64 = 60.0;
 
 fn linear_ticks(
@@ -160,7 +159,7 @@ fn linear_ticks(
         .filter(|step| span / step <= MAX_TICKS)
         .unwrap_or_else(|| nice_step(span * tick_px.min(length_px / 2.0) / length_px));
     let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
-    // half steps need a place more: 0.25
+    // steps such as 0.25 need one more decimal
     let decimals =
         decimals + usize::from(((step * 10f64.powi(decimals as i32)).fract() - 0.5).abs() < 0.1);
     let slack = 1e-9 * span;
@@ -192,7 +191,7 @@ fn log_ticks(low: f64, high: f64, length_px: f64, tick_px: f64) -> Vec<(f64, Str
         return Vec::new();
     }
     let px_per_decade = length_px / decades;
-    // a name for every decade, or for every second, third, ... where they crowd
+    // every decade is named, or every second, third, ... where there is no room
     let every = (0.5 * tick_px / px_per_decade).ceil().max(1.0) as i32;
     let mut ticks = Vec::new();
     for exponent in first.floor() as i32..=last.ceil() as i32 {
@@ -231,7 +230,7 @@ fn decade_name(digit: i32, exponent: i32) -> String {
     format!("{factor}10{}", superscript(exponent))
 }
 
-/// From values to px along one axis.
+/// The map from values to px along an axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ruler {
     pub(crate) ends: [f64; 2],

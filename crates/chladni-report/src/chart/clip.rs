@@ -1,9 +1,9 @@
-//! Polylines cut to a box, and thinned to what a screen can show.
+//! Polylines cut to a box, and thinned to the resolution of a screen.
 
 use crate::drawing::Point;
 
-/// The parts of a polyline inside left, top, right, bottom; a point that is not finite
-/// breaks it.
+/// The parts of a polyline inside left, top, right, bottom. A point that is not finite breaks
+/// the line.
 pub(crate) fn clip_line(points: &[Point], sides: [f64; 4]) -> Vec<Vec<Point>> {
     let mut parts: Vec<Vec<Point>> = Vec::new();
     let mut joined = false;
@@ -21,7 +21,7 @@ pub(crate) fn clip_line(points: &[Point], sides: [f64; 4]) -> Vec<Vec<Point>> {
     parts
 }
 
-/// Liang & Barsky, ACM Trans. Graph. 3 (1984) 1.
+/// The part of a segment inside the box, by Liang & Barsky, ACM Trans. Graph. 3 (1984) 1.
 fn clip_segment(a: Point, b: Point, [left, top, right, bottom]: [f64; 4]) -> Option<[Point; 2]> {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     if !(a[0].is_finite() && a[1].is_finite() && dx.is_finite() && dy.is_finite()) {
@@ -56,8 +56,8 @@ fn clip_segment(a: Point, b: Point, [left, top, right, bottom]: [f64; 4]) -> Opt
 /// Points per px of width beyond which a curve is thinned.
 const DENSE: f64 = 4.0;
 
-/// A curve of many points to the right, reduced to first, lowest, highest and last point
-/// of every half px: it looks the same.
+/// A dense curve with rising x, reduced to the first, lowest, highest and last point of every
+/// half px, so that it looks the same. Other curves are unchanged.
 pub(crate) fn thinned(points: Vec<Point>) -> Vec<Point> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return points;

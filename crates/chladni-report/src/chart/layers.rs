@@ -11,8 +11,7 @@ pub(super) const SAMPLE: f64 = 24.0;
 /// Diameter of the mark at the end of a stem, px.
 const STEM_MARK: f64 = 7.0;
 
-/// Least and largest coordinate `which` (0: x, 1: y) of all data; infinite and swapped
-/// where there is none.
+/// Least and largest coordinate `which` (0: x, 1: y) of all data; +∞ and −∞ without data.
 pub(super) fn extent(layers: &[Layer], which: usize, positive: bool) -> [f64; 2] {
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
     let mut take = |value: f64| {
@@ -73,7 +72,7 @@ impl Plotted<'_> {
         p[0] >= left - 0.5 && p[0] <= right + 0.5 && p[1] >= top - 0.5 && p[1] <= bottom + 0.5
     }
 
-    /// Lines through the whole box at those `at` that lie in it, along `which` axis.
+    /// Lines across the box at the values `at` of axis `which`, where these lie in the box.
     fn across(&self, at: &[f64], which: usize) -> Vec<Vec<Point>> {
         let [left, top, right, bottom] = self.sides;
         let (ruler, [low, high]) = [(self.x, [left, right]), (self.y, [top, bottom])][which];
@@ -276,7 +275,7 @@ fn draw_disc(drawing: &mut Drawing, data: &Disc, centre: Point) {
 pub(super) fn draw_sample(drawing: &mut Drawing, layer: &Layer, [x, y]: Point) {
     let middle = [x + SAMPLE / 2.0, y];
     if has_fixed_colour(layer) {
-        // what is meant for a map may vanish on paper, white or black
+        // colours for maps may not be visible on white or black paper
         drawing.rectangle(
             [x - 3.0, y - 7.5, x + SAMPLE + 3.0, y + 7.5],
             Some(Colour::Rgb([178, 184, 190])),

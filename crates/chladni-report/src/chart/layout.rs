@@ -1,4 +1,4 @@
-//! From a figure to a picture: margins, ticks, labels, legends, colour bars.
+//! The layout of a figure: margins, ticks, labels, legends, colour bars.
 
 use super::axis::{Ruler, ALONG_X, ALONG_Y};
 use super::layers::{draw_layer, draw_sample, extent, legend_name, SAMPLE};
@@ -17,11 +17,11 @@ const EDGE: f64 = 8.0;
 const BAR: f64 = 78.0;
 /// Height of a line of the legend, px.
 const LEGEND_LINE: f64 = 19.0;
-/// From one line of an axis label to the next, px.
+/// Distance of the lines of an axis label, px.
 const LABEL_LINE: f64 = LABEL + 3.0;
-/// The label of a vertical axis may be longer than the box by so much, px.
+/// Length by which the label of a vertical axis may exceed the box, px.
 const LABEL_OVER: f64 = 20.0;
-/// From a sample in the legend to its name, px.
+/// Gap between a sample in the legend and its name, px.
 const SAMPLE_GAP: f64 = 8.0;
 
 impl Figure {
@@ -109,7 +109,7 @@ fn right_ends(right: &RightAxis) -> [f64; 2] {
         .ends(extent(&right.layers, 1, right.axis.scale == Scale::Log))
 }
 
-/// Draws below `top` and returns where it ends.
+/// Draws a chart below `top` and returns its lower end.
 fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]) -> f64 {
     let top = draw_legend(drawing, chart, [left, top, right]);
     let [x_ends, y_ends] = chart.ends();
@@ -161,7 +161,7 @@ fn draw_chart(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]
     below + 8.0
 }
 
-/// Grid, ticks, numbers and labels; returns where they end.
+/// Draws grid, ticks, numbers and labels; returns their lower end.
 fn draw_axes(drawing: &mut Drawing, chart: &Chart, sides: [f64; 4], x: &Ruler, y: &Ruler) -> f64 {
     let [left, top, right, bottom] = sides;
     let numbers = draw_x_ticks(drawing, chart, sides, x);
@@ -189,7 +189,7 @@ fn draw_axes(drawing: &mut Drawing, chart: &Chart, sides: [f64; 4], x: &Ruler, y
     label_line + 5.0
 }
 
-/// Grid, ticks and numbers below the box; returns the height that these numbers take.
+/// Draws grid, ticks and numbers of the x axis; returns the height of the numbers.
 fn draw_x_ticks(
     drawing: &mut Drawing,
     chart: &Chart,
@@ -211,8 +211,8 @@ fn draw_x_ticks(
         .map(|pair| pair[1] - pair[0])
         .fold(f64::INFINITY, f64::min);
     let turned = widest + 3.0 > nearest;
-    // turned names need the height of a letter each; where even that is too much, every
-    // second, third, ... is named
+    // turned names take the height of a letter each; where there is no room for that, only
+    // every second, third, ... is named
     let every = if turned {
         ((TICK + 1.0) / nearest).ceil().max(1.0) as usize
     } else {
@@ -258,7 +258,7 @@ fn draw_number(drawing: &mut Drawing, [place, bottom]: Point, name: &str, turned
     }
 }
 
-/// Ticks with a number are longer, px.
+/// Length of a tick, px; ticks with a number are longer.
 fn tick_length(name: &str) -> f64 {
     if name.is_empty() {
         3.0
@@ -308,10 +308,7 @@ fn draw_right_axis(
     for (value, name) in axis.ticks(y.ends, bottom - top, ALONG_Y) {
         let place = y.place(value);
         drawing.line(
-            vec![
-                [right, place],
-                [right + if name.is_empty() { 3.0 } else { 5.0 }, place],
-            ],
+            vec![[right, place], [right + tick_length(&name), place]],
             Stroke::new(Colour::Muted, 1.0),
         );
         drawing.text(
@@ -355,8 +352,7 @@ fn turned_text(
     });
 }
 
-/// The names of the layers with a sample of each, in as many lines as needed; returns
-/// where they end.
+/// Draws the names of the layers with a sample of each; returns their lower end.
 fn draw_legend(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3]) -> f64 {
     let on_right = chart.right.iter().flat_map(|right| &right.layers);
     let entries: Vec<(&Layer, &str)> = chart
@@ -368,7 +364,7 @@ fn draw_legend(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3
     if entries.is_empty() {
         return top + 2.0;
     }
-    // the picture's whole width may be used where the plotted box is narrow
+    // where the plotted box is narrow the legend takes the whole width
     let right = right.max(drawing.width - EDGE);
     let (mut x, mut y) = (left, top + 10.0);
     for (layer, name) in entries {
@@ -390,7 +386,7 @@ fn draw_legend(drawing: &mut Drawing, chart: &Chart, [left, top, right]: [f64; 3
     y + 16.0
 }
 
-/// Fills the bar: with rectangles where it has bands, else with an image.
+/// Fills a colour bar: with rectangles where it has bands, else with an image.
 fn draw_colours(drawing: &mut Drawing, bar: &ColourBar, [left, top, right, bottom]: [f64; 4]) {
     let rows = if bar.bands > 0 { bar.bands } else { 128 };
     let colours = (0..rows)

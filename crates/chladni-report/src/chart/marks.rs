@@ -1,4 +1,4 @@
-//! Signs for single points: which there are, and how they are drawn.
+//! Signs for single points, and their shapes.
 
 use crate::drawing::{Colour, Drawing, Item, Point, Stroke};
 
@@ -28,8 +28,7 @@ pub enum Mark {
     Frame,
 }
 
-/// Signs of series 0, 1, ...: any two differ in shape, so that they are told apart
-/// without colour.
+/// Signs of series 0, 1, ...; they differ in shape, so that no colour is needed.
 const SERIES_MARKS: [Mark; 10] = [
     Mark::Dot,
     Mark::Square,
@@ -49,8 +48,7 @@ impl Mark {
         SERIES_MARKS[k % SERIES_MARKS.len()]
     }
 
-    /// Draws it around `at`, `size` px across; filled signs show the hint where the
-    /// pointer rests on them.
+    /// Draws the sign around `at`, `size` px across. Filled signs show `hint` under the pointer.
     pub(super) fn draw(
         self,
         drawing: &mut Drawing,
@@ -73,7 +71,7 @@ impl Mark {
             Self::Ring => {
                 let mut ring = |stroke| disc(drawing, at, half, None, Some(stroke), None);
                 if matches!(colour, Colour::Rgb(_)) {
-                    // seen on dark and on light ground
+                    // visible on dark and on light ground
                     ring(Stroke::new(Colour::Rgb([60, 64, 70]), 3.0));
                 }
                 ring(Stroke::new(colour, 1.4));
@@ -94,7 +92,7 @@ impl Mark {
                 ],
                 colour,
             ),
-            // larger than a disc, which it would else be taken for
+            // larger than a disc, so that it is not taken for one
             Self::Square => filled(&[[-1.05, -1.05], [1.05, -1.05], [1.05, 1.05], [-1.05, 1.05]]),
             Self::Triangle => filled(&[[0.0, -1.1], [1.1, 0.8], [-1.1, 0.8]]),
             Self::Inverted => filled(&[[0.0, 1.1], [1.1, -0.8], [-1.1, -0.8]]),
@@ -113,7 +111,7 @@ impl Mark {
     }
 }
 
-/// Lines of a sign, on paper so that what lies below does not run into them.
+/// Draws the lines of a sign with white edges.
 fn strokes(drawing: &mut Drawing, lines: &[Vec<Point>], colour: Colour) {
     for stroke in [
         Stroke::new(Colour::Rgb([255, 255, 255]), 5.0),

@@ -15,8 +15,7 @@ use crate::drawing::{Anchor, Colour, ColourMap, Image, Stroke};
 /// A place in data coordinates.
 pub type Place = [f64; 2];
 
-/// A disc whose size is data; with a hand that points to `hand` radians,
-/// counter-clockwise from the right.
+/// A disc whose size is data. It may have a hand like that of a clock.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disc {
     /// Centre.
@@ -25,7 +24,7 @@ pub struct Disc {
     pub radius: f64,
     /// Colour.
     pub fill: Colour,
-    /// Direction of the hand, rad.
+    /// Direction of the hand, rad, counter-clockwise from the right.
     pub hand: Option<f64>,
     /// Shown when the pointer rests on it.
     pub hint: String,
@@ -44,7 +43,7 @@ pub struct Cell {
     pub hint: String,
 }
 
-/// One layer of data; those with a `name` stand in the legend. Places and numbers are in
+/// One layer of data. Layers with a `name` are listed in the legend. Places and numbers are in
 /// data coordinates, sizes in px.
 #[allow(missing_docs)] // each variant's sentence names its fields
 #[derive(Debug, Clone, PartialEq)]
@@ -76,8 +75,8 @@ pub enum Layer {
         at: Vec<f64>,
         stroke: Stroke,
     },
-    /// Lines from the lower end of the y axis, or from zero where that lies inside, to
-    /// each point, with a mark there.
+    /// Lines to each point from zero, or from the lower end of the y axis, with a mark at the
+    /// point.
     Stems {
         name: Option<String>,
         points: Vec<(Place, String)>,
@@ -115,16 +114,16 @@ pub struct ColourBar {
     pub map: ColourMap,
     /// Number of equal steps of colour; 0: smooth.
     pub bands: usize,
-    /// Values that carry a line across the bar, as the contours of the map do.
+    /// Values with a line across the bar, as on the contours of the map.
     pub lines: Vec<(f64, Stroke)>,
 }
 
 /// Height of the plotted box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Height {
-    /// So many px.
+    /// Height in px.
     Px(f64),
-    /// One unit is as long on y as on x (maps), at most so many px high.
+    /// Equal scales on both axes (maps), with the largest height in px.
     EqualScales(f64),
 }
 
@@ -147,8 +146,8 @@ pub struct Chart {
     pub right: Option<RightAxis>,
 }
 
-/// A vertical axis on the right, and the layers that it measures, above those of the left
-/// one. It has no grid.
+/// A vertical axis on the right, without a grid, and its layers, which lie above those of the
+/// left axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RightAxis {
     /// The axis.
@@ -211,14 +210,14 @@ pub(crate) fn named(name: &str) -> Option<String> {
     (!name.is_empty()).then(|| name.to_owned())
 }
 
-/// A figure: charts one above the other with a title, and a caption in words.
+/// A figure: charts one above the other, with a title and a caption.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Stem of the file name, and anchor in the page.
     pub name: String,
     /// Title above the charts.
     pub title: String,
-    /// Caption: what to see, in a sentence or two.
+    /// Caption: a sentence or two on what the figure shows.
     pub caption: String,
     /// Width of the picture, px.
     pub width: f64,

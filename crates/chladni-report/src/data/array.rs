@@ -5,7 +5,7 @@ use crate::text::base64;
 use num_complex::Complex64;
 use serde_json::{json, Value};
 
-/// Numbers to seven digits.
+/// Numbers in single precision.
 pub(crate) fn f32s(values: impl IntoIterator<Item = f64>) -> Value {
     let bytes: Vec<u8> = values
         .into_iter()
@@ -14,7 +14,7 @@ pub(crate) fn f32s(values: impl IntoIterator<Item = f64>) -> Value {
     json!({ "f32": base64(&bytes) })
 }
 
-/// Numbers as they are: frequencies.
+/// Numbers in double precision: frequencies.
 pub(crate) fn f64s<'a>(values: impl IntoIterator<Item = &'a f64>) -> Value {
     let bytes: Vec<u8> = values
         .into_iter()
@@ -23,12 +23,12 @@ pub(crate) fn f64s<'a>(values: impl IntoIterator<Item = &'a f64>) -> Value {
     json!({ "f64": base64(&bytes) })
 }
 
-/// Complex numbers, real and imaginary part in turn.
+/// Complex numbers in single precision, real and imaginary part in turn.
 pub(crate) fn complex<'a>(values: impl IntoIterator<Item = &'a Complex64>) -> Value {
     f32s(values.into_iter().flat_map(|value| [value.re, value.im]))
 }
 
-/// Whole numbers from 0.
+/// Whole numbers, 0 or more.
 pub(crate) fn u32s(values: impl IntoIterator<Item = usize>) -> Value {
     let bytes: Vec<u8> = values
         .into_iter()
@@ -37,11 +37,11 @@ pub(crate) fn u32s(values: impl IntoIterator<Item = usize>) -> Value {
     json!({ "u32": base64(&bytes) })
 }
 
-/// The small number of a part that is not known: the page draws nothing there.
+/// Code of a part that is not known; the page draws nothing there.
 const MISSING: i16 = i16::MIN;
 
-/// Complex numbers to 1/32767 of their largest part: shapes, which are drawn. Parts that
-/// are NaN, as beyond the responses, are [`MISSING`].
+/// Complex numbers for drawing (shapes), with a resolution of 1/32767 of the largest part. NaN,
+/// as outside the responses, becomes [`MISSING`].
 pub(crate) fn drawn(values: &[Complex64]) -> Value {
     let parts = || values.iter().flat_map(|value| [value.re, value.im]);
     let step = parts().map(f64::abs).fold(0.0, f64::max) / f64::from(i16::MAX);
@@ -54,7 +54,7 @@ pub(crate) fn drawn(values: &[Complex64]) -> Value {
     json!({ "i16": base64(&bytes), "step": step })
 }
 
-/// Small codes.
+/// Codes of a byte.
 pub(crate) fn u8s(values: impl IntoIterator<Item = u8>) -> Value {
     json!({ "u8": base64(&values.into_iter().collect::<Vec<_>>()) })
 }

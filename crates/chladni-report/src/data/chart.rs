@@ -1,12 +1,12 @@
-//! A chart as the page's painter (`page/modules/described.js`) follows it: axes with their
-//! ends, and layers of lines, marks, words and levels, with roles for colours.
+//! A chart as JSON for `page/modules/described.js`, which draws it: axes with their ends, and
+//! layers of lines, marks, words and levels. Colours are given by their roles.
 
 use super::array::f32s;
 use crate::chart::{Axis, Chart, Figure, Height, Layer, Mark, Place};
 use crate::drawing::{Colour, Dash, Stroke};
 use serde_json::{json, Map, Value};
 
-/// Lines up to so wide, and from so wide, have a width of their own on the page, px.
+/// Widths up to which a line is thin on the page, and from which on it is strong, px.
 const THIN_PX: f64 = 1.0;
 const STRONG_PX: f64 = 2.0;
 
@@ -38,7 +38,7 @@ fn axis(axis: &Axis, ends: [f64; 2]) -> Value {
     json!({"label": axis.label, "unit": axis.unit, "range": ends, "step": axis.step, "names": names})
 }
 
-/// `None` for layers of areas, which the page draws as maps.
+/// A layer as JSON; `None` for layers of areas, which the page draws as maps.
 fn layer(layer: &Layer) -> Option<Value> {
     Some(match layer {
         Layer::Lines {
@@ -82,7 +82,7 @@ fn places(places: &[Place]) -> Value {
     json!([0, 1].map(|which| f32s(places.iter().map(|place| place[which]))))
 }
 
-/// The sign of the page's painter, and whether it is an outline.
+/// The page's name of a mark, and true for an outline.
 fn sign(mark: Mark) -> (&'static str, bool) {
     match mark {
         Mark::Square | Mark::Diamond => ("square", false),
@@ -96,7 +96,7 @@ fn sign(mark: Mark) -> (&'static str, bool) {
     }
 }
 
-/// Classes of the page's style.
+/// Classes of a line in the page's style sheet.
 fn style(stroke: Stroke) -> String {
     let dash = match stroke.dash {
         Dash::Solid => "",

@@ -10,8 +10,8 @@ use chladni_rfp::{FitOptions, Stability};
 use num_complex::Complex64;
 use serde_json::{json, Value};
 
-/// The largest singular values over frequency, one after the other; `null` where neither
-/// data nor model are whole.
+/// The largest singular values over frequency, axes (singular value, line); `null` where
+/// measured pairs are missing and there is no model.
 ///
 /// # Errors
 /// A singular value decomposition that fails.
@@ -51,7 +51,7 @@ pub(crate) fn stabilization(set: &FrfSet, model: Option<&ModalModel>) -> Value {
     }
 }
 
-/// The band of the model.
+/// Options of the diagram: the band of the model.
 pub(crate) fn stabilization_options(model: Option<&ModalModel>) -> FitOptions {
     FitOptions {
         band_hz: model.map(|model| model.band_hz),
@@ -59,7 +59,8 @@ pub(crate) fn stabilization_options(model: Option<&ModalModel>) -> FitOptions {
     }
 }
 
-/// MAC of every shape with every other, row by row; `None` without modes in the band.
+/// MAC of every shape with every other, row by row; `None` without modes in the band, and with
+/// too few responses to tell shapes apart.
 pub(crate) fn mac(model: &ModalModel) -> Option<Value> {
     if model.responses.len() < sizes::MAC_RESPONSES {
         return None;

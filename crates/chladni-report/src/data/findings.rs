@@ -1,4 +1,4 @@
-//! Findings of all parts, each with what it is about: beside the sentence in the page.
+//! Findings of report, model and scenes, as the page lists them at its top.
 
 use crate::input::ReportInput;
 use chladni_frf::Finding;
@@ -8,7 +8,7 @@ use std::cmp::Reverse;
 /// The findings, faults first, then cautions, then notes.
 pub(crate) fn all(input: &ReportInput) -> Vec<Value> {
     let mut all: Vec<(String, &Finding)> = Vec::new();
-    // what a result and its file say in the same words counts once
+    // a finding that both a result and its file contain is listed once
     for (about, finding) in stated(input) {
         if !all.iter().any(|(_, known)| known.text == finding.text) {
             all.push((about, finding));
@@ -29,7 +29,7 @@ pub(crate) fn all(input: &ReportInput) -> Vec<Value> {
         .collect()
 }
 
-/// Each finding with what it is about, in the order of the page.
+/// Each finding with its subject (report, model, scene), in the order of the page.
 fn stated<'a>(input: &'a ReportInput) -> Vec<(String, &'a Finding)> {
     let of_report = input
         .findings

@@ -1,11 +1,10 @@
-//! Measured FRFs in few bytes: every pair on chosen lines as small numbers, some pairs in
-//! full.
+//! Measured FRFs in few bytes: every pair on chosen lines with few bits, some pairs in full.
 //!
-//! The page synthesises any pair from the model. Of a measured FRF it carries the
-//! residual (measured − synthesised) on blocks of [`BLOCK`] lines with a common step. A
-//! part of a residual has 4 bits: the step is 1/7 of the largest part of the block, and
-//! rounding adds a hundredth to the power of the noise. Without a model the residual
-//! is the FRF itself, and a part has 8 bits.
+//! The page synthesises any pair from the model. For measured FRFs it holds the residual
+//! (measured − synthesised) in blocks of [`BLOCK`] lines with a common step. A part (real or
+//! imaginary) of a residual has 4 bits: the step is 1/7 of the largest part of the block, and
+//! rounding adds 1 % to the power of the noise. Without a model the residual is the FRF itself,
+//! and a part has 8 bits.
 
 use super::array::{complex, f32s, f64s, u32s, u8s};
 use super::lines::thinned;
@@ -17,7 +16,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use serde_json::{json, Value};
 
-/// The width of the parts of a residual.
+/// Number of bits of a part of a residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Bits {
     /// Both parts in one byte.
@@ -43,7 +42,7 @@ impl Bits {
         }
     }
 
-    /// The bytes of a residual in steps; 0 stands for one that was not measured.
+    /// The bytes of a residual in steps; zeros for one that was not measured.
     fn bytes(self, steps: Option<[f64; 2]>) -> Vec<u8> {
         let shifted =
             |part: f64| (part.round().clamp(-self.top(), self.top()) + self.top() + 1.0) as u8;
@@ -82,7 +81,7 @@ pub(crate) fn value(comparison: &Comparison) -> Value {
     })
 }
 
-/// All DOFs, or evenly chosen ones where a page cannot carry all their pairs.
+/// Indices of all DOFs, or of evenly chosen ones where a page cannot hold all their pairs.
 fn offered(count: usize) -> Vec<usize> {
     let shown = count.min(sizes::OFFERED_DOFS);
     (0..shown).map(|k| k * count / shown.max(1)).collect()
@@ -124,8 +123,8 @@ fn terms(model: &ModalModel, offered: &[Vec<usize>; 2]) -> Value {
     )
 }
 
-/// Residuals of all offered pairs: axes (pair, line) beside one code per pair and block
-/// for the step (see [`coded_steps`]).
+/// Residuals of all offered pairs, axes (pair, line), and a code of the step for each pair and
+/// block (see [`coded_steps`]).
 fn residuals(comparison: &Comparison, offered: &[Vec<usize>; 2]) -> Value {
     let frequency_hz = comparison.frequency_hz.to_vec();
     let wanted: Vec<(usize, usize)> = pairs(offered).collect();
@@ -134,7 +133,7 @@ fn residuals(comparison: &Comparison, offered: &[Vec<usize>; 2]) -> Value {
         comparison.model,
         sizes::RESIDUALS / wanted.len().max(1),
     );
-    // the matrix of a line serves all pairs
+    // the synthesised matrix of a line serves all pairs
     let by_line: Vec<Vec<Complex64>> = lines
         .par_iter()
         .map(|&line| {
@@ -179,9 +178,9 @@ fn residuals(comparison: &Comparison, offered: &[Vec<usize>; 2]) -> Value {
         "steps": u8s(codes), "values": values})
 }
 
-/// The least step of the page, and for each step a code in a byte: 0 for none, else the
-/// step is at most [`STEP_RATIO`]^(code − 1) times the least. Steps too small for the codes
-/// beside the largest one are raised to the least.
+/// The least step, and a code in a byte for each step: 0 for the step 0, otherwise the step is
+/// rounded up to [`STEP_RATIO`]^(code − 1) times the least. Steps below the range of the codes
+/// are raised to the least.
 fn coded_steps(steps: impl Iterator<Item = f64> + Clone) -> (f64, Vec<u8>) {
     let positive = || steps.clone().filter(|&step| step > 0.0);
     let largest = positive().fold(0.0, f64::max);
@@ -230,7 +229,7 @@ fn quantised(block: &[Complex64], step: f64, bits: Bits) -> Vec<u8> {
         .collect()
 }
 
-/// The pairs that tell most, on all shown lines.
+/// The notable pairs, on all shown lines.
 fn full(comparison: &Comparison, sums: &Sums, lines: &[usize]) -> Value {
     let of = |pair: &crate::comparison::Pair| {
         let [measured, _] = comparison.curves(pair);

@@ -1,5 +1,5 @@
-//! Places: responses and actuators in the plane of the maps, and every mode's shape on
-//! one grid between the responses.
+//! Places of responses and actuators in the plane of the maps, and the shape of every mode on a
+//! grid between the responses.
 
 use super::array::{drawn, f32s};
 use crate::figures::plane::Plane;
@@ -12,11 +12,11 @@ use chladni_render::{AreaGrid, Position, Rectangle, AREA_STEP_M};
 use num_complex::Complex64;
 use serde_json::{json, Value};
 
-/// The plane of the maps and what lies in it.
+/// The plane of the maps, with responses and grid.
 pub(crate) struct Geometry<'a> {
     model: &'a ModalModel,
     plane: Plane,
-    /// Responses along the common axis.
+    /// Indices of the responses along the common axis.
     pub(crate) shown: Vec<usize>,
     places: Vec<Position>,
     pub(crate) grid: Option<AreaGrid>,
@@ -45,7 +45,7 @@ impl<'a> Geometry<'a> {
         })
     }
 
-    /// A motion of the model's responses, on the grid row by row; NaN outside the
+    /// A motion of the model's responses, interpolated on the grid, row by row; NaN outside the
     /// responses.
     pub(crate) fn on_grid(&self, at_responses: &[Complex64]) -> Option<Vec<Complex64>> {
         let grid = self.grid.as_ref()?;
@@ -91,7 +91,7 @@ impl<'a> Geometry<'a> {
     }
 }
 
-/// The structure in space: nodes, lines and faces, and how responses move them.
+/// The structure in space: nodes, lines, faces, and the node and direction of each response.
 pub(crate) fn structure(model: &ModalModel) -> Option<Value> {
     let structure = Structure::of(model)?;
     let moves = structure.moves.iter().map(|moves| {
@@ -107,8 +107,8 @@ pub(crate) fn structure(model: &ModalModel) -> Option<Value> {
     }))
 }
 
-/// The plane with the places of an [`FrfSet`]: what zones are drawn on before a fit;
-/// `None` without positions.
+/// The plane with the places of an [`FrfSet`], for drawing zones before a fit; `None` without
+/// positions.
 pub(crate) fn board(set: &FrfSet) -> Option<Value> {
     let nodes = &set.geometry.nodes;
     let plane = Plane::of_nodes(nodes)?;

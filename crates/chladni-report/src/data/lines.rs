@@ -1,9 +1,9 @@
-//! The spectral lines that a page carries: all, or fewer with the resonances dense.
+//! The spectral lines that a page holds: all, or fewer, with the resonances dense.
 
 use crate::sizes::SPARSER;
 use chladni_frf::ModalModel;
 
-/// At most about `limit` indices of `frequency_hz`, rising: every k-th line, and within a
+/// Rising indices of `frequency_hz`, about `limit` at most: every k-th line, and within a
 /// bandwidth of each mode up to [`SPARSER`] times as many.
 pub(crate) fn thinned(
     frequency_hz: &[f64],

@@ -1,8 +1,8 @@
 //! The data that the page's script draws, as one JSON object: numbers of the model, the
 //! FRFs, the diagrams and the scenes.
 //!
-//! Nothing in it is markup; the script writes every word as text. Where a part is missing
-//! its key is `null`, and the page says so.
+//! It contains no markup; the script inserts every word as text. The key of a missing part is
+//! `null`, and the page says so.
 
 mod array;
 mod chart;
@@ -49,8 +49,7 @@ pub(crate) fn of(input: &ReportInput) -> Result<Value> {
     }))
 }
 
-/// The measured FRFs alone, with the places where they were measured: the first picture
-/// of the studio.
+/// The measured FRFs alone and the places of their DOFs: the first picture of the studio.
 ///
 /// # Errors
 /// [`chladni_frf::ErrorKind::UnknownFrfKind`].
@@ -71,8 +70,8 @@ pub(crate) fn of_measured(set: &FrfSet) -> Result<Value> {
     }))
 }
 
-/// The data that a fit changes, without all that takes longer than the fit itself: the
-/// measured FRFs, sums, CMIF and diagram of a fit before stay as they are.
+/// The data that a quick fit changes. Parts that take longer than the fit are left out: the page
+/// keeps residuals, sums, CMIF and diagram of the last full fit.
 pub(crate) fn of_draft(model: &ModalModel) -> Value {
     let input = ReportInput {
         model: Some(model),
@@ -96,8 +95,7 @@ pub(crate) fn head(input: &ReportInput) -> Value {
     })
 }
 
-/// One scene alone, as an entry of `scenes`: what changes while zones are drawn in the
-/// studio.
+/// The first scene alone, as an entry of `scenes`, for the studio; `None` without a scene.
 pub(crate) fn of_scene(input: &ReportInput) -> Option<Value> {
     let geometry = geometry::Geometry::of(input);
     input

@@ -1,5 +1,5 @@
-//! The modal model: facts in words, poles with bounds and reasons, and everything that
-//! its synthesis needs.
+//! The modal model: facts in words, poles with bounds and reasons, and the numbers of its
+//! synthesis.
 
 use super::array::{complex, f64s};
 use crate::sizes::SOURCES_LISTED;
@@ -8,7 +8,7 @@ use chladni_frf::{Damping, ModalModel, Mode, Scaling, Source, Trust};
 use chladni_rfp::{mean_phase_deviation_deg, modal_complexity_factor};
 use serde_json::{json, Value};
 
-/// The model as the page sees it.
+/// The model as the page uses it.
 pub(crate) fn value(model: &ModalModel) -> Value {
     json!({
         "facts": facts(model),
@@ -45,8 +45,7 @@ fn mode(mode: &Mode) -> Value {
     })
 }
 
-/// Facts on the model and on how well it explains its data: pairs of a word and what
-/// belongs to it.
+/// Facts on the model and its quality: pairs of a label and a text.
 fn facts(model: &ModalModel) -> Vec<[String; 2]> {
     let damping = match model.damping {
         Damping::Structural => "structural (hysteretic): loss factor η",
@@ -105,7 +104,7 @@ fn facts(model: &ModalModel) -> Vec<[String; 2]> {
     rows.into_iter().map(named).collect()
 }
 
-/// How many modes there are in the band, and poles outside.
+/// Numbers of modes in the band and of poles outside, in words.
 fn modes_found(model: &ModalModel) -> String {
     let (sure, weak) = (count(model, Trust::Sure), count(model, Trust::Weak));
     let outside = model
@@ -123,8 +122,7 @@ fn modes_found(model: &ModalModel) -> String {
     modes
 }
 
-/// The files in words: of many the first ones, without their hashes, which the model file
-/// has.
+/// The source files in words: a few with their hashes, of many the first ones without.
 fn sources(sources: &[Source]) -> String {
     match sources {
         [] => "not recorded".into(),

@@ -1,6 +1,5 @@
-//! A scene: what was asked, the weights, the field, and the drive in modal coordinates,
-//! so that the page can ask what the same weights do at another frequency or without some
-//! of the modes.
+//! A scene: its demands, the weights, the field, and the drive in modal coordinates. With these
+//! the page computes the field at another frequency or without some of the modes.
 
 use super::array::{complex, u8s};
 use super::chart;
@@ -15,7 +14,7 @@ use chladni_render::{Ground, Weights};
 use num_complex::Complex64;
 use serde_json::{json, Value};
 
-/// Everything about scene `number`, counted from 1.
+/// The data of a scene; `number` counts from 1.
 pub(crate) fn value(
     scene: &RenderedScene,
     number: usize,
@@ -50,7 +49,7 @@ pub(crate) fn value(
     })
 }
 
-/// The grounds as the page numbers them.
+/// The page's code of a ground.
 fn code(ground: Ground) -> u8 {
     match ground {
         Ground::Ignored => 0,
@@ -87,8 +86,8 @@ fn field(shown: &ShownField, geometry: Option<&Geometry>) -> Value {
     })
 }
 
-/// Participation of each mode in the drive, and what the residual terms make of it at the
-/// responses and on the grid.
+/// Participation of each mode in the drive, and the motion by residual terms at the responses
+/// and on the grid.
 fn modal(model: &ModalModel, drive: &[Complex64], geometry: Option<&Geometry>) -> Value {
     let dot = |row: &mut dyn Iterator<Item = &Complex64>| {
         row.zip(drive).map(|(a, b)| a * b).sum::<Complex64>()
@@ -140,7 +139,7 @@ fn modal(model: &ModalModel, drive: &[Complex64], geometry: Option<&Geometry>) -
     })
 }
 
-/// Tells whether the scene is met, and what speaks against it.
+/// The verdict on the scene, with the reservation if there is one.
 fn verdict(weights: &Weights) -> String {
     if weights.own_finding("scene-impossible").is_some() {
         return "impossible: no drive can meet it".into();

@@ -1,4 +1,4 @@
-//! A scene in time: traces, forces, and pictures of the ground in a byte a place.
+//! A scene in time: traces, forces, and pictures of the ground with a byte for each place.
 
 use super::array::u8s;
 use super::chart;
@@ -7,11 +7,12 @@ use crate::sizes::RANGE_DB;
 use chladni_render::{AreaFrames, Played, TimeFrames};
 use serde_json::{json, Value};
 
-/// Codes of levels, and that of ground without one.
+/// Largest code of a level.
 const LAST: f64 = 254.0;
+/// Code of ground without a level.
 const NONE: u8 = 255;
 
-/// Everything about it.
+/// The data of a scene in time.
 pub(crate) fn value(played: &Played) -> Value {
     let figure = time("time", "Hot and cold ground over time", played);
     let frames = played.frames.as_ref();
@@ -63,7 +64,7 @@ fn ground(frames: &TimeFrames, area: &AreaFrames) -> Value {
     })
 }
 
-/// The level of an amplitude over the threshold, as a colour of the page.
+/// The code of an amplitude over the threshold, which the page turns into a colour.
 pub(crate) fn code(value: f64) -> u8 {
     let place = 0.5 + 0.5 * 20.0 * value.log10() / RANGE_DB;
     (LAST * place.clamp(0.0, 1.0)).round() as u8

@@ -1,5 +1,5 @@
-//! Colours: roles that follow the page's light or dark theme, and colour maps that stay
-//! readable for colour-blind eyes and in grey.
+//! Colours by role, which follow the light or dark theme of the page, and colour maps that are
+//! readable with colour blindness and in grey.
 
 /// A colour by its role, or as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,9 +21,9 @@ pub enum Colour {
 /// Number of different series colours.
 pub const SERIES: u8 = 6;
 
-/// Light theme: blue, red, olive, wine, orange, navy. Found by a search for six colours
-/// of contrast 3 on white that any two of stay apart for every kind of colour vision and
-/// in grey; the tests of the page hold both themes to it.
+/// Series colours of the light theme: blue, red, olive, wine, orange, navy. A search found these
+/// six: they have contrast 3 on white and are distinct for every kind of colour vision and in
+/// grey. `page/colour_vision.rs` tests both themes.
 const LIGHT: [[u8; 3]; SERIES as usize] = [
     [25, 108, 228],
     [182, 39, 32],
@@ -51,12 +51,12 @@ impl Colour {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ColourMap {
-    /// Dark violet over teal to yellow, lightness rising evenly: reads the same in grey.
+    /// Dark violet over teal to yellow, with evenly rising lightness, so that grey shows the same.
     Sequential,
-    /// Blue over white to brown; in grey both ends are dark, so that figures add signs
-    /// and dashed contours.
+    /// Blue over white to brown. Both ends are dark in grey, so that figures add signs and dashed
+    /// contours.
     Diverging,
-    /// Closed circle for phases; figures add a hand that points to the phase.
+    /// A cycle for phases; figures add a hand that points to the phase.
     Cyclic,
     /// White to dark blue, for matrices that hold mostly zeros.
     White,
@@ -116,7 +116,7 @@ impl ColourMap {
     }
 }
 
-/// True where white letters read better than black ones on `rgb`.
+/// True where white letters are more readable than black ones on `rgb`.
 pub(crate) fn is_dark([r, g, b]: [u8; 3]) -> bool {
     0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b) < 135.0
 }

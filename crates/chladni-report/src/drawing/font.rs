@@ -1,5 +1,5 @@
-//! Letters: widths for the layout, outlines for PNG. The font is embedded, so that a
-//! machine without fonts draws the same.
+//! Letters: widths for the layout, outlines for PNG. The font is embedded, so that pictures do not
+//! depend on the fonts of the machine.
 
 use std::sync::OnceLock;
 use tiny_skia::{Path, PathBuilder};
@@ -81,7 +81,7 @@ impl OutlineBuilder for Pen {
     }
 }
 
-/// `text`, its middle left out where it is wider than `width` px.
+/// `text`, with its middle left out where it is wider than `width` px.
 pub(crate) fn fitted(text: &str, size: f64, width: f64) -> String {
     if text_width(text, size) <= width {
         return text.to_owned();

@@ -1,14 +1,16 @@
-//! Moving pictures: GIF files with one palette of 256 colours, run for ever.
+//! Moving pictures: GIF files with one palette of 256 colours, which repeat endlessly.
 
 use chladni_frf::{Error, ErrorKind, Result};
 use gif::{Encoder, EncodingError, Frame, Repeat};
 use std::borrow::Cow;
 
-/// Pictures of `width` × `height` px, row by row from the top, as numbers of `palette`;
-/// `delay_cs` hundredths of a second each.
+/// A GIF file of pictures of `width` × `height` px.
+///
+/// * `frames`: indices of `palette`, row by row from the top
+/// * `delay_cs`: time of each picture, hundredths of a second
 ///
 /// # Errors
-/// Those of the encoder: a broken promise.
+/// Those of the encoder, which are internal errors.
 pub(crate) fn gif(
     [width, height]: [u16; 2],
     palette: &[[u8; 3]; 256],

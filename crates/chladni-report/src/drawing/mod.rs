@@ -1,4 +1,4 @@
-//! A picture as a list of shapes: the one source of SVG and PNG files.
+//! A picture as a list of shapes, from which SVG and PNG files are made.
 
 mod colour;
 mod font;
@@ -39,7 +39,7 @@ pub enum Dash {
 }
 
 impl Dash {
-    /// Lengths of ink and gap, px.
+    /// Lengths of dash and gap, px; `None` for a solid line.
     fn pattern(self) -> Option<[f64; 2]> {
         match self {
             Self::Solid => None,
@@ -95,7 +95,7 @@ pub(crate) enum Item {
         stroke: Option<Stroke>,
         hint: Option<String>,
     },
-    /// One line of text on a base line; `turned`: upwards. `halo` puts paper around the
+    /// One line of text on a base line, upwards where `turned`. `halo` puts paper around the
     /// letters.
     Text {
         at: Point,

@@ -7,7 +7,7 @@ use tiny_skia::{
     StrokeDash, Transform,
 };
 
-/// Largest side of a PNG, pixels: a chart is never larger, whatever its data.
+/// Largest side of a PNG, pixels.
 const MAX_SIDE: u32 = 8192;
 
 pub(super) fn paint(drawing: &Drawing, scale: f64) -> Vec<u8> {

@@ -4,8 +4,7 @@ use super::{image_png, Anchor, Colour, Drawing, Item, Point, Stroke};
 use crate::text::{base64, escape};
 use std::fmt::Write;
 
-/// Letters of SVG files; the widths of the layout are those of DejaVu Sans, which is
-/// wider than most.
+/// Fonts of SVG files. The layout uses the widths of DejaVu Sans, which is wider than most.
 const FONTS: &str = "system-ui, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
 
 pub(super) fn write(drawing: &Drawing) -> String {
@@ -183,7 +182,7 @@ fn hex(colour: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Polylines as path data: a start point, then steps, in tenths of a px.
+/// Polylines as path data: a start point, then steps, rounded to tenths of a px.
 fn path_data(lines: &[Vec<Point>], closed: bool) -> String {
     let tenths = |value: f64| (value * 10.0).round() as i64;
     let mut out = String::new();

@@ -7,7 +7,7 @@ use crate::text::fixed;
 use chladni_frf::{ModalModel, Mode};
 use num_complex::Complex64;
 
-/// `None` without modes in the band.
+/// The MAC matrix of the shapes; `None` without modes in the band.
 pub(crate) fn auto_mac(model: &ModalModel) -> Option<Figure> {
     let modes: Vec<&Mode> = model.in_band_modes().take(sizes::MAC_MODES).collect();
     if modes.is_empty() {
@@ -64,7 +64,7 @@ pub(crate) fn auto_mac(model: &ModalModel) -> Option<Figure> {
     })
 }
 
-/// Every name, or every second, fifth, ... where there are many.
+/// All names, or every second, fifth, ... where there are many.
 fn thin_names(names: &[(f64, String)]) -> Vec<(f64, String)> {
     let every = [1, 2, 5, 10, 20]
         .into_iter()

@@ -16,13 +16,13 @@ pub(crate) struct Cmif {
     /// Axes (line, singular value).
     pub(crate) values: Array2<f64>,
     pub(crate) quantity: Quantity,
-    /// `of the measured FRFs`.
+    /// Origin in words: `of the measured FRFs`.
     pub(crate) of: &'static str,
 }
 
 impl Cmif {
-    /// Of the measured FRFs, or of the synthesis where measured pairs are missing; `None`
-    /// where neither is whole.
+    /// The CMIF of the measured FRFs, or of the synthesis where measured pairs are missing; `None`
+    /// where there is no model either.
     ///
     /// # Errors
     /// A singular value decomposition that does not converge.
@@ -58,8 +58,8 @@ impl Cmif {
     }
 }
 
-/// Singular values of the synthesis; axes (line, singular value), NaN where it has none,
-/// as at 0 Hz of a free body.
+/// Singular values of the synthesis, axes (line, singular value); NaN on lines where the
+/// synthesis is not finite, as at 0 Hz of a free body.
 fn of_synthesis(model: &ModalModel, frequency_hz: &Array1<f64>) -> Result<Array2<f64>> {
     let count = model.responses.len().min(model.references.len());
     let rows = frequency_hz.to_vec().into_par_iter().map(|f| {
@@ -109,7 +109,7 @@ pub(super) fn chart(comparison: &Comparison, cmif: &Cmif) -> Chart {
         .filter(|v| *v > 0.0)
         .fold(f64::NAN, f64::min);
     let top = level(highest);
-    // a level near the rounding of the largest value is no signal
+    // levels near the rounding error of the largest value are no signal
     let bottom = level(lowest.max(highest * 1e-12)).max(top - 1.4 * sizes::AMPLITUDE_RANGE_DB);
     let axis = Axis::linear("Singular value", &cmif.quantity.level_unit())
         .range([bottom - 3.0, top + 5.0]);

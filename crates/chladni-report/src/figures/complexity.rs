@@ -1,5 +1,5 @@
-//! Complexity plot: every response of every shape in the complex plane, each shape turned
-//! real and its largest motion 1.
+//! Complexity plot: every response of every shape in the complex plane. Each shape is turned to
+//! the phase at which it is most real, and its largest motion is 1.
 
 use super::mode_shape::turned;
 use super::shown_responses;
@@ -8,7 +8,7 @@ use crate::drawing::{Colour, Stroke};
 use crate::sizes::MAP_PX;
 use chladni_frf::ModalModel;
 
-/// `None` without modes in the band.
+/// The complexity plot of all modes in the band; `None` without modes.
 pub(crate) fn complexity(model: &ModalModel) -> Option<Figure> {
     let shown = shown_responses(&model.responses);
     let mut points: Vec<Place> = Vec::new();

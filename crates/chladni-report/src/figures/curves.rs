@@ -1,13 +1,12 @@
-//! The scene with fewer modes and with fewer actuators, each point with weights of its
-//! own.
+//! Performance in the scene with fewer modes and with fewer actuators.
 
 use crate::chart::{Axis, Chart, Figure, Height, Mark, Place};
 use crate::drawing::{Colour, Dash, Stroke};
 use crate::input::{CurvePoint, RenderedScene};
 use crate::sizes::WIDE_PX;
 
-/// A figure over the number of modes, and one over the number of actuators; none where no
-/// curves were made.
+/// A figure over the number of modes and one over the number of actuators; none where the scene
+/// has no curves.
 pub(crate) fn curves(scene: &RenderedScene, number: usize) -> Vec<Figure> {
     let Some(curves) = scene.curves else {
         return Vec::new();

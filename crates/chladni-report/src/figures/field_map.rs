@@ -1,5 +1,5 @@
-//! The field of a rendering: level re threshold, zones, limits, and which responses miss
-//! theirs.
+//! The field of a rendering: level re threshold, zones, limits, and the responses that miss
+//! their limits.
 
 use super::level;
 use super::mode_shape::whole;
@@ -17,8 +17,8 @@ use ndarray::Array2;
 const BLACK: Colour = Colour::Rgb([0, 0, 0]);
 const WHITE: Colour = Colour::Rgb([255, 255, 255]);
 
-/// The map `field-NUMBER` of a field, as [`super::all`] makes it; `model` gives the plane
-/// and the ground around the responses. `None` where these carry no plane.
+/// The map `field-NUMBER` of a field, as [`super::all`] makes it. `model` gives the plane and
+/// the ground around the responses. `None` where the responses span no plane.
 pub fn field_map(
     shown: &ShownField,
     model: Option<&ModalModel>,
@@ -42,8 +42,8 @@ pub fn field_map(
         }
         None => with_discs(chart, shown),
     };
-    chart = with_outlines(chart, shown);
-    chart = with_responses(chart, shown);
+    chart = chart.with(judged_area(shown, Colour::Muted));
+    chart = with_responses(with_hot_zones(chart, shown), shown);
     for outline in shown.zones.hot_outlines() {
         if let Some(at) = centre_of(shown, outline) {
             chart = chart.with(Layer::Words {
@@ -77,20 +77,22 @@ pub fn field_map(
     })
 }
 
-/// The judged area and the hot zones.
-fn with_outlines(chart: Chart, shown: &ShownField) -> Chart {
-    let mut chart = chart.with(Layer::Outline {
+/// The outline of the judged area.
+pub(super) fn judged_area(shown: &ShownField, colour: Colour) -> Layer {
+    Layer::Outline {
         name: named("judged area"),
         points: corners_mm(shown.zones.area()),
-        stroke: Stroke::new(Colour::Muted, 1.2).dashed(Dash::Dotted),
+        stroke: Stroke::new(colour, 1.2).dashed(Dash::Dotted),
         casing: false,
-    });
+    }
+}
+
+/// The chart with the outlines of the hot zones.
+pub(super) fn with_hot_zones(mut chart: Chart, shown: &ShownField) -> Chart {
     for (k, outline) in shown.zones.hot_outlines().iter().enumerate() {
-        let points: Vec<Place> = outline.iter().map(|&place| mm(place)).collect();
-        let name = if k == 0 { named("hot zone") } else { None };
         chart = chart.with(Layer::Outline {
-            name,
-            points,
+            name: if k == 0 { named("hot zone") } else { None },
+            points: outline.iter().map(|&place| mm(place)).collect(),
             stroke: Stroke::new(Colour::Rgb([200, 30, 30]), 2.4),
             casing: true,
         });
@@ -107,7 +109,7 @@ fn with_levels(
 ) -> Chart {
     let threshold = shown.limits.threshold_m_per_s;
     let fine = surface.refined(sizes::FIELD_COLUMNS);
-    // zero motion has no level; it is as quiet as can be
+    // zero motion has no level, so it takes the lowest one
     let levels = fine.values.mapv(|v| {
         if v.is_nan() {
             f64::NAN
@@ -168,7 +170,7 @@ fn level_pixels(shown: &ShownField, fine: &Surface, levels: &Array2<f64>) -> Ima
     }
 }
 
-/// Responses as discs in the colour of their level, where nothing lies between them.
+/// Responses as discs in the colour of their level, where the field between them is not known.
 fn with_discs(chart: Chart, shown: &ShownField) -> Chart {
     let discs = shown
         .field
@@ -250,7 +252,7 @@ fn with_responses(chart: Chart, shown: &ShownField) -> Chart {
     )
 }
 
-/// Centre of the part of an outline's box that lies over the responses.
+/// Centre of the part of an outline's box inside the judged area.
 fn centre_of(shown: &ShownField, outline: &[Position]) -> Option<Position> {
     let hot = chladni_render::Rectangle::around(outline)?;
     let area = shown.zones.area();

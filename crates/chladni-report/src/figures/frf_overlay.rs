@@ -15,7 +15,7 @@ fn synthesis_stroke() -> Stroke {
     Stroke::new(Colour::Series(1), 1.3)
 }
 
-/// Amplitude and phase of one pair of DOFs; `number` counts the figures.
+/// Amplitude and phase of a pair of DOFs; `number` is that of the figure.
 pub(crate) fn frf_overlay(comparison: &Comparison, pair: &Pair, number: usize) -> Figure {
     let [measured, synthesis] = comparison.curves(pair);
     let levels = |curve: &Option<Vec<Complex64>>| {
@@ -67,7 +67,7 @@ pub(crate) fn frf_overlay(comparison: &Comparison, pair: &Pair, number: usize) -
     }
 }
 
-/// Root mean square over all FRFs, and of what the synthesis leaves.
+/// Root mean square over all FRFs, measured, synthesised and of the residual.
 pub(crate) fn frf_sum(comparison: &Comparison, sums: &Sums) -> Figure {
     let levels = |curve: &Option<Vec<f64>>| {
         curve
@@ -179,7 +179,7 @@ pub(super) fn pole_lines(frequencies: &[f64]) -> Layer {
     }
 }
 
-/// The borders of the fitted band, where it is narrower than the data.
+/// The borders of the fitted band that lie inside the data; `None` without any.
 pub(super) fn band_lines(comparison: &Comparison) -> Option<Layer> {
     let model = comparison.model?;
     let (first, last) = (

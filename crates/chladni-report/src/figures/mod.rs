@@ -1,4 +1,4 @@
-//! The figures of a report, one file each, and all of them in order.
+//! The figures of a report, one file each, and the list of all.
 
 mod auto_mac;
 mod cmif;
@@ -53,7 +53,7 @@ pub fn all(input: &ReportInput) -> Result<Vec<Figure>> {
         );
         if let Some(cmif) = Cmif::of(&comparison, input.measured)? {
             figures.push(cmif::figure(&comparison, &cmif));
-            // a set without an even grid has no diagram; the page says why
+            // lines without even spacing have no diagram; the page gives the reason
             let diagram = input.measured.and_then(|set| {
                 chladni_rfp::stabilization(set, &stabilization_options(input.model)).ok()
             });
@@ -98,7 +98,7 @@ fn of_scene(scene: &RenderedScene, model: Option<&ModalModel>, number: usize) ->
     figures
 }
 
-/// 20 log10 of an amplitude; NaN for zero, so that curves break there.
+/// Level of an amplitude, dB; NaN for zero, so that curves break there.
 pub(crate) fn level(amplitude: f64) -> f64 {
     if amplitude > 0.0 {
         20.0 * amplitude.log10()

@@ -12,7 +12,7 @@ use chladni_render::{AreaGrid, Position};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// Contours on both sides of the nodal line, part of the largest motion.
+/// Levels of the contours on both sides of the nodal line, part of the largest motion.
 const CONTOURS: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
 
 /// One figure per mode in the band.
@@ -60,7 +60,7 @@ pub(crate) fn mode_shapes(model: &ModalModel) -> Vec<Figure> {
 
 fn caption(mode: &Mode, imaginary: f64) -> String {
     let mpc = format!("MPC {}", fixed(mode.mpc, 3));
-    // below a hundredth nobody sees it
+    // less is not visible
     if imaginary < 0.01 {
         mpc + "."
     } else {
@@ -71,14 +71,14 @@ fn caption(mode: &Mode, imaginary: f64) -> String {
     }
 }
 
-/// Responses along the axis that most of them have.
+/// Indices of the responses along the most frequent axis.
 pub(crate) fn shown_responses(responses: &[Dof]) -> Vec<usize> {
     let along = |code: i8| -> Vec<usize> {
         (0..responses.len())
             .filter(|&k| responses[k].direction.axis().code() == code)
             .collect()
     };
-    // the first of equals: Z before X before Y
+    // among equals Z comes before X, and X before Y: `max_by_key` takes the last
     [3, 1, 2, 0, 4, 5, 6]
         .into_iter()
         .map(along)
@@ -87,8 +87,8 @@ pub(crate) fn shown_responses(responses: &[Dof]) -> Vec<usize> {
         .unwrap_or_default()
 }
 
-/// The shape at the responses, turned to the common phase at which it is as real as can
-/// be, its largest motion +1.
+/// The shape at the responses, turned to the phase at which it is most real and scaled to a
+/// largest motion of +1.
 pub(super) fn turned(model: &ModalModel, mode: &Mode, shown: &[usize]) -> Vec<Complex64> {
     let shape: Vec<Complex64> = shown
         .iter()
@@ -113,7 +113,7 @@ pub(super) fn turned(model: &ModalModel, mode: &Mode, shown: &[usize]) -> Vec<Co
     turned.iter().map(|value| value * scale).collect()
 }
 
-/// Real parts of [`turned`], and the largest imaginary part that is left.
+/// Real parts of [`turned`], and its largest imaginary part.
 fn turned_real(model: &ModalModel, mode: &Mode, shown: &[usize]) -> (Vec<f64>, f64) {
     let turned = turned(model, mode, shown);
     (
@@ -125,7 +125,7 @@ fn turned_real(model: &ModalModel, mode: &Mode, shown: &[usize]) -> (Vec<f64>, f
     )
 }
 
-/// The common part of the maps of all modes: the ground of the responses, and the
+/// The part that the maps of all modes share: the plane of the responses, and the
 /// interpolation between them.
 struct Map<'a> {
     plane: Plane,
@@ -134,7 +134,7 @@ struct Map<'a> {
 }
 
 impl<'a> Map<'a> {
-    /// `None` where the responses carry no area.
+    /// The maps' plane and grid; `None` where the responses span no area.
     fn new(plane: &Plane, places: &'a [Position]) -> Option<Self> {
         let plane = plane.over(places)?;
         Some(Self {
@@ -223,13 +223,13 @@ fn pixels(x: &[f64], y: &[f64], field: &Array2<f64>) -> Layer {
     }
 }
 
-/// From the centres of pixels to the ends of all of them.
+/// Ends of a row of pixels with these centres.
 pub(super) fn whole(centres: &[f64]) -> Place {
     let half = (centres[1] - centres[0]) / 2.0;
     [centres[0] - half, centres[centres.len() - 1] + half]
 }
 
-/// The shape over the responses in order, where they carry no area.
+/// The shape over the number of the response, for responses that span no area.
 fn shape_list(model: &ModalModel, shown: &[usize], values: &[f64]) -> Chart {
     let places: Vec<Place> = values
         .iter()

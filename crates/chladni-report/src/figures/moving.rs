@@ -1,5 +1,4 @@
-//! The ground as a moving picture, for talks: over a period of a steady drive, and over
-//! the time of a scene.
+//! The moving ground as a GIF file: over a period of a steady drive, and over the time of a scene.
 
 use crate::drawing::{gif, ColourMap};
 use crate::input::ShownField;
@@ -11,20 +10,22 @@ use std::f64::consts::TAU;
 
 /// Width of the picture, px.
 const WIDTH_PX: usize = 480;
-/// Hundredths of a second that each picture stands.
+/// Time of each picture, hundredths of a second.
 const DELAY_CS: u16 = 7;
 /// Pictures of a period.
 const PICTURES: usize = 24;
-/// Colours of levels; then the outline of hot ground, and ground without a level.
+/// Number of colours of levels, which come first in the palette.
 const LEVELS: u8 = 254;
+/// Palette index of the outline of hot ground.
 const OUTLINE: u8 = 254;
+/// Palette index of ground without a level.
 const PAPER: u8 = 255;
 
 /// A GIF file of the level of the ground over the time of a scene; `None` where the
-/// responses carry no area.
+/// responses span no area.
 ///
 /// # Errors
-/// Those of the encoder: a broken promise.
+/// Those of the encoder, which are internal errors.
 pub fn moving_field(frames: &TimeFrames) -> Result<Option<Vec<u8>>> {
     let Some(area) = frames.area.as_ref() else {
         return Ok(None);
@@ -44,11 +45,11 @@ pub fn moving_field(frames: &TimeFrames) -> Result<Option<Vec<u8>>> {
     picture.film(grids, colour, &frames.hot, ColourMap::Sequential)
 }
 
-/// A GIF file of the velocity of the ground over one period of a steady drive, in parts of
-/// the largest; `None` where the responses carry no area.
+/// A GIF file of the velocity of the ground over one period of a steady drive, relative to the
+/// largest velocity; `None` where the responses span no area.
 ///
 /// # Errors
-/// Those of the encoder: a broken promise.
+/// Those of the encoder, which are internal errors.
 pub(crate) fn moving_period(shown: &ShownField) -> Result<Option<Vec<u8>>> {
     let Some(area) = shown.area else {
         return Ok(None);
@@ -95,8 +96,8 @@ impl<'a> Picture<'a> {
         })
     }
 
-    /// The file of `grids`, each row by row from the lowest, with the outlines of hot
-    /// ground.
+    /// The file of `grids`, each row by row from the lowest y, with the outlines of hot ground;
+    /// `None` where the picture is too large for a GIF.
     fn film(
         &self,
         grids: impl Iterator<Item = Vec<f64>>,
@@ -125,7 +126,7 @@ impl<'a> Picture<'a> {
         gif([width, height], &palette, &pictures, DELAY_CS).map(Some)
     }
 
-    /// Colours by bilinear interpolation, the upper row first.
+    /// Palette indices of the pixels, by bilinear interpolation, the upper row first.
     fn pixels(&self, grid: &[f64], colour: impl Fn(f64) -> u8) -> Vec<u8> {
         let along = |axis: &[f64], place: f64| -> (usize, f64) {
             let k = axis.partition_point(|&at| at <= place);
@@ -149,7 +150,7 @@ impl<'a> Picture<'a> {
         pixels
     }
 
-    /// A closed line, 2 px wide.
+    /// Draws a closed line, 2 px wide.
     fn draw(&self, pixels: &mut [u8], outline: &[Position]) {
         for (k, from) in outline.iter().enumerate() {
             let to = outline[(k + 1) % outline.len()];
@@ -173,7 +174,7 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// The colour at a place of the map between 0 and 1.
+/// The palette index of a place between 0 and 1 on the colour map.
 fn colour_of(place: f64) -> u8 {
     if place.is_nan() {
         return PAPER;

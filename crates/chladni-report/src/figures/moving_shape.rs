@@ -1,4 +1,4 @@
-//! A mode shape of the measured structure as a moving picture.
+//! A mode shape of the measured structure as a GIF file.
 
 use crate::drawing::{gif, ColourMap};
 use crate::structure::{Structure, Vector};
@@ -6,28 +6,33 @@ use chladni_frf::{ModalModel, Mode, Result};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Pictures of a period, and hundredths of a second that each stands.
+/// Pictures of a period.
 const PICTURES: usize = 24;
+/// Time of each picture, hundredths of a second.
 const DELAY_CS: u16 = 6;
-/// Width and height, and free ground around the structure, px.
+/// Width and height, px.
 const SIZE_PX: [usize; 2] = [420, 300];
+/// Free ground around the structure, px.
 const BORDER_PX: f64 = 16.0;
-/// Height of the largest motion, part of the longer side.
+/// Drawn size of the largest motion, part of the longest side.
 const LIFT: f64 = 0.16;
 /// View from the left front above, rad; as on the page.
 const AZIMUTH: f64 = -0.6;
 const ELEVATION: f64 = 0.62;
-/// Colours of motion; then the structure at rest, lines, and paper.
+/// Number of colours of motion, which come first in the palette.
 const LEVELS: u8 = 253;
+/// Palette index of the structure at rest.
 const REST: u8 = 253;
+/// Palette index of lines.
 const INK: u8 = 254;
+/// Palette index of the ground.
 const PAPER: u8 = 255;
 
-/// A GIF file for each mode of the band with its name; none where the structure has
+/// Name and content of a GIF file for each mode of the band; none where the structure has
 /// neither lines nor faces.
 ///
 /// # Errors
-/// Those of the encoder: a broken promise.
+/// Those of the encoder, which are internal errors.
 pub(crate) fn moving_shapes(model: &ModalModel) -> Result<Vec<(String, Vec<u8>)>> {
     let Some(structure) = Structure::of(model) else {
         return Ok(Vec::new());
@@ -61,14 +66,14 @@ fn moving(structure: &Structure, mode: &Mode) -> Result<Vec<u8>> {
     gif(size, &palette, &pictures, DELAY_CS)
 }
 
-/// From space to the picture.
+/// The projection from space to the picture.
 struct View {
     zoom: f64,
     middle: [f64; 2],
     lift_m: f64,
 }
 
-/// A place as it is seen: right, up, and how far behind.
+/// A place in the coordinates of the viewer: right, up, depth.
 fn seen(place: Vector) -> Vector {
     let [x, y, z] = place;
     let (sin_a, cos_a) = AZIMUTH.sin_cos();
@@ -78,7 +83,7 @@ fn seen(place: Vector) -> Vector {
 }
 
 impl View {
-    /// The whole structure with its motion is in the picture.
+    /// The view that shows the whole structure with its motion.
     fn of(structure: &Structure) -> Self {
         let ends = |axis: usize| {
             let values = structure.places_m.iter().map(|place| place[axis]);
@@ -92,7 +97,7 @@ impl View {
             .map(|[low, high]| high - low)
             .fold(0.0, f64::max);
         let lift_m = LIFT * longest.max(f64::MIN_POSITIVE);
-        // room on the axes along which nodes move
+        // room for the motion, along each axis
         let moves = |axis: usize| {
             let moved = structure.moves.iter().flatten();
             moved.map(|(_, to)| to[axis].abs()).fold(0.0, f64::max)
@@ -157,7 +162,7 @@ impl View {
         for outline in structure.faces.iter().chain(&structure.lines) {
             canvas.path(outline.iter().map(|&k| rest[k]), REST);
         }
-        for (_, outline, code) in &moved_faces(structure, &moved) {
+        for Face { outline, code, .. } in &moved_faces(structure, &moved) {
             canvas.fill(outline, *code);
             let closed = outline.iter().chain(outline.first()).copied();
             canvas.path(closed, INK);
@@ -169,7 +174,7 @@ impl View {
                 }
             }
         }
-        // faces show by themselves where they are
+        // without faces the nodes are drawn
         if structure.faces.is_empty() {
             for (at, code) in moved.iter().flatten() {
                 canvas.dot(*at, *code);
@@ -178,7 +183,7 @@ impl View {
         canvas.0
     }
 
-    /// Pixel coordinates and colour of a place that has moved `by` so much.
+    /// Pixel coordinates and palette index of a place that has moved by `by`.
     fn moved(&self, place_m: &Vector, by: Vector) -> (Vector, u8) {
         let at = [0, 1, 2].map(|n| place_m[n] + self.lift_m * by[n]);
         let further = |most: f64, part: &f64| {
@@ -192,12 +197,19 @@ impl View {
     }
 }
 
-/// The faces whose corners all move, furthest first: depth, corners, mean colour.
-fn moved_faces(
-    structure: &Structure,
-    moved: &[Option<(Vector, u8)>],
-) -> Vec<(f64, Vec<Vector>, u8)> {
-    let mut faces: Vec<(f64, Vec<Vector>, u8)> = structure
+/// A face in the picture.
+struct Face {
+    /// Mean depth of the corners.
+    depth: f64,
+    /// Pixel coordinates of the corners.
+    outline: Vec<Vector>,
+    /// Mean palette index of the corners.
+    code: u8,
+}
+
+/// The faces whose corners all move, the furthest first.
+fn moved_faces(structure: &Structure, moved: &[Option<(Vector, u8)>]) -> Vec<Face> {
+    let mut faces: Vec<Face> = structure
         .faces
         .iter()
         .filter_map(|face| {
@@ -211,14 +223,18 @@ fn moved_faces(
                 .sum::<f64>()
                 / count;
             let outline = corners.into_iter().map(|(at, _)| at).collect();
-            Some((depth, outline, mean.round() as u8))
+            Some(Face {
+                depth,
+                outline,
+                code: mean.round() as u8,
+            })
         })
         .collect();
-    faces.sort_by(|a, b| b.0.total_cmp(&a.0));
+    faces.sort_by(|a, b| b.depth.total_cmp(&a.depth));
     faces
 }
 
-/// The colour of a motion between −1 and 1.
+/// The palette index of a motion between −1 and 1.
 fn level(motion: f64) -> u8 {
     (f64::from(LEVELS - 1) * (0.5 + 0.5 * motion.clamp(-1.0, 1.0))).round() as u8
 }
@@ -261,7 +277,7 @@ impl Canvas {
         }
     }
 
-    /// The pixels inside a polygon, line by line by its crossings.
+    /// Fills a polygon, in each row between its crossings with the outline.
     fn fill(&mut self, outline: &[Vector], code: u8) {
         let edges = || outline.iter().zip(outline.iter().cycle().skip(1));
         let (low, high) = outline

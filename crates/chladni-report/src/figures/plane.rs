@@ -1,5 +1,4 @@
-//! The plane of the maps: which two coordinates are drawn, in mm, and the ground around
-//! the nodes.
+//! The plane of the maps: the two coordinates that are drawn, in mm, and the extent of the nodes.
 
 use crate::chart::{Axis, Chart, Height, Place};
 use crate::sizes;
@@ -10,24 +9,24 @@ use chladni_render::{Position, Rectangle};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Plane {
     axes: [usize; 2],
-    /// All nodes, m.
+    /// Rectangle around all nodes, m.
     pub(crate) around: Rectangle,
 }
 
 impl Plane {
-    /// `None` without nodes, or where they all lie on one line.
+    /// The plane of a model; `None` without nodes, or where all lie on one line.
     pub(crate) fn of(model: &ModalModel) -> Option<Self> {
         Self::of_nodes(&model.nodes)
     }
 
-    /// The same of nodes that no model has yet.
+    /// The plane of nodes without a model.
     pub(crate) fn of_nodes(nodes: &[Node]) -> Option<Self> {
         let extent = |axis: usize| {
             let values = nodes.iter().map(|node| node.xyz_m[axis]);
             values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
         };
         let mut axes = [0, 1, 2];
-        // a stable sort: x, y where extents are equal
+        // the sort is stable: among equal extents x comes before y, and y before z
         axes.sort_by(|&a, &b| extent(b).total_cmp(&extent(a)));
         let mut axes = [axes[0], axes[1]];
         axes.sort_unstable();
@@ -49,7 +48,7 @@ impl Plane {
         })
     }
 
-    /// The same plane, only so far as the given positions go.
+    /// The same plane with the extent of the given positions.
     pub(crate) fn over(&self, positions: &[Position]) -> Option<Self> {
         Some(Self {
             around: Rectangle::around(positions)?,
@@ -88,7 +87,7 @@ impl Plane {
     }
 }
 
-/// From m to the mm of the maps.
+/// A position in m as a place on a map, mm.
 pub(crate) fn mm(position: Position) -> Place {
     position.map(|value| 1e3 * value)
 }

@@ -5,7 +5,7 @@ use crate::drawing::{Colour, Stroke};
 use crate::sizes::{SIGMAS, WIDE_PX};
 use chladni_frf::{ModalModel, Mode, Trust};
 
-/// `None` without modes in the band.
+/// Loss factor over natural frequency of all modes in the band; `None` without modes.
 pub(crate) fn poles(model: &ModalModel) -> Option<Figure> {
     let modes: Vec<&Mode> = model.in_band_modes().collect();
     if modes.is_empty() {

@@ -1,5 +1,4 @@
-//! Tables of `chladni bench` as pictures: error against time, one mark per method and
-//! case.
+//! Tables of `chladni bench` as figures: error over time, a mark for each method and case.
 
 use crate::chart::{Axis, Chart, Figure, Height, Layer, Mark, Place};
 use crate::drawing::{Anchor, Colour};
@@ -9,7 +8,7 @@ use crate::sizes::WIDE_PX;
 /// Columns of time and error, as `chladni bench accuracy` writes them.
 const COLUMNS: [&str; 2] = ["time_s", "frequency_rmse_over_crlb"];
 
-/// `None` where the table has no such columns, or no numbers in them.
+/// Error over time; `None` where the table lacks these columns, or numbers in them.
 pub(crate) fn speed(table: &Table, number: usize) -> Option<Figure> {
     let column = |name: &str| table.header.iter().position(|header| header == name);
     let [time, error] = [column(COLUMNS[0])?, column(COLUMNS[1])?];

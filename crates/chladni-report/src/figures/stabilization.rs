@@ -8,13 +8,13 @@ use crate::sizes;
 use chladni_frf::ModalModel;
 use chladni_rfp::{Stability, Stabilization};
 
-/// The place of the model's poles, part of the highest order.
+/// Height of the model's poles, part of the highest order.
 const LANE: f64 = 1.06;
 
-/// What tells poles apart, with name, sign, colour and size (px) of the sign.
+/// A kind of poles: stability, name, and sign with its colour and size, px.
 type Kind = (Stability, &'static str, Mark, Colour, f64);
 
-/// From what is new to what is stable.
+/// The kinds of poles, from new to stable.
 const KINDS: [Kind; 3] = [
     (
         Stability::New,

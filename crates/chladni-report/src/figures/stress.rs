@@ -1,16 +1,16 @@
-//! Stress table as a picture: share of responses served when the panel is not the model.
+//! Stress table as a figure: share of responses served on panels that differ from the model.
 
 use crate::chart::{Axis, Chart, Figure, Height, Layer, Mark, Place};
 use crate::drawing::{Anchor, Colour, Stroke};
 use crate::sizes::WIDE_PX;
 use chladni_render::Weights;
 
-/// Height of a trial, px: its words stand above its marks.
+/// Height of a trial, px: its name is above its marks.
 const ROW_PX: f64 = 40.0;
-/// The words' place above the marks, rows.
+/// Height of the name above the marks, rows.
 const ABOVE: f64 = 0.4;
 
-/// `None` where no stress table was asked for.
+/// Mean and worst share of each trial; `None` without a stress table.
 pub(crate) fn stress(weights: &Weights, number: usize) -> Option<Figure> {
     let rows = weights.stress.as_ref().filter(|rows| !rows.is_empty())?;
     let count = rows.len() as f64;

@@ -1,4 +1,4 @@
-//! The scene at other drive frequencies, each with weights of its own (a sweep).
+//! Performance in the scene at other drive frequencies, each with weights of its own (a sweep).
 
 use crate::chart::{Axis, Chart, Figure, Height, Mark, Place};
 use crate::drawing::{Colour, Dash, Stroke};
@@ -6,7 +6,7 @@ use crate::sizes::WIDE_PX;
 use crate::text::fixed;
 use chladni_render::{SweptFrequency, Weights};
 
-/// `None` where no sweep was asked for.
+/// Share of responses served over drive frequency; `None` without a sweep.
 pub(crate) fn sweep(weights: &Weights, number: usize) -> Option<Figure> {
     let sweep = weights.sweep.as_ref()?;
     let curve = |of: &dyn Fn(&SweptFrequency) -> Option<f64>| -> Vec<Place> {
@@ -48,7 +48,7 @@ pub(crate) fn sweep(weights: &Weights, number: usize) -> Option<Figure> {
     })
 }
 
-/// A curve with a mark at each point, so that single points are seen too.
+/// The chart with a curve and a mark at each point, so that single points are visible too.
 fn marked(chart: Chart, name: &str, points: Vec<Place>, series: u8, dash: Dash) -> Chart {
     let colour = Colour::Series(series);
     chart

@@ -7,16 +7,16 @@ use chladni_frf::ReferenceUnit;
 use chladni_render::{Ground, Played, TimeFrames, TimeTraces};
 use ndarray::ArrayView1;
 
-/// Levels below the limits that are shown, dB.
+/// Lower end of the shown levels over the limits, dB.
 const SHOWN_BELOW_DB: f64 = -25.0;
-/// Levels above them.
+/// Upper end of the shown levels, dB.
 const SHOWN_ABOVE_DB: f64 = 10.0;
 
-/// Room above the largest drive.
+/// Upper end of the drive axis over the largest drive.
 const ROOM: f64 = 1.05;
 
-/// The weakest hot and the loudest cold response over their limits, those of plain ramps
-/// behind, the drives, and every response over time.
+/// The weakest hot and the loudest cold response over their limits, with those of plain ramps
+/// for comparison; below them the drives, and every response over time.
 pub fn time(name: &str, title: &str, played: &Played) -> Figure {
     let (traces, frames) = (&played.traces, played.frames.as_ref());
     let range = [SHOWN_BELOW_DB, SHOWN_ABOVE_DB];
@@ -53,7 +53,7 @@ pub fn time(name: &str, title: &str, played: &Played) -> Figure {
     }
 }
 
-/// The amplitude of every actuator, or the largest one where pictures are lacking.
+/// The drive of every actuator; the largest drive alone where there are no pictures.
 fn forces(
     traces: &TimeTraces,
     frames: Option<&TimeFrames>,
@@ -94,13 +94,13 @@ fn forces(
     })
 }
 
-/// The responses that are not judged at the beginning.
+/// Number of the responses that are not judged at the beginning.
 pub(crate) fn unjudged(frames: &TimeFrames) -> usize {
     let ground = frames.ground.iter();
     ground.filter(|&&ground| ground == Ground::Ignored).count()
 }
 
-/// Every response over time: hot ones above, cold ones below, between two lines those that
+/// Every response over time: hot ones above, cold ones below, and between two lines those that
 /// are not judged.
 fn places(frames: &TimeFrames, end_ms: f64) -> Chart {
     let (order, hot) = frames.by_ground();
@@ -150,8 +150,7 @@ fn time_axis(end_ms: f64) -> Axis {
     Axis::linear("Time", "ms").range([0.0, end_ms])
 }
 
-/// A trace, with a gap where nothing is judged; what lies far below is drawn at the lower
-/// end.
+/// A trace with gaps where nothing is judged; levels below the axis are drawn at its lower end.
 fn curve(traces: &TimeTraces, levels: &[Option<f64>]) -> Vec<Place> {
     let shown = |level: Option<f64>| level.map_or(f64::NAN, |level| level.max(SHOWN_BELOW_DB));
     let places = levels.iter().enumerate();
@@ -160,7 +159,7 @@ fn curve(traces: &TimeTraces, levels: &[Option<f64>]) -> Vec<Place> {
         .collect()
 }
 
-/// Hot and cold ground of one way of ramping.
+/// The chart with the levels of hot and cold ground under one kind of ramps.
 fn with_levels(chart: Chart, traces: &TimeTraces, names: [&str; 2], width: f64) -> Chart {
     let styles = [(1, Dash::Solid), (0, Dash::Dashed)];
     let levels = [&traces.hot_db, &traces.cold_db];

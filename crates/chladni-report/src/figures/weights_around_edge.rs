@@ -1,4 +1,4 @@
-//! Weights: phasors at the places of the actuators, and amplitude and phase one by one.
+//! Weights: phasors at the places of the actuators, and amplitude and phase by actuator.
 
 use super::plane::{corners_mm, mm, Plane};
 use crate::chart::{named, Axis, Chart, ColourBar, Disc, Figure, Height, Layer, Mark, Place};
@@ -8,10 +8,10 @@ use crate::text::fixed;
 use chladni_frf::{ModalModel, ReferenceUnit};
 use chladni_render::{Position, Weight, Weights};
 
-/// Largest radius of a phasor, px, where the actuators stand far apart.
+/// Largest radius of a phasor, px.
 const MAX_RADIUS_PX: f64 = 22.0;
 
-/// Weights in a unit that gives short numbers.
+/// A unit that gives short numbers, and the factor to it.
 struct Scaled {
     factor: f64,
     unit: String,
@@ -114,7 +114,7 @@ pub fn weights_around_edge(weights: &Weights, model: &ModalModel, number: usize)
     })
 }
 
-/// Least distance of two places, m.
+/// Least distance between two different places, m.
 fn nearest(places: &[Position]) -> f64 {
     let mut least = f64::INFINITY;
     for (k, a) in places.iter().enumerate() {

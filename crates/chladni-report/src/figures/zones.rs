@@ -1,22 +1,23 @@
-//! The demands of a scene on each place: hot, cold and unjudged ground, with the
-//! responses that judge it and the actuators that serve it.
+//! The demands of a scene on each place: hot, cold and unjudged ground, with the responses and
+//! the actuators.
 
-use super::plane::{corners_mm, mm, Plane};
-use crate::chart::{named, Chart, Figure, Layer, Mark, Place};
-use crate::drawing::{Colour, Dash, Image, Stroke};
+use super::field_map::{judged_area, with_hot_zones};
+use super::plane::{mm, Plane};
+use crate::chart::{Chart, Figure, Layer, Mark, Place};
+use crate::drawing::{Colour, Image};
 use crate::input::ShownField;
 use crate::sizes;
 use crate::text::fixed;
 use chladni_frf::ModalModel;
 use chladni_render::{Ground, Rectangle};
 
-/// Pale grounds: red, blue and white; hatching and names tell them apart in grey.
+/// Pale colours of the grounds: red, blue, white. Hatching and names distinguish them in grey.
 const HOT: [u8; 3] = [250, 205, 195];
 const COLD: [u8; 3] = [205, 222, 242];
 const IGNORED: [u8; 3] = [255, 255, 255];
 const STRIPE: [u8; 3] = [205, 205, 205];
 
-/// `None` where the responses carry no plane.
+/// A map of the demands; `None` where the responses span no plane.
 pub(crate) fn zones(
     shown: &ShownField,
     model: Option<&ModalModel>,
@@ -25,26 +26,9 @@ pub(crate) fn zones(
     let plane = model
         .and_then(Plane::of)
         .or_else(|| Plane::around(&shown.field.positions_m))?;
-    let area = shown.zones.area();
     let mut chart = plane.chart(460.0).with(grounds(shown, plane.around));
-    let frame = Stroke::new(Colour::Ink, 1.2).dashed(Dash::Dotted);
-    chart = chart.with(Layer::Outline {
-        name: named("judged area"),
-        points: corners_mm(area),
-        stroke: frame,
-        casing: false,
-    });
-    for (k, outline) in shown.zones.hot_outlines().iter().enumerate() {
-        let points: Vec<Place> = outline.iter().map(|&place| mm(place)).collect();
-        let stroke = Stroke::new(Colour::Rgb([200, 30, 30]), 2.4);
-        chart = chart.with(Layer::Outline {
-            name: if k == 0 { named("hot zone") } else { None },
-            points,
-            stroke,
-            casing: true,
-        });
-    }
-    chart = with_responses(chart, shown);
+    chart = chart.with(judged_area(shown, Colour::Ink));
+    chart = with_responses(with_hot_zones(chart, shown), shown);
     if let Some(model) = model {
         let places = model
             .references

@@ -1,13 +1,13 @@
-//! ES modules as one script: a page that is one file can import nothing.
+//! ES modules as one script, since a page in one file cannot import others.
 //!
-//! Each module becomes a function that is run once and hands over what it exports, in the
-//! order of the list. The modules keep to what is understood here: whole lines `import {
-//! a, b } from "./name.js";` and declarations that begin with `export `.
+//! Each module becomes a function that is called once and returns its exports, in the order of
+//! the list. Only two forms are understood: whole lines `import { a, b } from "./name.js";` and
+//! declarations that begin with `export `.
 
 /// A module: its name and its text.
 pub(crate) type Module = (&'static str, &'static str);
 
-/// One script of all `modules`, of which each imports earlier ones only.
+/// One script of all `modules`; each imports earlier ones only.
 pub(crate) fn bundle(modules: &[Module]) -> String {
     let bodies: String = modules
         .iter()
@@ -51,6 +51,7 @@ fn declared(declaration: &str) -> Option<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::page::{REPORT_MODULES, STUDIO_MODULES};
 
     #[test]
     fn a_module_sees_what_it_imports() {
@@ -71,7 +72,7 @@ mod tests {
     #[test]
     fn every_module_of_the_page_imports_earlier_ones_and_what_they_export() {
         let mut known: Vec<(&str, Vec<&str>)> = Vec::new();
-        for &(name, text) in super::super::STUDIO_MODULES {
+        for (name, text) in [REPORT_MODULES, STUDIO_MODULES].concat() {
             for (names, module) in text.lines().filter_map(imported) {
                 let exported = &known
                     .iter()

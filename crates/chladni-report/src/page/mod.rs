@@ -1,5 +1,5 @@
-//! The page: a template, a style, the script and its data in one file. Nothing is loaded
-//! from elsewhere, and no script but the page's own runs: it is named by its hash.
+//! The page: a template with style, script and data in one file. Nothing is loaded from
+//! elsewhere. The page's policy names its script by its hash, so that no other script runs.
 
 mod bundle;
 #[cfg(test)]
@@ -14,18 +14,17 @@ use sha2::{Digest, Sha256};
 
 const TEMPLATE: &str = include_str!("template.html");
 const STYLE: &str = include_str!("style.css");
-/// The additional style of the studio's page.
+/// Style that the studio's page adds.
 const STUDIO_STYLE: &str = include_str!("studio.css");
-/// The content of the page until its script has drawn it.
+/// The content of a page before its script has run.
 const WITHOUT_SCRIPT: &str = include_str!("without_script.html");
 
 macro_rules! modules {
     ($($name:literal),*) => { &[$(($name, include_str!(concat!("modules/", $name, ".js")))),*] };
 }
 
-/// The studio's script: the report's views, and what makes them live. Each module imports
-/// earlier ones only.
-const STUDIO_MODULES: &[Module] = modules!(
+/// The report's script, one module per view. Each module imports earlier ones only.
+const REPORT_MODULES: &[Module] = modules!(
     "dom",
     "numbers",
     "data",
@@ -56,7 +55,11 @@ const STUDIO_MODULES: &[Module] = modules!(
     "zone_editor",
     "zones",
     "tables",
-    "page",
+    "page"
+);
+
+/// The modules that the studio adds.
+const STUDIO_MODULES: &[Module] = modules!(
     "ask",
     "work",
     "pane_data",
@@ -72,34 +75,29 @@ const STUDIO_MODULES: &[Module] = modules!(
     "studio"
 );
 
-/// Modules of the studio alone: the last ones.
-const OF_STUDIO: usize = 13;
-
-/// The report's script.
-fn report_modules() -> &'static [Module] {
-    &STUDIO_MODULES[..STUDIO_MODULES.len() - OF_STUDIO]
-}
-
 /// The report with its data.
 pub(crate) fn report(title: &str, data: &Value) -> String {
     let start = "module_page.show(module_data.embedded());";
     fill_page(
         title,
         STYLE.trim(),
-        &format!("{}{start}\n", bundle(report_modules())),
+        &format!("{}{start}\n", bundle(REPORT_MODULES)),
         WITHOUT_SCRIPT,
         &inert(data),
         "'none'",
     )
 }
 
-/// The studio: it asks its own server for everything, and says which page asks.
+/// The studio's page, which asks its server for all data; `number` identifies it there.
 pub(crate) fn studio(title: &str, number: u64) -> String {
     let start = "module_studio.start();";
     fill_page(
         title,
         &format!("{}\n{}", STYLE.trim(), STUDIO_STYLE.trim()),
-        &format!("{}{start}\n", bundle(STUDIO_MODULES)),
+        &format!(
+            "{}{start}\n",
+            bundle(&[REPORT_MODULES, STUDIO_MODULES].concat())
+        ),
         WITHOUT_SCRIPT,
         &inert(&json!({ "page": number, "title": title })),
         "'self'",
@@ -144,7 +142,7 @@ fn fill_page(
     data: &str,
     connect: &str,
 ) -> String {
-    // the hash is of what stands between the tags
+    // the browser hashes everything between the tags, the first line break too
     let script = format!("\n{script}");
     let hash = base64(&Sha256::digest(script.as_bytes()));
     fill(
@@ -169,7 +167,7 @@ fn fill_page(
     )
 }
 
-/// JSON that cannot end the element it stands in, nor begin a comment there.
+/// JSON that can neither end its `script` element nor begin a comment in it.
 fn inert(data: &Value) -> String {
     data.to_string()
         .replace('<', "\\u003c")
@@ -178,8 +176,7 @@ fn inert(data: &Value) -> String {
         .replace('\u{2029}', "\\u2029")
 }
 
-/// Puts each value in the place of its `{{name}}`, in one pass: what is put in is not
-/// looked at again.
+/// Replaces each `{{name}}` by its value, in one pass: names inside values are not replaced.
 fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut out = String::new();
     let mut rest = template;
@@ -208,12 +205,6 @@ mod tests {
             "a {{y}} b 1 c"
         );
         assert!(!fill(TEMPLATE, &[]).contains("{{"));
-    }
-
-    #[test]
-    fn the_report_ends_where_the_studio_begins() {
-        let last = report_modules().last().map(|module| module.0);
-        assert_eq!(last, Some("page"));
     }
 
     #[test]

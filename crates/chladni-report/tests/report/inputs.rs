@@ -19,7 +19,7 @@ pub fn simulated(text: &str) -> Simulation {
     simulate(&Panel::from_toml(text, 1 << 30).unwrap(), None, None).unwrap()
 }
 
-/// The glass panel up to 400 Hz at 24 × 12 pairs, with bounds as a fit would give.
+/// The glass panel up to 400 Hz at 24 × 12 pairs, with bounds as from a fit.
 pub fn small() -> &'static Simulation {
     static SMALL: OnceLock<Simulation> = OnceLock::new();
     SMALL.get_or_init(|| {
@@ -63,7 +63,7 @@ pub fn input<'a>(
     }
 }
 
-/// Numbers that stand in the data as base64 of little-endian single precision.
+/// Numbers from base64 of little-endian single precision.
 pub fn f32s(coded: &serde_json::Value) -> Vec<f32> {
     let bytes = STANDARD.decode(coded["f32"].as_str().unwrap()).unwrap();
     bytes

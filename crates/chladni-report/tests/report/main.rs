@@ -1,4 +1,4 @@
-//! The report through its public door.
+//! The public interface of the report.
 
 mod data;
 mod figures;

@@ -1,17 +1,17 @@
-//! Pages: they stand alone, and foreign text stays text.
+//! Pages: they load nothing else, and foreign text stays text.
 
 use crate::inputs::{input, rendering, simulated, small, ALL_FORMATS};
 use chladni_frf::{Checksum, Finding, Reason, Source, Trust};
 use chladni_report::{charts, figures, gallery, html, studio_html, ReportInput};
 
-/// A page of the demonstration panel stays below.
+/// Largest size of the page of the demonstration panel.
 const MAX_PAGE_BYTES: usize = 8_000_000;
 
 #[test]
 fn the_page_needs_no_network_and_runs_no_script_but_its_own() {
     let rendering = rendering(&small().truth);
     let page = html(&input(&small().truth, Some(&small().frf), &rendering)).unwrap();
-    // the name of SVG elements is no address
+    // the namespace of SVG elements is not loaded
     let page = page.replace("http://www.w3.org/2000/svg", "");
     for outside in [
         "http://", "https://", " src=", "@import", "url(http", "<link", "<iframe", "fetch(",

@@ -4,7 +4,7 @@ import { h, s } from "./dom.js";
 import { fixed } from "./numbers.js";
 import { work, edit } from "./work.js";
 
-/** Radii of the discs, px, and how near a press must be. */
+/** Radii of the discs, and largest distance of a press from one, px. */
 const [LEAST, MOST, REACH] = [3.5, 11, 11];
 
 /** True where the actuator may be driven. */
@@ -12,7 +12,7 @@ const isOn = (name) => !work.off.includes(name);
 
 function toggle(name, names) {
   const off = isOn(name) ? [...work.off, name] : work.off.filter((one) => one !== name);
-  // at least one stays
+  // the last one cannot be switched off
   if (off.length < names.length) edit({ off });
 }
 
@@ -31,7 +31,7 @@ export function actuatorAt(geometry, place, scale) {
 
 export const toggleActuator = toggle;
 
-/** Discs for the map's `extra`: area is amplitude, the hand is the phase; a cross is an actuator that is off. */
+/** Discs for the map's `extra`: the area is the amplitude, the hand the phase. A cross is an actuator that is off. */
 export function discs(geometry, weights, unit) {
   const most = Math.max(1e-30, ...weights.map((weight) => Math.hypot(weight.re, weight.im)));
   return ({ px }) => geometry.references.flatMap((at, k) => {
@@ -49,7 +49,7 @@ export function discs(geometry, weights, unit) {
   });
 }
 
-/** A list of all actuators to tick, folded. */
+/** A folded list with a box for each actuator. */
 export function actuatorList(names) {
   const summary = h("summary", {});
   const boxes = names.map((name) => h("input", { type: "checkbox", onchange: () => toggle(name, names) }));

@@ -1,13 +1,13 @@
 // Questions to the studio's server.
 
-/** The address of this page carries what the server wants to be shown with every question. */
+/** The token in the address of this page, which goes with every question. */
 const headers = { "Content-Type": "application/json", Authorization: `Bearer ${new URLSearchParams(location.search).get("token")}` };
 
 async function post(path, question, signal) {
   return fetch(`/api/${path}`, { method: "POST", headers, body: JSON.stringify(question), signal });
 }
 
-/** The answer to one question; what goes wrong is `error`. */
+/** The answer to a question; failures are `{error}`. */
 export async function answerTo(path, question = {}, signal) {
   try {
     const response = await post(path, question, signal);
@@ -17,14 +17,14 @@ export async function answerTo(path, question = {}, signal) {
   }
 }
 
-/** The bytes of a file of the studio; throws in words. */
+/** The bytes of a file of the studio; throws an error with words for the reader. */
 export async function fileOf(question) {
   const response = await post("file", question);
   if (!response.ok) throw new Error(await response.text());
   return response.blob();
 }
 
-/** Asks one kind of question, one at a time; of those that wait only the last is asked. */
+/** Asks questions of one kind, one at a time. Of the waiting questions only the last is asked. */
 export class Asker {
   constructor(path) {
     this.path = path;
@@ -33,13 +33,13 @@ export class Asker {
     this.stop = null;
   }
 
-  /** `answer` gets what the server says, and whether a newer question waits. */
+  /** `answer` gets the answer of the server, and true where a newer question waits. */
   ask(question, answer) {
     this.next = { question, answer };
     if (!this.running) this.run();
   }
 
-  /** Waits for no answer any more. */
+  /** Ignores the answers that are still to come. */
   cancel() {
     this.next = null;
     this.stop?.abort();

@@ -1,4 +1,4 @@
-// The board of the studio: zones, and under them the field that the drive makes.
+// The board of the studio: zones over the field of the drive.
 
 import { levelMap } from "./colour.js";
 import { level } from "./numbers.js";
@@ -7,12 +7,12 @@ import { zoneEditor } from "./zone_editor.js";
 import { actuatorAt, discs, toggleActuator } from "./actuators.js";
 import { work, edit } from "./work.js";
 
-/** Stripes of ground that is not judged: the paper's colour. */
+/** Colour of the stripes on ground that is not judged: that of the paper. */
 const stripe = () => (levelMap() === "rising" ? [19, 21, 24] : [255, 255, 255]);
-/** Columns of the field's pixels while the hand moves, and when it rests. */
+/** Columns of the field's pixels during a drag, and after it. */
 const [COARSE, FINE] = [90, 180];
 
-/** The board; `onselect` hears which zone is chosen. */
+/** The board; `onselect` is called with the chosen zone. */
 export function board(geometry, onselect) {
   const editor = zoneEditor(geometry, {
     zones: work.zones, id: "zone-board", tool: "select", bare: true, onselect,

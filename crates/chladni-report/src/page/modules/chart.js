@@ -5,23 +5,23 @@ import { significant, ends } from "./numbers.js";
 import { ruler, ticks } from "./scale.js";
 
 const MARGIN = { left: 62, right: 18, top: 10, bottom: 42 };
-/** The same where labels stand above the frame and the unit beside the last number. */
+/** Margins where labels are above the frame and the unit is beside the last number. */
 const COMPACT = { left: 40, right: 14, top: 18, bottom: 20 };
 /** Room for the unit behind the last number, px. */
 const UNIT_PX = 24;
-/** Half width of a grip, px, and of where it is caught. */
+/** Half width of a grip, and of the area in which it is caught, px. */
 const GRIP = [4, 12];
 /** Width of a turned label with its gaps, and of a digit, px. */
 const LABEL_PX = 30;
 const LETTER_PX = 7;
 /** Size of a letter in the label of a point, px. */
 const SMALL_PX = [6.5, 12];
-/** Ticks along x in a narrow window. */
+/** Number of ticks along x in a narrow window. */
 const LEAST_TICKS = 5;
 /** Part of the range that a key moves by, and factor that it zooms by. */
 const MOVE = 0.15;
 const ZOOM = 1.5;
-/** A press that moves less is a click, px. */
+/** Largest movement of a click, px. */
 const CLICK = 5;
 
 /**
@@ -57,7 +57,7 @@ export function chart(first) {
     const margin = spec.compact ? COMPACT : MARGIN;
     svg.setAttribute("role", spec.grips ? "group" : "img");
     const right = spec.right ? (spec.compact ? 34 : 52) : margin.right;
-    // numbers that are wider than usual leave the label its place
+    // wider numbers than usual push the label outwards
     const numbers = ticks(ruler(spec.y.range, [height - margin.bottom, margin.top], spec.y.log).ends, (height - margin.bottom - margin.top) / 45, spec.y.log, spec.y.step);
     const left = Math.max(margin.left, (spec.compact ? 0 : LABEL_PX) + LETTER_PX * Math.max(0, ...numbers.map(([, text]) => text.length)));
     const box = { left, right: wide - right, top: margin.top, bottom: height - margin.bottom };
@@ -119,7 +119,7 @@ export function chart(first) {
     });
   }
 
-  /** Moves a grip; `moving` while the hand does. */
+  /** Moves a grip; `moving` is true during a drag. */
   function pull(k, value, moving) {
     const { low, high, onmove } = spec.grips[k];
     onmove(Math.max(low, Math.min(high, value)), moving);
@@ -161,7 +161,7 @@ export function chart(first) {
     return parts;
   }
 
-  /** Labels beside their points, where the frame and the labels before them leave room; right above if nowhere. */
+  /** Places labels beside their points without overlap; a label without room goes right above. */
   function placed(labels, box, x, y) {
     const taken = [];
     return labels.map(({ x: px, y: py, text }) => {
@@ -325,7 +325,7 @@ export function chart(first) {
       draw();
     },
     zoomTo: (range) => setZoom(range, true),
-    /** Where data coordinates lie in the window, for tests and for pointers. */
+    /** Place of data coordinates in the window, for tests and for pointers. */
     at: (px, py, right) => {
       const sides = svg.getBoundingClientRect();
       const scale = sides.width / svg.viewBox.baseVal.width;
@@ -334,7 +334,7 @@ export function chart(first) {
   };
 }
 
-/** Points that share a pixel column are one stroke from the least to the largest. */
+/** Points in one pixel column become one stroke from the least to the largest. */
 function path({ x: xs, y: ys, breaks }, x, y, box) {
   const parts = [];
   let pen = false;
@@ -371,7 +371,7 @@ function path({ x: xs, y: ys, breaks }, x, y, box) {
   return parts.join("");
 }
 
-/** Index of the first entry of a rising list that is not below `value`. */
+/** Index of the first entry of a rising list that is at least `value`. */
 function lower(list, value) {
   let [a, b] = [0, list.length];
   while (a < b) {

@@ -1,4 +1,4 @@
-// Colour maps that stay readable for colour-blind eyes and in grey: the same anchors as in the chart files.
+// Colour maps that are readable with colour blindness and in grey, with the anchors of the chart files.
 
 const ANCHORS = {
   // lightness rises evenly
@@ -19,12 +19,12 @@ export function colourAt(map, t) {
   return anchors[below].map((from, k) => Math.round(from + (place - below) * (anchors[below + 1][k] - from)));
 }
 
-/** The same as CSS. */
+/** The same colour as CSS. */
 export function cssColour(map, t) {
   return `rgb(${colourAt(map, t).join(",")})`;
 }
 
-/** True where white letters read better than black ones. */
+/** True where white letters are more readable than black ones. */
 export function isDark([r, g, b]) {
   return 0.299 * r + 0.587 * g + 0.114 * b < 135;
 }

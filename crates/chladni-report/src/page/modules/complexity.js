@@ -5,7 +5,7 @@ import { state, listen } from "./store.js";
 import { chart } from "./chart.js";
 import { fixed } from "./numbers.js";
 
-/** A mode's shape at the responses, turned to the phase at which it is as real as can be, its largest motion 1. */
+/** A mode's shape at the responses, turned to the phase at which it is most real, with a largest motion of 1. */
 export function turnedShape(model, n, indices, signs) {
   const rows = model.responses.length;
   const re = indices.map((k, i) => model.shape.re[n * rows + k] * signs[i]);
@@ -13,7 +13,7 @@ export function turnedShape(model, n, indices, signs) {
   return turned(re, im);
 }
 
-/** {re, im} turned and scaled so. */
+/** The same for any {re, im}. */
 export function turned(re, im) {
   let [a, b] = [0, 0];
   re.forEach((value, k) => {
@@ -29,7 +29,7 @@ export function turned(re, im) {
   return { re: out.re.map((value) => value * scale), im: out.im.map((value) => value * scale) };
 }
 
-/** Section of the plot; follows the mode that is looked at. */
+/** Section of the plot, for the selected mode. */
 export function complexitySection(model) {
   if (!model.inBand.length) return null;
   const all = model.responses.map((_, k) => k);

@@ -5,7 +5,7 @@ import { chart } from "./chart.js";
 import { described } from "./described.js";
 import { atResponses, shares } from "./field.js";
 
-/** Frequencies of the curve of unchanged weights, and how far it goes, part of the drive frequency. */
+/** Number of frequencies of the curve of unchanged weights, and its reach on either side, part of the drive frequency. */
 const POINTS = 121;
 const BESIDE = 0.06;
 
@@ -24,7 +24,7 @@ function series(x, points) {
 
 const drawn = (figure) => described(figure, `${figure.name}-chart`).map((one) => one.element);
 
-/** All curves that a scene's data allow. */
+/** All curves for which a scene has data. */
 export function curvesView(scene, model) {
   const parts = [];
   if (scene.sweep) parts.push(...drawn(scene.sweep));

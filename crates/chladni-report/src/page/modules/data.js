@@ -1,14 +1,14 @@
-// The data that the page carries: arrays of numbers stand in it as base64 under the name of their type.
+// The data of the page. Arrays of numbers are base64 under the name of their type.
 
 const TYPES = { f32: Float32Array, f64: Float64Array, u32: Uint32Array, i16: Int16Array, u8: Uint8Array };
 
-/** The small number that stands where nothing is known. */
+/** Code of a value that is not known. */
 const MISSING = -32768;
 
-/** What was unpacked before: views are drawn anew while the studio's controls move. */
+/** Arrays that are unpacked already, since the studio draws views anew during a drag. */
 const known = new WeakMap();
 
-/** The numbers of `{"f32": "..."}`, times `step` where there is one, NaN where nothing is known; to be read only; null stays null. */
+/** The numbers of `{"f32": "..."}`, times `step` where there is one; NaN where not known, null for null. Callers must not change them. */
 export function array(coded) {
   if (!coded) return null;
   if (!known.has(coded)) {
@@ -27,12 +27,12 @@ function bytes(text) {
   return out;
 }
 
-/** The data of this page. */
+/** The data that this page contains. */
 export function embedded() {
   return JSON.parse(document.getElementById("data").textContent);
 }
 
-/** Complex numbers as two arrays, from real and imaginary part in turn. */
+/** {re, im} as two arrays, from real and imaginary part in turn. */
 export function split(numbers) {
   const count = numbers.length / 2;
   const re = new Float64Array(count);

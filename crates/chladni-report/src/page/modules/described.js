@@ -1,12 +1,12 @@
-// Charts that the figures of a report describe, drawn as these say: what is drawn of a view is said once, for files and for the page.
+// Charts by their description in the data. The program describes such a view once, for files and for the page.
 
 import { array } from "./data.js";
 import { chart } from "./chart.js";
 
-/** Room above the height of a figure's box, for axes: px. */
+/** Height of a chart beyond that of its box, for axes, px. */
 const AROUND_PX = 52;
 
-/** The charts of a figure {title, caption, charts}, each as `chart` gives it. */
+/** The charts of a figure {title, caption, charts}. */
 export function described(figure, id) {
   const last = figure.charts.length - 1;
   const views = figure.charts.map((one, k) => chart({ ...spec(one), title: k ? "" : figure.title, caption: k === last ? figure.caption : "" }));

@@ -1,4 +1,4 @@
-// Elements. Foreign words go in as text only, never as markup.
+// Elements. Foreign words are inserted as text only, never as markup.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -45,7 +45,7 @@ export function tick(label, checked, onchange) {
   return h("label", { class: "control" }, box, ` ${label}`);
 }
 
-/** A slider with its value in words; `oninput` gets the number and whether the hand still moves. */
+/** A slider with its value in words; `oninput` gets the number, and true during a drag. */
 export function slider(label, { min, max, step, value, words }, oninput) {
   const output = h("output", {}, words(value));
   const said = (moving) => {
@@ -62,7 +62,7 @@ export function slider(label, { min, max, step, value, words }, oninput) {
   return { element, input, set };
 }
 
-/** Text to take along, with a button that copies it. `set` changes it. */
+/** Text with a button that copies it. `set` changes the text. */
 export function takeAway(label, id) {
   const text = h("textarea", { id, readonly: true, rows: 6, spellcheck: "false", "aria-label": label });
   const said = h("span", { class: "muted", role: "status" });
@@ -71,7 +71,7 @@ export function takeAway(label, id) {
       await navigator.clipboard.writeText(text.value);
       said.textContent = "copied";
     } catch {
-      // no clipboard in a file opened from disk: the text is selected, so that one key copies it
+      // a file opened from disk has no clipboard: the text is selected, so that a key copies it
       text.focus();
       text.select();
       said.textContent = "selected: copy with Ctrl+C";
@@ -86,7 +86,7 @@ export function takeAway(label, id) {
   return { element: h("div", { class: "take" }, h("p", {}, `${label} `, button, " ", said), text), set, text: () => text.value };
 }
 
-/** Pairs of a word and what belongs to it. */
+/** A list of labels and texts. */
 export function factList(rows) {
   return h("dl", {}, rows.map(([word, text]) => [h("dt", {}, word), h("dd", {}, text)]));
 }
@@ -101,7 +101,7 @@ export function table(header, rows, attributes) {
   return h("div", { class: "scroll" }, h("table", attributes ?? {}, head, h("tbody", {}, rows.map((row) => h("tr", {}, row.map(cell("td")))))));
 }
 
-/** Draws anew what `element` holds; what had the focus there has it again, by its `data-focus`. */
+/** Replaces the content of `element`; the focus stays on the element with the same `data-focus`. */
 export function redraw(element, ...children) {
   const name = element.contains(document.activeElement) ? document.activeElement.dataset.focus : null;
   element.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));

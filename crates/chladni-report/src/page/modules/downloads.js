@@ -1,16 +1,16 @@
-// Results as files: the studio's server hands them over, the browser saves them.
+// Results as files: the studio's server makes them, the browser saves them.
 
 import { h } from "./dom.js";
 import { fileOf } from "./ask.js";
 
-/** Names and words of the files; those with a scene need one that is rendered. */
+/** Names and descriptions of the files, and true for those that need a rendered scene. */
 const FILES = [
   ["model.json", "Model, without dropped modes", false], ["weights.json", "Weights", true], ["drive.wav", "Drive signals: the burst, or 2 s", true], ["drive.json", "Channels and full scale of drive.wav", true],
   ["calibration.json", "Knowledge of the rig, once a field has corrected the drive", true],
   ["scene.toml", "Scene", true], ["selection.toml", "Modes kept and dropped", false], ["report.html", "Report", false],
 ];
 
-/** A menu. `question()` gives {drop, scene or null, fields}; `text(name)` a file that the page itself holds, or null. */
+/** A menu. `question()` gives {drop, scene or null, fields}; `text(name)` gives a file that the page itself has, or null. */
 export function downloads(question, text) {
   const said = h("p", { class: "muted", role: "status" });
   const buttons = FILES.map(([name, words, ofScene]) => ({ ofScene, element: h("button", { type: "button", class: "ghost", "data-file": name, onclick: () => take(name, ofScene) }, h("b", {}, name), ` ${words}`) }));

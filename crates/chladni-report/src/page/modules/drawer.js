@@ -1,4 +1,4 @@
-// The drawer at the foot of the studio: commands and files that do the same again, to copy.
+// The drawer at the foot of the studio: commands and files, to copy, that repeat the work.
 
 import { h, takeAway } from "./dom.js";
 

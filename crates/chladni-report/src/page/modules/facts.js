@@ -5,7 +5,7 @@ import { counted } from "./numbers.js";
 
 const WORDS = { fault: "✕ fault", caution: "▲ caution", note: "note" };
 
-/** Findings, faults first, those of one code together; notes are folded, and all where there is no fault. */
+/** Findings by code, faults first. Notes are folded; without a fault all are. */
 export function findingList(findings) {
   if (!findings.length) return h("p", { class: "calm" }, "Nothing was found that speaks against it.");
   const groups = new Map();
@@ -23,7 +23,7 @@ export function findingList(findings) {
   return h("details", { class: `findings ${worst}`, open: worst === "fault", "aria-label": "Findings" }, h("summary", {}, summary), list);
 }
 
-/** What several findings of one code say, the first at once. */
+/** The findings of one code: the first in full, the others folded. */
 function group([first, ...more]) {
   const about = new Set([first, ...more].map((one) => one.about));
   const others = more.length ? h("details", {}, h("summary", {}, `${more.length} more like it`), h("ul", {}, more.map((one) => h("li", {}, says(one))))) : null;
@@ -40,7 +40,7 @@ export function contents(sections) {
   return h("nav", { "aria-label": "Contents" }, h("ul", {}, sections.map(link)));
 }
 
-/** What the model is. */
+/** Facts on the model. */
 export function modelFacts(model) {
   return section("model", "Model", factList(model.facts));
 }

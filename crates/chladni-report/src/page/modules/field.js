@@ -1,4 +1,4 @@
-// The field of a scene: level re threshold, zones, limits, and which responses miss theirs; and the same field moving.
+// The field of a scene: level re threshold, zones, limits, and the responses that miss their limits; the same field moving.
 
 import { h, s, slider } from "./dom.js";
 import { array, split } from "./data.js";
@@ -12,12 +12,12 @@ import { space } from "./space.js";
 /** Ends of the colours, dB re threshold. */
 export const RANGE_DB = 12;
 const COLUMNS = 200;
-/** The slider goes so far beside the drive frequency, part of it. */
+/** Reach of the slider on either side of the drive frequency, part of it. */
 const BESIDE = 0.1;
 
 const [IGNORED, COLD, HOT] = [0, 1, 2];
 
-/** A scene's field with its numbers unpacked; null where weights alone are known. */
+/** A scene's field with its numbers unpacked; null where only the weights are known. */
 export function unpackField(field) {
   if (!field) return null;
   const surface = field.surface && { x: field.surface.x, y: field.surface.y, ...split(array(field.surface.velocity)), ground: array(field.surface.ground) };
@@ -130,7 +130,7 @@ export function fieldLayers(field, surface, speeds, limenDb, look = { columns: C
   return { surface: fine, colour, contours: [lines(limenDb, "felt"), lines(-limenDb, "quiet")], outlines, marks };
 }
 
-/** A disc for each response; a cross over cold ground that is felt, a triangle over hot ground that is not. */
+/** A disc for each response, with a cross on cold ones that are felt and a triangle on hot ones that are not. */
 function discs(field, speeds, map) {
   return ({ px }) => field.places.flatMap((place, k) => {
     const [x, y] = px(place);
@@ -151,13 +151,13 @@ function groundAt({ x, y, ground }) {
   return (px, py) => ground[place(y, py) * x.length + place(x, px)];
 }
 
-/** What the weights make at another frequency, on the grid of the shapes. */
+/** The field of the weights at another frequency, on the grid of the shapes. */
 function elsewhere(scene, model, geometry, frequencyHz) {
   const { x, y, shapes } = geometry.grid;
   return { x, y, ground: scene.field.ground_on_grid, ...velocity(model, scene.modal, shapes, scene.modal.termsOnGrid, frequencyHz) };
 }
 
-/** The same at the responses of the field, by their names in the model; `keepsMode` may leave modes out. */
+/** The field of the weights at another frequency, at the responses. `keepsMode` may leave modes out. */
 export function atResponses(scene, model, frequencyHz, keepsMode) {
   const all = velocity(model, scene.modal, model.shape, scene.modal.terms, frequencyHz, keepsMode);
   const places = scene.field.names.map((name) => model.responses.indexOf(name));

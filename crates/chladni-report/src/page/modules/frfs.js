@@ -1,4 +1,4 @@
-// FRFs: the sum over all of them, and any pair of DOFs, measured over synthesised with what is left, in magnitude and phase.
+// FRFs: the sum over all of them, and any pair of DOFs: measured, synthesised and residual, in magnitude and phase.
 
 import { h, section, choice, tick } from "./dom.js";
 import { array, split } from "./data.js";
@@ -14,14 +14,14 @@ function levels(values) {
   return Float64Array.from(values, level);
 }
 
-/** The values on lines of the fitted band; elsewhere nothing was fitted, and nothing is drawn. */
+/** The values on lines of the fitted band; NaN elsewhere, so that nothing is drawn. */
 export function inBand(model, x, y) {
   if (!model) return y;
   const [low, high] = model.band_hz;
   return y.map((value, k) => (x[k] >= low && x[k] <= high ? value : NaN));
 }
 
-/** Section of the sum over all FRFs, what a result is judged by first; `model` may be null. */
+/** Section of the sum over all FRFs; `model` may be null. */
 export function sumSection(frfs, model) {
   const heading = model && frfs.residuals ? "Synthesis over measured" : model ? "Synthesis" : "Measured";
   const view = chart({ ...sumSpec(frfs, model), height: 280, onrange: (zoom) => change({ range: zoom }) });
@@ -89,7 +89,7 @@ export class Source {
     this.pairs = frfs.responses.length * this.columns;
     this.lines = array(frfs.lines);
     this.terms = frfs.terms && split(array(frfs.terms));
-    // residuals belong to the model of their fit, which in the studio may be the one before
+    // residuals belong to the model of the last full fit, which in the studio may be older than the shown one
     this.base = frfs.base ?? { model, terms: this.terms };
     this.errors = array(frfs.errors);
     if (frfs.residuals) {
@@ -103,7 +103,7 @@ export class Source {
     return response * this.columns + reference;
   }
 
-  /** Of the offered pair: {frequency, measured, synthesis, residual, all}, parts null where there is no such curve. */
+  /** Curves of an offered pair: {frequency, measured, synthesis, residual, all}; null for missing ones. */
   curves(response, reference) {
     const pair = this.pair(response, reference);
     const [i, j] = [this.frfs.responses[response], this.frfs.references[reference]];

@@ -7,11 +7,11 @@ import { colourAt, isDark } from "./colour.js";
 import { fixed } from "./numbers.js";
 import { colourBar } from "./panel_map.js";
 
-/** Widest matrix, what stands beside it, and the least distance of two numbers on its edge, px. */
+/** Largest width of the matrix, width beside it, and least distance of the numbers at its edge, px. */
 const WIDEST = 620;
 const BESIDE = 100;
 const NUMBER_GAP = 18;
-/** Two shapes that agree so far are hardly two modes. */
+/** MAC above which two shapes are hardly two modes. */
 const HIGH = 0.5;
 
 /** Section of the matrix. */

@@ -1,4 +1,4 @@
-// The studio's view of a measured field: every response coloured by what was measured there, missed limits, and the likely causes.
+// The studio's view of a measured field: every response in the colour of its level, missed limits, and the likely causes.
 
 import { h } from "./dom.js";
 import { levelMap } from "./colour.js";
@@ -8,10 +8,10 @@ import { panelMap } from "./panel_map.js";
 
 /** Largest width of the map, px. */
 const WIDEST = 460;
-/** Causes that are listed. */
+/** Number of causes that are listed. */
 const MOST_CAUSES = 6;
 
-/** What the server said of a field: the map, the deviation in words, the ranked causes. */
+/** The server's answer on a field: the map, the deviation in words, the ranked causes. */
 export function measuredView(said, geometry) {
   const field = unpackField(said.scene.field);
   const speeds = Array.from(field.velocity.re, (re, k) => Math.hypot(re, field.velocity.im[k]));

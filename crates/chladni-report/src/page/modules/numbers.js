@@ -1,13 +1,13 @@
-// Numbers as people write them, and complex arithmetic on pairs.
+// Numbers in print, and complex arithmetic on pairs.
 
-/** So many decimals and a true minus sign; a dash for what is no number. */
+/** A number with `decimals` places and a true minus sign; a dash for NaN. */
 export function fixed(value, decimals) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   const digits = Math.abs(value).toFixed(decimals);
   return (value < 0 && Number(digits) !== 0 ? "−" : "") + digits;
 }
 
-/** So many significant digits, powers of ten where it is very large or small. */
+/** A number with significant digits, and a power of ten where it is very large or small. */
 export function significant(value, digits) {
   if (!Number.isFinite(value) || value === 0) return fixed(value, 0);
   const exponent = Math.floor(Math.log10(Math.abs(value)));
@@ -19,7 +19,7 @@ function raised(exponent) {
   return String(exponent).replace("-", "⁻").replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
 }
 
-/** Value ± bound, both with so many places that the bound has one significant digit. */
+/** Value ± bound, both rounded to the first digit of the bound. */
 export function withBound(value, bound) {
   if (!(bound > 0)) return significant(value, 6);
   const exponent = Number(bound.toExponential(0).split("e")[1]);
@@ -32,17 +32,17 @@ export function percent(share) {
   return share === null || share === undefined ? "–" : `${fixed(100 * share, 1)} %`;
 }
 
-/** 20 log10 of an amplitude; NaN for zero, so that curves break there. */
+/** Level of an amplitude, dB; NaN for zero, so that curves break there. */
 export function level(amplitude) {
   return amplitude > 0 ? 20 * Math.log10(amplitude) : NaN;
 }
 
-/** `count` and the word, with an s where there is not one. */
+/** A count with its noun: `1 mode`, `2 modes`. */
 export function counted(count, word) {
   return `${count} ${word}${count === 1 ? "" : "s"}`;
 }
 
-/** Words of the server with the minus sign of print. */
+/** Words of the server with true minus signs. */
 export function printed(words) {
   return words.replace(/-(?=\d)/g, "\u2212");
 }
@@ -53,7 +53,7 @@ export function tomlNumber(value, decimals) {
   return /[.e]/.test(text) ? text : `${text}.0`;
 }
 
-/** Bounds are so many standard deviations: 95 % of a normal distribution. */
+/** Standard deviations of a bound: 95 % of a normal distribution. */
 export const SIGMAS = 1.96;
 
 /** Least and largest finite number of a list. */

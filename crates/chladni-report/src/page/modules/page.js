@@ -16,7 +16,7 @@ import { sceneSection } from "./scenes.js";
 import { zoneSection } from "./zones.js";
 import { tableSections } from "./tables.js";
 
-/** A band that leaves out no more is shown with all lines. */
+/** Part of the lines from which on a band is shown as all lines. */
 const NEARLY_ALL = 0.98;
 
 /** Model and geometry of the page's data, ready for the views. */
@@ -25,7 +25,7 @@ export function unpack(data) {
   return { model, geometry: unpackGeometry(data.geometry), structure: unpackStructure(data.structure) };
 }
 
-/** The sections of identification, all that depends on the fit and on no scene: pairs of an anchor and what makes its section, or null. */
+/** The sections of identification, which depend on no scene: pairs of an anchor and a function that makes the section, or null. */
 function fitParts(data, { model, geometry, structure }) {
   return [
     ["sum", () => data.frfs && sumSection(data.frfs, model)],
@@ -39,19 +39,19 @@ function fitParts(data, { model, geometry, structure }) {
   ];
 }
 
-/** The charts begin with the fitted band where that is a part of the lines. */
+/** Sets the first frequency range of the charts: the fitted band, where that is a part of the lines. */
 function showBand(frfs, { band_hz: [low, high] }) {
   const lines = array(frfs.lines);
   const whole = lines[lines.length - 1] - lines[0];
   if (high - low < NEARLY_ALL * whole) change({ range: [low, high] });
 }
 
-/** The sentence of the result, and what was found about it. */
+/** The sentence of the result, and its findings. */
 export function resultHead(data) {
   return [h("h1", {}, data.title || "Chladni report"), data.sentence ? h("p", { class: "sentence" }, data.sentence) : "", findingList(data.findings)];
 }
 
-/** Nothing stays folded on paper, and nothing that was folded stays open afterwards. */
+/** Unfolds everything for printing, and folds it again afterwards. */
 function unfoldForPrint() {
   const folded = () => [...document.querySelectorAll("details:not([open])")];
   let opened = [];

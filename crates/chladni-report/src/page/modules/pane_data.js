@@ -10,12 +10,12 @@ import { work, edit } from "./work.js";
 
 /** Heights of the charts, px. */
 const [SUM_PX, FRF_PX, PHASE_PX] = [184, 210, 92];
-/** Ends of the data so near to the band, part of the lines, are all lines. */
+/** Distance of a band's ends from those of the data, part of the lines, up to which it is all lines. */
 const WHOLE = 1e-3;
 
 const PARTS = { dB: magnitude, Re: (curve) => curve && Float64Array.from(curve.re), Im: (curve) => curve && Float64Array.from(curve.im) };
 
-/** The pane. `start` shows the measured data, `fit` a model over them; `status` says what becomes of the fit. */
+/** The pane. `start` shows the measured data, `fit` a model over them; `status` shows the state of the fit. */
 export function dataPane() {
   const sum = chart({ compact: true, height: SUM_PX, x: axis([0, 1]), y: { label: "rms of all FRFs", unit: "dB", range: [-1, 1] }, series: [] });
   const single = chart({ compact: true, height: FRF_PX, x: axis([0, 1]), y: { label: "", unit: "dB", range: [-1, 1] }, series: [], onrange: (zoom) => change({ range: zoom }) });
@@ -87,7 +87,7 @@ export function dataPane() {
     facts.replaceChildren(...rows.map(([word, text]) => h("div", {}, h("dt", {}, word), h("dd", {}, text))));
   }
 
-  /** FRFs with the model over them, or alone; `data` are those of the page. */
+  /** Shows FRFs alone or with the model; `data` are those of the page. */
   function show(data, fitted) {
     [frfs, model] = [data.frfs, fitted];
     if (!frfs) return;

@@ -1,4 +1,4 @@
-// The studio's third pane: the board with the field, the drive, what it gives, and shapes.
+// The studio's third pane: the board with the field, the drive, its performance, and shapes.
 
 import { h, choice, redraw } from "./dom.js";
 import { passing } from "./store.js";
@@ -15,7 +15,7 @@ import { sweepChart } from "./sweep.js";
 import { work, edit } from "./work.js";
 
 const [COLD, HOT] = [1, 2];
-/** Trials of the stress table that have a place, by a part of their name, and their words; four at most are shown. */
+/** Trials of the stress table that are shown, four at most: a part of the name, and the words for it. */
 const TRIALS = [["lower or higher", "f ± 0.2 %"], ["a finger", "Light touch"], ["amplitudes and phases", "Drives"], ["one dead", "One dead"], ["drift", "Drift"]];
 const MOST_TRIALS = 4;
 
@@ -71,7 +71,7 @@ export function panelPane(oncancel) {
   } });
   const zoneRow = h("div", { class: "row zone-row" });
 
-  /** What is chosen of a zone: its level, and its end. */
+  /** Controls of the chosen zone: its level, and a button that deletes it. */
   function showZone(index) {
     chosen = index;
     const zone = work.zones[index ?? -1];
@@ -107,7 +107,7 @@ export function panelPane(oncancel) {
     actuators?.show();
     if (!view) return;
     view.editor.set(work.zones);
-    // actuators that are on or off now
+    // actuators may be on or off now
     view.again();
     showZone(chosen);
   }
@@ -160,7 +160,7 @@ export function panelPane(oncancel) {
     chip,
     sweep,
     showWork,
-    /** The board before any fit, or what stands in its place. */
+    /** Shows the board before any fit, or a text in its place. */
     start: (places) => {
       open("Field");
       geometry = places;
@@ -168,9 +168,9 @@ export function panelPane(oncancel) {
       if (geometry) buildField();
       else field.replaceChildren(h("p", { class: "card" }, "The file holds no positions of the nodes: no scene can be drawn. Shapes and damping work as for any file."));
     },
-    /** A new model: shapes, and the drive's place. */
+    /** Shows the shapes of a new model, and the drive frequency among its modes. */
     fit: (model, fitted, structure) => {
-      // a draft says nothing of shapes
+      // a draft does not tell whether there are shapes
       const hasShapes = structure && model.inBand.length > 0;
       if (structure !== undefined) tabs[3].disabled = !hasShapes;
       if (hasShapes) {
@@ -194,21 +194,21 @@ export function panelPane(oncancel) {
       sweep.place(model);
       return !few && Boolean(geometry);
     },
-    /** The scene's file, and a threshold table that goes with it. */
+    /** The scene's file, and the threshold table that it names. */
     scene: () => {
       const text = sceneToml({ frequencyHz: work.frequency, profile: work.profile, limenDb: work.limen, transitionM: work.transition, zones: work.zones, burst: [work.burst, work.ramp], use: geometry && used(geometry.reference_names) });
       return { toml: text, threshold: PROFILES.includes(work.profile) ? null : table };
     },
     hasHot: () => work.zones.some((zone) => zone.kind === "hot"),
     hasBoard: () => Boolean(view),
-    /** What is being computed; nothing while `words` are empty. */
+    /** Shows what is being computed; nothing where `words` are empty. */
     busy: (words, canCancel = false) => {
       chip.textContent = words;
       chip.title = words;
       chip.classList.toggle("busy", Boolean(words));
       cancel.hidden = !canCancel;
     },
-    /** A rendered scene; `moving` while the hand does. */
+    /** Shows a rendered scene; `moving` is true during a drag. */
     show: (scene, moving) => {
       const shown = view.show(scene, moving);
       redraw(result, tiles(scene, shown), h("div", { class: "trials" }, trials(scene), weightTable(scene)));

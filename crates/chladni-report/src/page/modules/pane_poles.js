@@ -9,14 +9,14 @@ import { work, edit } from "./work.js";
 
 const CHART_PX = 232;
 const SIGN = { sure: ["✓", "sure"], weak: ["?", "weak"] };
-/** Stages of a fit in the words of the page, in the order in which they are first met. */
+/** Stages of a fit in the words of the page, in their usual order. */
 const STAGES = [
   ["screening", "Screening the FRFs"], ["sketch", "Compressing"], ["pole pool", "Finding poles"], ["poles", "Refining poles"], ["projection", "Projecting the data"],
   ["damping law", "Damping law"], ["shapes", "Shapes"], ["pole pool and local tests", "Peaks one by one"], ["error bars and grades", "Error bars and grades"],
 ];
-/** A click catches the highest point so near, part of the axis. */
+/** Largest distance of a click from the peak that it catches, part of the axis. */
 const PEAK_PART = 0.008;
-/** Stages that every fit goes through: parts of the bar. */
+/** Number of stages of every fit, by which the bar is divided. */
 const USUAL = 6;
 
 /** The pane; `oncancel` stops the fit. */
@@ -44,7 +44,7 @@ export function polesPane(oncancel) {
   let lanes = null;
   [view.element, table].forEach((one) => (one.hidden = true));
 
-  /** Shows the row that adds a pole, at `hz` or where the reader will say; hides it for null. */
+  /** Shows the row that adds a pole, at `hz` or at a frequency to be entered; hides it for null. */
   function offer(hz) {
     addRow.hidden = hz === null;
     if (hz === null) return;
@@ -69,7 +69,7 @@ export function polesPane(oncancel) {
     offer(null);
   }
 
-  /** The poles added by hand, each with what takes it back, and what became of it. */
+  /** The poles added by hand, each with its outcome and a button that removes it. */
   function showAdded() {
     taken.hidden = !work.added.length;
     redraw(taken, "Added: ", work.added.map((hz, n) => h("button", { type: "button", class: "chip", title: "take it back", onclick: () => edit({ added: work.added.filter((_, k) => k !== n) }) }, `${hz} Hz${fateOf(hz)} ✕`)));
@@ -85,7 +85,7 @@ export function polesPane(oncancel) {
     if (!model) return;
     const layers = poleLayers(model, data.stabilization, lanes, true);
     const drive = { name: "drive", at: [work.frequency], style: "drive-line" };
-    // where nothing can be rendered there is no drive
+    // a model that cannot be rendered has no drive
     view.update({ ...layers, bars: [], verticals: model.references.length > 1 ? [drive] : [] });
     for (const row of body.rows) {
       const k = Number(row.dataset.index);

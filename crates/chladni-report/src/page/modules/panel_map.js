@@ -5,7 +5,7 @@ import { themeColour } from "./colour.js";
 import { ticks } from "./scale.js";
 
 const WITH_AXES = { left: 52, right: 12, top: 12, bottom: 40 };
-/** Without axes: the map is as large as its place allows. */
+/** Margins without axes: the map fills its place. */
 const BARE = { left: 6, right: 6, top: 6, bottom: 6 };
 /** Free ground around the nodes, part of their larger extent. */
 const BORDER = 0.07;
@@ -22,7 +22,7 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
   const groups = Object.fromEntries(["frame", "contours", "outlines", "marks", "extra", "front"].map((name) => [name, s("g", {})]));
   svg.append(...Object.values(groups));
   let layers = {};
-  // what each group, and the pixels, were drawn from
+  // the data that each group, and the pixels, were drawn from
   const drawn = new Map();
   let outlined = { key: null, parts: [] };
   let scale = 1;
@@ -30,7 +30,7 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
 
   const px = ([x, y]) => [MARGIN.left + (x - ends[0]) * scale, MARGIN.top + (ends[3] - y) * scale];
 
-  /** Draws what has changed; everything where size or theme did. */
+  /** Draws what has changed; everything after a change of size or theme. */
   function draw(changed) {
     layers = { ...layers, ...changed };
     if (!width) return;
@@ -88,7 +88,7 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
     });
   }
 
-  /** Outlines that have only moved keep their elements, and the focus with them. */
+  /** Keeps the elements of outlines that have only moved, so that the focus stays. */
   function outlines() {
     const list = layers.outlines ?? [];
     const key = JSON.stringify(list.map(({ style, text, id, label }) => [style, text ?? "", id ?? null, Boolean(label)]));
@@ -107,7 +107,7 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
       line.setAttribute("d", d);
       if (label) line.setAttribute("aria-label", label);
       if (!name) return;
-      // in the upper left corner, where it hides least
+      // in the upper left corner, where it hides the least
       const [x, y] = px([Math.min(...points.map((p) => p[0])), Math.max(...points.map((p) => p[1]))]);
       name.setAttribute("x", x + 7);
       name.setAttribute("y", y + 15);

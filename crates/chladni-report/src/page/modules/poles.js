@@ -25,10 +25,10 @@ export function poleSection(model) {
   );
 }
 
-/** Modes up to which weak ones stand among the others. */
+/** Number of modes up to which weak ones are listed among the others. */
 const FEW = 24;
 
-/** The modes that count: of many the weak ones are folded. */
+/** Table of the modes in the band; of many modes the weak ones are folded. */
 function counting(model) {
   if (!model.inBand.length) return [h("p", {}, "No mode in the band.")];
   const weak = model.inBand.filter((k) => model.modes[k].trust !== "sure");

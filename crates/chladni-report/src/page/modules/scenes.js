@@ -1,4 +1,4 @@
-// A scene: facts, indices beside those without a drive, field, weights, curves, stress.
+// A scene: facts, indices with and without drive, field, weights, curves, stress.
 
 import { h, section, factList, table } from "./dom.js";
 import { fixed, percent, significant } from "./numbers.js";
@@ -13,7 +13,7 @@ export function sceneSection(scene, number, model, geometry) {
   return section(`scene-${number}`, name, ...sceneBody(scene, number, model, geometry));
 }
 
-/** What stands in it; `light` leaves the curves out, which take a moment. */
+/** The content of the section; `light` leaves the curves out, which take time. */
 export function sceneBody(coded, number, model, geometry, light = false) {
   const scene = { ...coded, field: unpackField(coded.field), modal: model && unpackModal(coded.modal) };
   return [

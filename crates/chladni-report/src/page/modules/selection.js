@@ -20,7 +20,7 @@ function notSure(model) {
   return model.inBand.filter((index) => model.modes[index].trust !== "sure");
 }
 
-/** The selection in words, as TOML to take along, and a button that keeps all again. */
+/** The selection in words and as TOML, and a button that keeps all modes. */
 export function selectionView(model) {
   const take = takeAway("selection.toml", "selection-toml");
   const words = h("p", { role: "status", id: "selection-words" });

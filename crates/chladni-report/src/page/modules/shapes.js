@@ -33,7 +33,7 @@ export function shapeSection(model, geometry, structure) {
   return section("shapes", "Mode shapes", h("p", {}, words), ...shapeView(model, geometry, structure));
 }
 
-/** What must be said of the picture in space. */
+/** Remarks on the picture in space. */
 function aboutStructure(structure) {
   const still = structure.count - new Set(structure.moves.filter(Boolean).map(([node]) => node)).size;
   const parts = ["", "Dashed grey is the structure at rest."];
@@ -53,7 +53,7 @@ function modeChoice(model) {
   return h("div", { class: "controls" }, list.element, ...buttons);
 }
 
-/** The shape of mode `n` on the grid, turned real. */
+/** The shape of mode `n` on the grid, turned to the phase at which it is most real. */
 export function shapeSurface(model, geometry, n) {
   const { x, y, shapes } = geometry.grid;
   const count = x.length * y.length;
@@ -95,7 +95,7 @@ export function shapeView(model, geometry, structure) {
   return [modeChoice(model), title, h("div", { class: "pair" }, views)];
 }
 
-/** + and − at the extremes, so that grey tells them apart. */
+/** + and − at the extremes, which are not distinct in grey. */
 function signs({ x, y, re }) {
   const extreme = (sense) => re.reduce((best, value, k) => (sense * value > sense * (re[best] ?? -sense * Infinity) ? k : best), -1);
   return ({ px, s }) => [["+", 1], ["−", -1]].filter(([, sense]) => sense * re[extreme(sense)] > 0.1).map(([text, sense]) => {

@@ -4,7 +4,7 @@ import { h } from "./dom.js";
 import { colourAt, themeColour } from "./colour.js";
 import { drawAxes, drawStructure } from "./structure.js";
 
-/** Height of the largest motion, part of the longer side. */
+/** Drawn size of the largest motion, part of the longer side. */
 const HEIGHT = 0.16;
 /** Periods in a second. */
 const PACE = 0.5;
@@ -63,13 +63,13 @@ export function space(label) {
     drawAxes(context, turnedAxis, height);
   }
 
-  /** Where a direction points in the view, without perspective: right and up. */
+  /** A direction in the view, without perspective: right and up. */
   function turnedAxis(x, y, z) {
     const away = x * Math.sin(azimuth) + y * Math.cos(azimuth);
     return [x * Math.cos(azimuth) - y * Math.sin(azimuth), z * Math.cos(elevation) + away * Math.sin(elevation)];
   }
 
-  /** From m to px; the whole box around the motion is in view. */
+  /** The projection from m to px that shows the whole box around the motion. */
   function view({ centre: [cx, cy, cz], sides, size }, width, height) {
     const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
     const seen = (x, y, z) => {
@@ -80,7 +80,7 @@ export function space(label) {
       return [right * near, (w * ce + away * se) * near, depth];
     };
     const lift = HEIGHT * size;
-    // a surface moves up and down, a structure whichever way
+    // a surface moves up and down, a structure in any direction
     const wide = shown.surface ? sides : sides.map(([low, high], axis) => (axis < 2 && high > low ? [low, high] : [low - lift, high + lift]));
     const corners = wide[0].flatMap((x) => wide[1].flatMap((y) => [sides[2][0] - lift, sides[2][1] + lift].map((z) => seen(x, y, z))));
     const [[left, right], [low, high]] = [0, 1].map((k) => [Math.min(...corners.map((corner) => corner[k])), Math.max(...corners.map((corner) => corner[k]))]);

@@ -8,7 +8,7 @@ import { level, fixed, withBound, SIGMAS } from "./numbers.js";
 
 const NAMES = ["largest singular value", "second", "third", "fourth", "fifth", "sixth"];
 const KINDS = [["new at this order", "new", "cross"], ["stable in frequency", "in-frequency", "ring"], ["stable in frequency and damping", "stable", "dot"]];
-/** A click reaches so far, px. */
+/** Largest distance of a click from a pole, px. */
 const REACH = 18;
 
 /** Section of the diagram. */
@@ -28,7 +28,7 @@ export function stabilizationSection(data, model) {
   return { element: section("stabilization", "Stabilization diagram", how, missing, view.element, bars?.element), view };
 }
 
-/** The chart of the diagram, and the heights of its pole marks; `onempty(hz)` where no pole is near a click. */
+/** The chart of the diagram, and the heights of its pole marks; a click away from all poles calls `onempty(hz)`. */
 export function diagram(data, model, onempty) {
   const { cmif, stabilization } = data;
   const ends = cmif ? endsOf(array(cmif.frequency_hz)) : model.band_hz;
@@ -100,7 +100,7 @@ export function poleLayers(model, stabilization, lanes, compact = false) {
 
 function pick(model, lanes, distance, x) {
   const k = nearest(model, x);
-  // only the distance along frequency counts: a whole column belongs to its pole
+  // only the distance along frequency counts, since a whole column belongs to its pole
   const isNear = k !== null && along(model, lanes, distance, x, k) <= REACH;
   if (isNear) toggleMode(k);
   return isNear;

@@ -1,12 +1,12 @@
-// What the views share: the modes that are kept, the mode and the pair that are looked at, the frequency range. Who changes a value says
-// so; who shows it listens.
+// The state that the views share: kept modes, selected mode and pair, frequency range. Values are changed by `change`, which calls the
+// listeners.
 
 const listeners = new Map();
 
 /** The state; write to it through `change`. */
 export const state = { dropped: new Set(), mode: 0, pair: null, range: null };
 
-/** Listeners of the view that is being made. */
+/** Listeners of the view under construction. */
 let own = null;
 
 /** Calls `listener` whenever one of `keys` changes. */
@@ -15,7 +15,7 @@ export function listen(keys, listener) {
   own?.push(listener);
 }
 
-/** A view that is to be replaced: what `make` gives, and what ends its listening. */
+/** A view that will be replaced: the result of `make`, and a function that removes its listeners. */
 export function passing(make) {
   own = [];
   const view = make();
@@ -24,14 +24,14 @@ export function passing(make) {
   return [view, () => listeners.forEach((list, key) => listeners.set(key, list.filter((one) => !ended.has(one))))];
 }
 
-/** Changes the state and tells who listens, each once. */
+/** Changes the state and calls each listener once. */
 export function change(values) {
   Object.assign(state, values);
   const told = new Set(Object.keys(values).flatMap((key) => listeners.get(key) ?? []));
   told.forEach((listener) => listener());
 }
 
-/** Keeps a dropped mode, drops a kept one. */
+/** Keeps a dropped mode, or drops a kept one. */
 export function toggleMode(index) {
   const dropped = new Set(state.dropped);
   if (!dropped.delete(index)) dropped.add(index);

@@ -32,7 +32,7 @@ export function motionOf(model, structure, n) {
   return out;
 }
 
-/** Draws it at a phase: `camera(x, y, z)` gives px and depth, `lift` m per unit of motion. */
+/** Draws the structure at a phase; `camera(x, y, z)` gives px and depth, `lift` is m per unit of motion. */
 export function drawStructure(context, camera, { structure, motion }, phase, lift) {
   const { xyz, count, lines, faces } = structure;
   const [c, s] = [Math.cos(phase), Math.sin(phase)];
@@ -89,7 +89,7 @@ export function drawStructure(context, camera, { structure, motion }, phase, lif
   }
 }
 
-/** x, y and z in a corner, as they lie in the view. */
+/** The axes x, y and z in a corner. */
 export function drawAxes(context, seen, height) {
   context.strokeStyle = themeColour("--muted");
   context.fillStyle = themeColour("--muted");

@@ -1,4 +1,4 @@
-// The studio: one screen of three panes. What is set lives in work.js; this file asks the server for what follows from it.
+// The studio: one screen of three panes. The settings are in work.js; this file asks the server for the results.
 
 import { h } from "./dom.js";
 import { array, embedded, split } from "./data.js";
@@ -17,29 +17,29 @@ import { drawer } from "./drawer.js";
 import { downloads } from "./downloads.js";
 import { topBar, resultBar } from "./top.js";
 
-/** How often the page asks how far the fit is, ms. */
+/** Time between two questions about the progress of a fit, ms. */
 const LOOK_MS = 200;
-/** The best drive is asked for so long after the last change, ms. */
+/** Time from the last change to the question for the best drive, ms. */
 const REST_MS = 300;
-/** A dropped pole is found again within this part of its frequency, or its half-power bandwidth. */
+/** Relative distance within which a dropped pole is found again, or its half-power bandwidth if that is larger. */
 const SAME_POLE = 1e-3;
 const OF_FIT = ["band", "modes", "added"];
 
-/** Questions about fits are numbered from page to page, and from question to question of a page: what comes later is newer. */
+/** Questions about fits carry the number of the page and of the question; a larger number is newer. */
 const fits = { draft: new Asker("fit"), full: new Asker("fit"), data: new Asker("data"), page: embedded().page, asked: 0, shown: 0, open: 0 };
 const scenes = { draft: new Asker("scene"), best: new Asker("scene"), sweep: new Asker("sweep"), time: new Asker("time"), asked: 0, bestShown: 0, timer: 0 };
 
-/** Fields that were measured under the drive that is shown, what the server said of the last one, and the drive that they correct. */
+/** Fields that were measured under the shown drive, the server's answer on the last one, and the corrected drive. */
 const none = () => ({ fields: [], said: null, corrected: null });
 let rig = none();
 
-/** The fit that is shown, the last full one, the scene that is shown. */
+/** The shown fit, the last full fit, and the shown scene. */
 let here = null;
 let full = null;
 let shown = null;
-/** What the last full fit begins with: sentence, findings, better band. */
+/** Head of the last full fit: sentence, findings, better band. */
 let head = null;
-/** What was drawn before any fit. */
+/** The measured data, drawn before any fit. */
 let measured = null;
 /** True where a model was opened: nothing is fitted. */
 let fromFile = false;
@@ -53,7 +53,7 @@ const foot = drawer();
 const result = resultBar();
 let top = null;
 
-/** Draws the empty studio, then what the server knows, then the fit. */
+/** Draws the empty studio, then the server's data, then the fit. */
 export async function start() {
   const menu = downloads(() => ({ drop: droppedNumbers(), scene: shown && { ...shown.question }, fields: rig.corrected ? rig.fields : [] }), (name) => ({ "scene.toml": panel.scene().toml, "selection.toml": here && selectionToml(here.model, state.dropped, work.added) })[name] ?? null);
   top = topBar(embedded().title, menu, askMeasured);
@@ -71,7 +71,7 @@ export async function start() {
   askFit(false);
 }
 
-/** The first picture, and where a scene begins. */
+/** Draws the first picture and sets the first scene. */
 function begin(said) {
   const places = said.data?.geometry ?? null;
   if (said.data) beginScene(places, said.lines_hz);
@@ -90,7 +90,7 @@ function begin(said) {
   addEventListener("keydown", byKey);
 }
 
-/** The first scene: a quarter of the panel at a usual frequency, or what the address says. Of a model alone the places come with it. */
+/** Sets the first scene: a hot quarter of the panel at the default frequency, or the scene in the address. The places of an opened model come with the fit. */
 function beginScene(places, band) {
   hasBegun = true;
   beginWork({ zones: places ? startZones(places) : [], frequency: startOfScene([], { band_hz: band }).frequencyHz });
@@ -102,7 +102,7 @@ function startZones({ box: [x0, y0, x1, y1] }) {
   return [{ kind: "hot", points: [[x0, y0], [x, y0], [x, y], [x0, y]].map((point) => point.map((value) => Math.round(1e3 * value) / 1e3)) }];
 }
 
-/** What was set is asked for. */
+/** Asks the server for the results of changed settings. */
 function follow(keys, moving) {
   top.show();
   const has = (names) => names.some((name) => keys.includes(name));
@@ -138,14 +138,14 @@ function askFit(moving) {
   });
 }
 
-/** What takes longer than the fit: residuals, sums, diagrams. */
+/** Asks for the data that take longer than the fit: residuals, sums, diagrams. */
 function askData(said, number) {
   fits.data.ask({ page: fits.page, number }, (rest) => {
     if (rest.data && number === fits.shown) showFit({ ...said, draft: null, head: null, data: rest.data });
   });
 }
 
-/** A draft as the data of a whole fit: what it does not change is that of the last full one, or of the measurement. */
+/** A draft as the data of a whole fit: the other data are those of the last full fit, or of the measurement. */
 function completed(said) {
   if (!said.draft) return said;
   const { terms, ...changed } = said.draft;
@@ -163,7 +163,7 @@ function showFit(answer) {
   model.file = said.model_file;
   here = { model, geometry, data: said.data };
   if (!hasBegun) beginScene(geometry, model.band_hz);
-  // numbers of modes are those of the fit before: what was dropped is found again by frequency
+  // dropped modes have the numbers of the previous fit; they are found again by frequency
   isNumbered = false;
   change({ dropped: new Set(), mode: nearestMode(state.lookedAt) ?? model.inBand[0] ?? 0 });
   isNumbered = true;
@@ -183,7 +183,7 @@ function showFit(answer) {
   count(passing ? "drafts" : said.head ? "begun" : "fits");
 }
 
-/** Counts what was drawn, for who waits for it. */
+/** Counts drawings, for tests that wait for them. */
 function count(what) {
   document.documentElement.dataset[what] = String(Number(document.documentElement.dataset[what] ?? 0) + 1);
 }
@@ -214,7 +214,7 @@ function cancelFit() {
   answerTo("cancel");
 }
 
-// ---- dropped poles: kept as frequencies, for numbers change with every fit
+// ---- dropped poles: kept as frequencies, since numbers change with every fit
 
 function nearestMode(hz) {
   if (hz === undefined || !here) return null;
@@ -223,10 +223,10 @@ function nearestMode(hz) {
   return best !== null && far(best) <= Math.max(SAME_POLE, here.model.modes[best].loss_factor / 2) * hz ? best : null;
 }
 
-/** False while the set of poles is not yet that of the model. */
+/** False while the set of dropped poles has the numbers of another model. */
 let isNumbered = true;
 
-/** From the set of poles to what is kept. */
+/** Stores the frequencies of the dropped poles in the settings. */
 function keepDropped() {
   if (!here || !isNumbered) return;
   const dropped = [...state.dropped].map((k) => Number(here.model.frequency[k].toFixed(4))).sort((a, b) => a - b);
@@ -286,7 +286,7 @@ function askScene(moving) {
 }
 
 function showScene(said, question, number, light) {
-  // while the hand moves an answer of a moment ago is better than none; nothing is better than the best
+  // during a drag an older answer is shown too; the best drive is not replaced by a quick one
   if (number <= scenes.bestShown || (number < scenes.asked && !light) || said.cancelled) return;
   if (said.error) {
     panel.busy(said.error);
@@ -302,7 +302,7 @@ function showScene(said, question, number, light) {
   showSentence();
 }
 
-/** The scene over time, under the best drive. */
+/** Asks for the scene over time, under the best drive. */
 function askTime(question, number) {
   scenes.time.ask(question, (said) => {
     if (said.cancelled || number !== scenes.asked) return;
@@ -313,7 +313,7 @@ function askTime(question, number) {
   });
 }
 
-/** The scene at other frequencies, once the best drive is known. */
+/** Asks for the scene at other frequencies, once the best drive is known. */
 function askSweep(question, number) {
   const [low, high] = here.model.band_hz;
   const range = [Math.max(low, Math.ceil(work.frequency - SWEEP_HZ)), Math.min(high, Math.floor(work.frequency + SWEEP_HZ))];
@@ -329,7 +329,7 @@ function askSweep(question, number) {
 
 // ---- measured fields
 
-/** Another drive: what was measured is not of it. */
+/** Forgets the measured fields, since the drive has changed. */
 function forgetMeasured() {
   if (!rig.fields.length) return;
   rig = none();
@@ -339,7 +339,7 @@ function forgetMeasured() {
   foot.set("correct", "");
 }
 
-/** A field of the drive that is shown; a second one of the same drive takes the place of the first. */
+/** Takes a field of the shown drive; a second one of the same drive replaces the first. */
 async function askMeasured(file) {
   const isBest = shown && scenes.bestShown === scenes.asked;
   if (!isBest) return panel.refuseField("A measured field belongs to a drive: wait for the best one.");
@@ -358,7 +358,7 @@ async function askMeasured(file) {
   count("measuredFields");
 }
 
-/** The drive that all fields so far correct. */
+/** Asks for the drive that all fields so far correct. */
 async function correct() {
   const before = rig;
   panel.busy("correcting the drive …");
@@ -380,7 +380,7 @@ function cancelScene() {
   panel.busy("");
 }
 
-// ---- what is said
+// ---- sentences and findings
 
 function showSentence() {
   const parts = [head?.sentence ? `${head.sentence} ` : ""];

@@ -21,12 +21,12 @@ function interval(axis, value) {
   return [k, Math.min(1, Math.max(0, (value - axis[k]) / (axis[k + 1] - axis[k])))];
 }
 
-/** Catmull & Rom (1974). */
+/** Cubic interpolation, Catmull & Rom (1974). */
 function cubic(t, a, b, c, d) {
   return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
 
-/** The surface on so many columns of square cells. */
+/** The surface on square cells in `columns` columns. */
 export function refined(surface, columns) {
   const { x, y } = surface;
   const [width, height] = [x[x.length - 1] - x[0], y[y.length - 1] - y[0]];
@@ -43,7 +43,7 @@ export function refined(surface, columns) {
   return { ...out, re: fill(surface.re), im: surface.im ? fill(surface.im) : null };
 }
 
-/** Lines [[x, y], ...] along which `values` equal `level`, by marching squares; none beside NaN. A closed one ends where it began. */
+/** Contours [[x, y], ...] of `values` at `level`, by marching squares; none next to NaN. A closed one ends at its first point. */
 export function contours(x, y, values, level) {
   const columns = x.length;
   // sides of the mesh along x are numbered first, then those along y
@@ -58,7 +58,7 @@ export function contours(x, y, values, level) {
   return traced(links(columns, y.length, values, level)).map((line) => line.map(place));
 }
 
-/** For each side that is crossed, the one or two sides that the line goes on to. */
+/** For each crossed side, the one or two sides to which the contour continues. */
 function links(columns, rows, values, level) {
   const next = new Map();
   const join = (a, b) => [[a, b], [b, a]].forEach(([from, to]) => next.set(from, [...(next.get(from) ?? []), to]));
@@ -69,7 +69,7 @@ function links(columns, rows, values, level) {
       if (corners.some(Number.isNaN)) continue;
       const sides = [k, columns * rows + k + 1, k + columns, columns * rows + k];
       const crossed = sides.filter((_, n) => corners[n] >= level !== corners[(n + 1) % 4] >= level);
-      // a saddle: the mean of the corners says which corners belong together
+      // a saddle: the mean of the corners decides which corners are joined
       const turn = crossed.length === 4 && corners.reduce((a, b) => a + b) / 4 >= level !== corners[0] >= level;
       if (turn) crossed.push(crossed.shift());
       for (let n = 0; n + 1 < crossed.length; n += 2) join(crossed[n], crossed[n + 1]);

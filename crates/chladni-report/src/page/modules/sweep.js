@@ -1,11 +1,11 @@
-// The drive frequency under the curve of what other frequencies would give.
+// The drive frequency, and the performance at other frequencies.
 
 import { chart, padded } from "./chart.js";
 import { fixed } from "./numbers.js";
 import { work, edit } from "./work.js";
 
 const HEIGHT_PX = 92;
-/** Hz on both sides of the drive that are tried. */
+/** Range that is tried on either side of the drive, Hz. */
 export const SWEEP_HZ = 20;
 
 /** The chart: `show(sweep, model)` draws a sweep, `place(model)` the frequency alone. */
@@ -50,7 +50,7 @@ export function sweepChart() {
   };
 }
 
-/** κ where the model has error bars, else the share of responses that keep their limits. */
+/** κ where the model has error bars; otherwise the share of responses that keep their limits. */
 function curve(swept) {
   if (!swept) return { series: [], marks: [], horizontals: [], y: { label: "", unit: "drive frequency", range: [0, 1] } };
   const rows = swept.frequencies;

@@ -1,4 +1,4 @@
-// The model's synthesis in the page: receptance of any pair at any frequency, and what given weights make of the panel.
+// The model's synthesis: FRFs of any pair at any frequency, and the field of given weights.
 
 import { array, split } from "./data.js";
 
@@ -29,7 +29,7 @@ export function modeFactors(model, n, omega) {
   return [times(scale, inverse([decay, omega - damped])), times([0, 1 / (2 * damped)], inverse([decay, omega + damped]))];
 }
 
-/** From receptance to `kind`: 1, jω or −ω². */
+/** Factor from receptance to `kind`: 1, jω or −ω². */
 export function kindFactor(kind, omega) {
   if (kind === "mobility") return [0, omega];
   return kind === "accelerance" ? [-omega * omega, 0] : [1, 0];

@@ -5,7 +5,7 @@ import { chart } from "./chart.js";
 import { percent } from "./numbers.js";
 
 const SIGNS = ["dot", "square", "triangle", "big"];
-/** What makes one curve of a scene table. */
+/** Columns that distinguish the curves of a scene table. */
 const CURVE = ["scene", "asked_method"];
 
 /** Sections of all tables. */
@@ -61,7 +61,7 @@ function speedView(one) {
   return h("div", {}, cases.length > 1 ? choice("Case", cases, 0, show).element : null, view.element);
 }
 
-/** Share served on the true panel, over modes and over actuators. */
+/** Share of responses served on the true panel, over modes and over actuators. */
 function sceneView(one) {
   const keys = one.rows.map((_, k) => CURVE.filter((name) => one.header.includes(name)).map((name) => words(one, name)[k]).join(", "));
   const total = numbers(one, "window_total");

@@ -11,12 +11,12 @@ import { panelMap, colourBar } from "./panel_map.js";
 /** Ends of the colours, dB re threshold, and the code of ground without a level. */
 const RANGE_DB = 12;
 const NONE = 255;
-/** Shades of a chart of levels: as many as the eye tells apart. */
+/** Number of shades in a chart of levels: about as many as the eye distinguishes. */
 const SHADES = 24;
-/** Seconds of the scene in a second of the page. */
+/** Speed of the scene on the page: seconds of the scene in a second. */
 const PACE = 0.1;
 
-/** What is known of a scene in time; null where it is a steady tone. */
+/** The views of a scene in time; null for a steady tone. */
 export function timeView(time, geometry, id) {
   if (!time) return null;
   const parts = [h("h3", {}, "In time"), h("p", {}, `${time.sentence}.`)];

@@ -20,7 +20,7 @@ export function topBar(title, menu, onfield) {
     const [chosen] = file.files;
     if (!chosen) return;
     const csv = await chosen.text();
-    // the same name may be chosen again once it is measured again
+    // so that a file of the same name can be chosen again
     file.value = "";
     onfield({ name: chosen.name, csv });
   } });
@@ -56,7 +56,7 @@ export function resultBar() {
       words.replaceChildren(...parts.filter(Boolean));
       [button.textContent, action] = [offer?.words ?? "", offer?.action ?? null];
       button.hidden = !offer;
-      // while a hand moves a zone the findings mostly stay
+      // during a drag the findings mostly stay the same
       const now = JSON.stringify([findings, least]);
       if (now === listed) return;
       listed = now;

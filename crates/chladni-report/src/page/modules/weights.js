@@ -6,7 +6,7 @@ import { fixed } from "./numbers.js";
 import { panelMap } from "./panel_map.js";
 import { described } from "./described.js";
 
-/** A factor and a unit that give short numbers. */
+/** A unit that gives short numbers, and the factor to it. */
 function scaled(weights, unit) {
   const most = Math.max(...weights.map(amplitude));
   const [factor, prefix] = [[1, ""], [1e3, "m"], [1e6, "µ"]].find(([factor]) => most * factor >= 0.5) ?? [1e9, "n"];

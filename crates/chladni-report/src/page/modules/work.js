@@ -1,14 +1,14 @@
-// What the reader of the studio has set: kept in the address of the page, and undone step by step.
+// The settings of the studio: kept in the address of the page, and undone step by step.
 
-/** What is set: band (Hz, null for all lines), number of modes (null: by evidence), poles added and dropped by hand (Hz), and the scene. */
+/** The settings: band (Hz, null for all lines), number of modes (null: by evidence), poles added and dropped by hand (Hz), and the scene. */
 export const work = {
   band: null, modes: null, added: [], dropped: [],
   frequency: 300, profile: "paper", limen: 2, transition: 0.01, off: [], zones: [],
-  // a burst in place of a steady tone, and its ramps, s; null ramps are found
+  // length of a burst (null: a steady tone) and of its ramps (null: found), s
   burst: null, ramp: null,
 };
 
-/** Most steps that are kept. */
+/** Most steps that can be undone. */
 const MOST_STEPS = 200;
 
 const [past, future] = [[], []];
@@ -32,7 +32,7 @@ const SOUND = {
   off: isList((name) => typeof name === "string"), zones: isList(isZone),
 };
 
-/** Begins with `defaults`, and what the address says otherwise. */
+/** Begins with `defaults`, changed by the address. */
 export function beginWork(defaults) {
   Object.assign(work, defaults);
   first = JSON.stringify(work);
@@ -40,7 +40,7 @@ export function beginWork(defaults) {
   now = JSON.stringify(work);
 }
 
-/** The parts of the address that are sound; an address of elsewhere changes nothing. */
+/** The valid settings in the address; others are ignored. */
 function fromAddress() {
   try {
     const said = JSON.parse(decodeURIComponent(location.hash.slice(1)) || "{}");
@@ -56,7 +56,7 @@ function toAddress() {
   history.replaceState(null, "", changed.length ? `#${encodeURIComponent(JSON.stringify(Object.fromEntries(changed)))}` : location.pathname + location.search);
 }
 
-/** Changes what is set; while the hand moves nothing is kept for undoing. */
+/** Changes settings; during a drag no step is kept for undoing. */
 export function edit(changes, moving = false) {
   Object.assign(work, changes);
   if (!moving) record();

@@ -4,11 +4,11 @@ import { h, choice } from "./dom.js";
 import { panelMap } from "./panel_map.js";
 import { SNAPS, around, contains, handles, hasArea, inWords, pulled, rectangle, snapped } from "./zone_shapes.js";
 
-/** A handle is caught so near, px. */
+/** Largest distance at which a handle is caught, px. */
 const REACH = 12;
-/** Steps of the keys, m. */
+/** Steps of the arrow keys, m. */
 const [STEP, LARGE_STEP, CURSOR_STEP] = [0.001, 0.01, 0.005];
-/** Smaller zones are slips of the hand, m². */
+/** Least area of a zone, m²; smaller ones are accidents. */
 const LEAST_AREA = 1e-6;
 
 const KINDS = ["hot", "cold", "ignore"];
@@ -24,7 +24,7 @@ export function zoneEditor(geometry, spec) {
   let kind = "hot";
   let snap = SNAPS[0];
   let selected = null;
-  // what the hand does: {new: {kind, from, points}} or {zone, before, from, handle}
+  // the current drag: {new: {kind, from, points}} or {zone, before, from, handle}
   let drag = null;
   let polygon = null;
   let cursor = null;
@@ -153,7 +153,7 @@ export function zoneEditor(geometry, spec) {
   map.svg.addEventListener("dblclick", () => finish(polygon));
   map.svg.addEventListener("focusin", ({ target }) => { if (target.dataset.zone !== undefined) select(Number(target.dataset.zone)); });
 
-  /** Where the zone's points are with the hand at `place`: its lower left corner goes by the raster. */
+  /** Points of the dragged zone with the pointer at `place`; its lower left corner snaps to the raster. */
   function dragged(place, free) {
     const { before, from, handle } = drag;
     if (handle) return pulled(before, handle, onRaster(place, free));
@@ -162,7 +162,7 @@ export function zoneEditor(geometry, spec) {
     return moved(before.points, corner[0] - x0, corner[1] - y0);
   }
 
-  /** The points, shifted so far as they stay on the board. */
+  /** The points, shifted as far as they stay on the board. */
   function moved(points, dx, dy) {
     const [x0, y0, x1, y1] = around(points);
     const [left, low, right, high] = map.ends;
@@ -170,7 +170,7 @@ export function zoneEditor(geometry, spec) {
     return points.map(([x, y]) => [x + byX, y + byY]);
   }
 
-  /** A new zone, where it is one. */
+  /** Adds the new zone if it is large enough. */
   function finish(fresh) {
     polygon = null;
     if (!fresh || fresh.points.length < 3 || !hasArea(fresh.points, LEAST_AREA)) return draw();
@@ -257,7 +257,7 @@ export function zoneEditor(geometry, spec) {
     element: map.element,
     tools: h("div", { class: "controls" }, h("div", { class: "segments", role: "radiogroup", "aria-label": "What the pointer does" }, radios.map((one) => one.element)), close, snaps.element, said),
     map,
-    /** True where the key chose a tool. */
+    /** Handles a key; true where it chose a tool. */
     toolKey: (key) => {
       const name = TOOL_KEYS[key];
       if (name && radios.some((one) => one.name === name)) setTool(name);

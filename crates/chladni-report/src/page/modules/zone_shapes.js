@@ -1,6 +1,6 @@
-// Zones as shapes: corners, handles, snapping, and what of them a place meets. Lengths in m.
+// Zones as shapes: corners, handles, snapping, hit tests. Lengths in m.
 
-/** A zone whose sides lie along the axes. */
+/** True for a zone whose sides are parallel to the axes. */
 export function isRectangle({ points }) {
   return points.length === 4 && [0, 1].every((k) => new Set(points.map((point) => point[k])).size === 2);
 }
@@ -41,7 +41,7 @@ export function handles(zone) {
   return sides.map((side) => ({ at: [(x0 + x1 + side[0] * (x1 - x0)) / 2, (y0 + y1 + side[1] * (y1 - y0)) / 2], side }));
 }
 
-/** The points of the zone with a handle of it at `to`. */
+/** The points of the zone after a handle was moved to `to`. */
 export function pulled(zone, { side, corner }, to) {
   if (side === undefined) return zone.points.map((point, k) => (k === corner ? to : point));
   const ends = around(zone.points);
@@ -58,9 +58,9 @@ export const SNAPS = [
   { name: "off (1 mm)", step: 0.001, cells: null },
 ];
 
-/** Lines of cells and sides of the panel catch what comes so near, part of the panel's longer side. */
+/** Distance at which lines of cells and sides of the panel catch a point, part of the panel's longer side. */
 const CATCH = 0.02;
-/** Finest place, m. */
+/** Resolution of places, m. */
 const FINEST = 0.001;
 
 /** `place` on the raster of `snap`, inside `ends`. */

@@ -5,7 +5,7 @@ import { tomlNumber } from "./numbers.js";
 import { zoneEditor } from "./zone_editor.js";
 import { inWords } from "./zone_shapes.js";
 
-/** Threshold profiles that need no table; the first one holds where a scene names none. */
+/** Threshold profiles that need no table; the first one is the default. */
 export const PROFILES = ["paper", "classic", "press-flat"];
 
 /** The scene as TOML. `zones`: [{kind, points, level_db}] in m; `use`: the actuators that may be driven, where these are not all; `burst`: length and
@@ -19,7 +19,7 @@ export function sceneToml({ frequencyHz, profile, limenDb, transitionM, zones, u
   return `frequency_hz = ${tomlNumber(frequencyHz, 3)}\n\n[threshold]\n${profile === PROFILES[0] ? "" : `profile = ${JSON.stringify(profile)}\n`}limen_db = ${tomlNumber(limenDb, 2)}\n\n[zones]\ntransition_m = ${tomlNumber(transitionM, 4)}\n${polygons.join("")}${actuators}${time}`;
 }
 
-/** What a scene says beside its zones: inputs and their values. */
+/** Inputs of a scene beside its zones, and their values. */
 function sceneNumbers(first, onchange) {
   const number = (label, id, value) => {
     const input = h("input", { type: "number", id, value, step: "any", min: 0, onchange: () => input.checkValidity() && input.value !== "" && onchange() });
@@ -36,10 +36,10 @@ function sceneNumbers(first, onchange) {
   };
 }
 
-/** A drive that is well felt, Hz. */
+/** Default drive frequency, Hz, at which touch is sensitive. */
 const USUAL_HZ = 300;
 
-/** Where a scene begins: the drive and the hot zones of the first scene, or a usual drive and nothing. */
+/** The initial scene: drive and hot zones of the first scene, or the default drive without zones. */
 export function startOfScene(scenes, model) {
   const first = scenes.find((scene) => scene.field);
   const zones = (first?.field.hot ?? []).map((points) => ({ kind: "hot", points }));
@@ -48,7 +48,7 @@ export function startOfScene(scenes, model) {
   return { frequencyHz: first?.frequency_hz ?? usual, limenDb: 2, transitionM: 0.01, zones };
 }
 
-/** Section: a board, and the scene as TOML to take along. */
+/** Section with a board, and the scene as TOML. */
 export function zoneSection(geometry, scenes, model) {
   if (!geometry) return null;
   const start = startOfScene(scenes, model);
