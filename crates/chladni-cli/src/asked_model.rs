@@ -4,7 +4,8 @@ use chladni_frf::Damping;
 use chladni_rfp::{FitOptions, ShapeModel};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-/// The arguments; one left out is decided by evidence, or not there.
+/// The arguments. One that is left out is decided by evidence; without a decay no window is
+/// taken off.
 #[derive(Debug, clap::Args)]
 pub struct AskedModel {
     /// Number of modes in the band; auto: decided by evidence [default: auto]
@@ -26,7 +27,7 @@ pub struct AskedModel {
 }
 
 impl AskedModel {
-    /// As options of a fit; the rest of them by default.
+    /// Options of a fit with these constraints, the others at their defaults.
     pub fn options(&self) -> FitOptions {
         FitOptions {
             modes: self.modes.and_then(|count| count.0),

@@ -1,4 +1,4 @@
-//! `chladni bench`: hands on to the program `chladni-bench`, which is installed beside.
+//! `chladni bench`: runs the program `chladni-bench`, which is installed beside `chladni`.
 
 use chladni_console::Outcome;
 use chladni_frf::{Error, ErrorKind, Result};
@@ -21,10 +21,10 @@ pub struct Args {
     arguments: Vec<OsString>,
 }
 
-/// Runs `chladni-bench` with all arguments but the word `bench`, and ends as it ends.
+/// Runs `chladni-bench` with all arguments but the word `bench`, and ends with its exit code.
 ///
 /// # Errors
-/// [`ErrorKind::NoInput`] where it is not installed.
+/// [`ErrorKind::NoInput`] where the program is not installed.
 pub fn run(_: &Args) -> Result<Outcome> {
     let mut arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     if let Some(word) = arguments.iter().position(|argument| argument == "bench") {
@@ -39,7 +39,7 @@ pub fn run(_: &Args) -> Result<Outcome> {
     Err(refused(&run_in_place(command.args(&arguments))))
 }
 
-/// The program takes the place of this process, signals and exit code included.
+/// Replaces this process by the program, so that signals and exit code are the program's.
 #[cfg(unix)]
 fn run_in_place(command: &mut Command) -> io::Error {
     std::os::unix::process::CommandExt::exec(command)

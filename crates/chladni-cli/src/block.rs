@@ -10,8 +10,7 @@ use chladni_console::output::{Output, MODEL, PARTIAL, POLES_OR_MODEL};
 use chladni_console::table::{counted, significant, table};
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, ModalModel, Result};
-use chladni_io::sha256_of;
-use chladni_io::{write_atomically, write_model, FrfParts};
+use chladni_io::{sha256_of, write_model, FrfParts};
 use chladni_rfp::pieces::{residues, solve, Partial, Poles, Reducer, Solved};
 use chladni_rfp::{FitOptions, Window};
 use chladni_text::door::read_bytes;
@@ -40,7 +39,7 @@ pub enum Block {
     Residues(Residues),
 }
 
-/// Reading options that say which DOFs and arrays a file holds: each block has its own.
+/// Reading options that each block has its own of: DOFs and arrays of its files.
 const OF_A_BLOCK: [&str; 4] = ["reference", "response", "dofs", "map"];
 
 /// Arguments of `block reduce`.
@@ -146,7 +145,7 @@ pub fn run(block: &Block, console: &Console) -> Result<Outcome> {
 }
 
 impl Reduce {
-    /// All that can change the partial.
+    /// The options that can change the partial.
     fn echo(&self, options: &FitOptions) -> Result<Map<String, Value>> {
         let mut echo = echo_of(options);
         self.reading.echo(&mut echo);
@@ -166,10 +165,8 @@ impl Reduce {
             .map(|(name, value)| (name, value.to_string()))
             .collect()
     }
-}
 
-impl Reduce {
-    /// The block of the files that is asked for, all of them where they are one.
+    /// The block that is asked for: a share of the files, or all of them.
     fn data(&self, files: &[PathBuf]) -> Result<FrfParts> {
         let data = FrfParts::open(files, &self.reading.options())?;
         match self.blocks {
@@ -193,7 +190,7 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
     let poles = args
         .poles
         .as_deref()
-        .map(|path| Poles::from_bytes(&bytes_of(path)?).map_err(|error| error.file(path)))
+        .map(|path| Poles::from_bytes(&read_bytes(path)?).map_err(|error| error.file(path)))
         .transpose()?;
     let first = poles.as_ref().map(Poles::options).unwrap_or_default();
     let options = FitOptions {
@@ -223,24 +220,23 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
     let reducer = Reducer::new(&options, poles.as_ref())
         .map_err(|error| explain_piece(error, &options, &files[0]))?
         .with_reading(args.shared_reading());
-    let stage = if reducer.is_second() {
-        "second pass"
-    } else {
-        "first pass"
+    let stage = match reducer.is_second() {
+        true => "second pass",
+        false => "first pass",
     };
     let before = resume.take();
     let (partial, sources) = stream.with_sources(|| stream.pass(&reducer, before, &mut resume))?;
     let partial = partial.as_block(args.block as u64).with_sources(&sources);
-    write(&output, &partial.to_bytes())?;
+    output.write_bytes(partial.to_bytes())?;
     resume.done();
-    let said = format!(
+    let text = format!(
         "{}: block {}, {}, {stage}\n",
         args.output.display(),
         args.block,
         counted(partial.frfs(), "FRF")
     );
     let json = json!({"output": shown(&args.output), "block": args.block, "frfs": partial.frfs(), "pass": pass(&partial)});
-    Ok(Outcome::written(&args.output, json, said))
+    Ok(Outcome::written(&args.output, json, text))
 }
 
 fn merge(args: &Merge, console: &Console) -> Result<Outcome> {
@@ -254,15 +250,15 @@ fn merge(args: &Merge, console: &Console) -> Result<Outcome> {
         });
     }
     let merged = merged.expect("the command line asks for one");
-    write(&output, &merged.to_bytes())?;
-    let said = format!(
+    output.write_bytes(merged.to_bytes())?;
+    let text = format!(
         "{}: {}, {}\n",
         args.output.display(),
         counted(merged.blocks(), "block"),
         counted(merged.frfs(), "FRF")
     );
     let json = json!({"output": shown(&args.output), "blocks": merged.blocks(), "frfs": merged.frfs(), "pass": pass(&merged)});
-    Ok(Outcome::written(&args.output, json, said))
+    Ok(Outcome::written(&args.output, json, text))
 }
 
 fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
@@ -307,7 +303,7 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
     }
 }
 
-/// The error of an output that the pass of the partial does not lead to.
+/// The error of an output of the other kind: poles of a second pass, or a model of a first.
 fn other_pass(args: &Solve, wants_poles: bool) -> Error {
     let (pass, expected) = if wants_poles {
         ("second", ".json or .h5, a model")
@@ -325,15 +321,14 @@ fn other_pass(args: &Solve, wants_poles: bool) -> Error {
     .help("a first pass leads to poles, a second to a model")
 }
 
-/// Writes poles to `path`, and tells of them.
+/// Writes poles to `path`, and lists them.
 fn poles_written(poles: &Poles, path: &Path, output: &Output) -> Result<Outcome> {
-    write(output, &poles.to_bytes())?;
+    output.write_bytes(poles.to_bytes())?;
     let (json, text) = (poles_json(poles, path), poles_text(poles, path));
     Ok(Outcome::written(path, json, text))
 }
 
-/// The options that the pass of a partial takes; one that belongs to the other pass is
-/// refused, not ignored.
+/// The options for solving the pass of a partial; an option of the other pass is refused.
 fn options_of(asked: &AskedModel, poles: Option<&Poles>) -> Result<FitOptions> {
     let (given, pass, other) = match poles {
         Some(_) => (asked.modes.map(|_| "--modes"), "second", "first"),
@@ -395,7 +390,7 @@ fn residues_of(args: &Residues, console: &Console) -> Result<Outcome> {
     written(&model, &args.output, &output, console)
 }
 
-/// Writes a model to `path`, and tells of it.
+/// Writes a model to `path`, and describes it.
 fn written(model: &ModalModel, path: &Path, output: &Output, console: &Console) -> Result<Outcome> {
     console.find_all(&model.quality.findings);
     output.write(|path, force| write_model(path, model, force))?;
@@ -404,29 +399,17 @@ fn written(model: &ModalModel, path: &Path, output: &Output, console: &Console) 
     Ok(Outcome::written(path, summary(model, path)?, words).doubted(doubt))
 }
 
-fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    read_bytes(path)
-}
-
 fn partial_of(path: &Path) -> Result<Partial> {
-    Partial::from_bytes(&bytes_of(path)?).map_err(|error| error.file(path))
-}
-
-fn write(output: &Output, bytes: &[u8]) -> Result<()> {
-    output.write(|path, force| write_atomically(path, force, |file| file.write_all(bytes)))
+    Partial::from_bytes(&read_bytes(path)?).map_err(|error| error.file(path))
 }
 
 fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// The pass that a partial is of.
+/// Number of the pass that made a partial.
 fn pass(partial: &Partial) -> u8 {
-    if partial.poles().is_some() {
-        2
-    } else {
-        1
-    }
+    1 + u8::from(partial.poles().is_some())
 }
 
 fn poles_json(poles: &Poles, path: &Path) -> Value {

@@ -104,7 +104,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::shown(json, text))
 }
 
-/// Pairs, and what has no partner.
+/// Two models: their pairs, and the modes without a partner.
 fn of_two(comparison: &Comparison, sources: &[Source]) -> String {
     const HEADER: [&str; 9] = [
         "a",
@@ -146,7 +146,7 @@ fn row(pair: &ModePair) -> Vec<String> {
     ]
 }
 
-/// The MAC without what noise takes from it, and its bound.
+/// The MAC, corrected for the bias that noise causes, and its bound.
 fn mac(pair: &ModePair) -> String {
     if SIGMAS_95 * pair.mac_std < f64::EPSILON {
         return significant(pair.mac, 6);
@@ -183,7 +183,7 @@ fn alone(here: &str, there: &str, modes: &[LoneMode]) -> String {
     format!("\nonly in {here}:\n{lines}")
 }
 
-/// A row for each mode, a column for each file: frequency, and its change.
+/// Many models: a row for each mode, a column for each file, frequency and its change.
 fn of_many(
     tracking: &Tracking,
     sets: &[ShapeSet],

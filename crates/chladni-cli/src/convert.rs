@@ -1,10 +1,9 @@
 //! `chladni convert`: measured data and models from any format to any other.
 
 use chladni_console::input::{expand, model_of, read_weights, source, warn_of_files, Reading};
-use chladni_console::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
+use chladni_console::output::{extension_of, Output, DATA, MODEL_OR_SHAPES, SHAPES};
 use chladni_console::table::counted;
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{Console, Outcome};
 use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
 use chladni_io::{
     detect_format, field_shape, model_shapes, read_contents, read_model, write_contents,
@@ -206,19 +205,14 @@ fn write_shapes(
     Ok(Outcome::written(&args.output, json, text))
 }
 
-fn extension(path: &Path) -> String {
-    path.extension()
-        .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
-        .unwrap_or_default()
-}
-
 fn writes_shapes(path: &Path) -> bool {
-    SHAPES.contains(&extension(path).as_str())
+    SHAPES.contains(&extension_of(path).as_str())
 }
 
-/// FE programs read 2414, and programs for measured data 55.
+/// Dataset of shapes: 2414 for finite-element programs (.unv), 55 for programs of measured
+/// data.
 fn form_for(path: &Path) -> ShapeForm {
-    match extension(path).as_str() {
+    match extension_of(path).as_str() {
         "unv" => ShapeForm::Analysis2414,
         _ => ShapeForm::AtNodes55,
     }

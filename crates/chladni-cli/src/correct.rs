@@ -7,7 +7,7 @@ use chladni_console::output::{Output, WEIGHTS};
 use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, ModalModel, Result, Source};
-use chladni_io::{is_same_place, read_field, read_model, sha256_of, write_atomically};
+use chladni_io::{is_same_place, read_field, read_model, sha256_of};
 use chladni_render::{
     calibrate, Calibration, Correction, PlayedField, RenderOptions, Scene, Weights,
 };
@@ -100,8 +100,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(outcome.doubted(doubt))
 }
 
-/// Weights corrected by what was `played`, and the calibration, with the files that they
-/// come from.
+/// Weights corrected by the fields of `played`, and the calibration. Both name `inputs` as
+/// their sources.
 ///
 /// # Errors
 /// Those of [`calibrate`] and of reading `inputs`.
@@ -124,8 +124,8 @@ pub fn corrected(
     Ok((weights, calibration))
 }
 
-/// The error with the file that it is about: of the field that it names, or of the first pair that
-/// is refused by itself.
+/// The error with the file that it is about: the field that it names, or a file of the first
+/// pair that gives the same error alone.
 fn with_file(
     error: Error,
     args: &Args,
@@ -149,7 +149,7 @@ fn with_file(
         let Err(alone) = alone.map(drop) else {
             continue;
         };
-        // what is wrong whatever was played is of no pair
+        // another error, or none: this pair is not the reason
         if alone.message != error.message || alone.field != error.field {
             continue;
         }
@@ -165,7 +165,7 @@ fn with_file(
     error
 }
 
-/// Options that do not go together.
+/// Refuses options that do not go together.
 fn check(args: &Args) -> Result<()> {
     if args.weights.len() != args.field.len() {
         let found = format!(
@@ -192,11 +192,9 @@ fn check(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Writes the calibration, and says so.
+/// Writes the calibration, and returns a line about it.
 fn write_calibration(calibration: &Calibration, path: &Path, output: &Output) -> Result<String> {
-    let json = calibration.to_json()?;
-    output
-        .write(|path, force| write_atomically(path, force, |out| out.write_all(json.as_bytes())))?;
+    output.write_bytes(calibration.to_json()?)?;
     Ok(format!(
         "calibration of {}: {}\n",
         counted(calibration.fields, "measured field"),
@@ -220,8 +218,7 @@ fn written(args: &Args, path: &Path, weights: &Weights) -> Value {
     })
 }
 
-/// A field in two pairs would count twice, and so would one that the calibration of the scene
-/// holds already.
+/// Refuses a field of two pairs, and one that the calibration of the scene already contains.
 fn refuse_fields_counted_twice(fields: &[PathBuf], scene: &Scene) -> Result<()> {
     let calibration = scene.actuators.calibration.as_deref();
     let calibrated = calibration.map_or(&[][..], |known| &known.source);

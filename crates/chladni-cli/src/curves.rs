@@ -1,5 +1,5 @@
-//! A scene over the number of modes and over the number of actuators: for each number
-//! weights of their own, judged by the whole model.
+//! A scene over the number of modes and over the number of actuators. Each number has weights
+//! of its own, judged in the whole model.
 
 use crate::limits::POINTS;
 use chladni_frf::{Dof, ModalModel, Result};
@@ -9,11 +9,11 @@ use chladni_render::{
 use chladni_report::{CurvePoint, Curves};
 use rayon::prelude::*;
 
-/// The method of every point: a curve is there as soon as its scene is.
+/// The method of every point, quick enough to draw curves with their scene.
 const METHOD: MethodChoice = MethodChoice::Fast;
 
-/// Both curves of the scene that `weights` were made for; actuators join in the order of
-/// their amplitudes in `weights`.
+/// Both curves of the scene that `weights` were made for. Actuators are added in falling order
+/// of their amplitudes in `weights`.
 ///
 /// # Errors
 /// Those of rendering.
@@ -44,7 +44,7 @@ pub fn curves(model: &ModalModel, scene: &Scene, weights: &Weights) -> Result<Cu
     let of_actuators = |count: usize| -> Result<CurvePoint> {
         let mut fewer = scene.clone();
         fewer.actuators.only = Some(order[..count].to_vec());
-        // all modes: the weights' own indices are those in the whole model
+        // with all modes the indices of the weights are those of the whole model
         Ok(point(
             count,
             &render(model, &fewer, &options())?.weights.indices,

@@ -5,14 +5,12 @@ use crate::limits;
 use chladni_console::input::{expand, warn_of_files};
 use chladni_console::output::{Output, FRF};
 use chladni_console::table::counted;
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{Console, Outcome};
 use chladni_frf::{
     BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Geometry, Result, Run,
     Source,
 };
-use chladni_io::{read_documents, write_contents, Contents, ReadOptions};
-use chladni_io::{runs_of, ChannelOverride};
+use chladni_io::{read_documents, runs_of, write_contents, ChannelOverride, Contents, ReadOptions};
 use chladni_signal::{estimate, EstimateOptions};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
@@ -104,6 +102,7 @@ fn positive(text: &str) -> std::result::Result<f64, String> {
 }
 
 impl Args {
+    /// The window of `--window` and `--exponential-window`; `None` where none is given.
     fn window(&self) -> Result<Option<BlockWindow>> {
         let wrong = |message: &str, found: String, expected: &str| {
             Err(Error::new(ErrorKind::Usage, message)
@@ -137,7 +136,7 @@ impl Args {
     }
 }
 
-/// Time records of all files, with what else these say.
+/// Time records of all files, with sources and geometry.
 #[derive(Default)]
 struct Records {
     runs: Vec<Run>,
@@ -262,7 +261,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::written(&args.output, json, text))
 }
 
-/// Averages in words.
+/// The averages of an estimation in words.
 fn averaged(made: &Estimation) -> String {
     let word = if made.estimator.is_local() {
         "record"

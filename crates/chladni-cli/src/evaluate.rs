@@ -46,15 +46,21 @@ pub struct Args {
     reading: Reading,
 }
 
-impl Args {
-    /// The files to judge on, and the model where they are one.
-    fn on(&self, console: &Console) -> Result<(Vec<PathBuf>, Option<ModalModel>)> {
-        let files = expand(&self.on, console)?;
+/// The data to judge on.
+struct JudgedOn {
+    files: Vec<PathBuf>,
+    /// The model in the only file; `None` for FRFs.
+    model: Option<ModalModel>,
+}
+
+impl JudgedOn {
+    fn read(paths: &[PathBuf], console: &Console) -> Result<Self> {
+        let files = expand(paths, console)?;
         let model = match files.as_slice() {
             [one] => model_of(one)?,
             _ => None,
         };
-        Ok((files, model))
+        Ok(Self { files, model })
     }
 }
 
@@ -73,7 +79,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if let Some(file) = &scene.actuators.calibration_file {
         sources.push(source(file)?);
     }
-    let (files, model) = args.on(console)?;
+    let JudgedOn { files, model } = JudgedOn::read(&args.on, console)?;
     if !args.field.is_empty() {
         let model = model.ok_or_else(needs_model)?;
         sources.push(source(&files[0])?);
@@ -119,7 +125,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::shown(summary.into(), words))
 }
 
-/// Indices of the drive over time; none where the scene is a steady tone.
+/// Indices of the drive over time; `None` for the scene of a steady tone.
 fn indices_in_time(
     model: &ModalModel,
     scene: &Scene,
@@ -150,7 +156,7 @@ fn names(files: &[PathBuf]) -> Vec<String> {
         .collect()
 }
 
-/// A drive signal on a model.
+/// Judges a drive signal on a model.
 fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
     let file = &args.weights;
     let beside = file.with_extension("json");
@@ -158,7 +164,7 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
         .and_then(|text| Sidecar::parse(&text).map_err(|error| error.file(&beside)))
         .map_err(|error| error.help("the file beside the sound file says which actuator is on which channel; `chladni play` writes both"))?;
     let scene = Scene::read(&args.scene)?;
-    let (files, model) = args.on(console)?;
+    let JudgedOn { files, model } = JudgedOn::read(&args.on, console)?;
     let Some(model) = model else {
         return Err(
             Error::new(ErrorKind::Usage, "a signal is judged on a model")
@@ -190,7 +196,7 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::shown(json, in_words(&indices)))
 }
 
-/// Samples of a sound file, −1 to 1, axes (frame, channel), and its rate.
+/// Samples of a sound file, −1 to 1, axes (frame, channel), and the sampling rate, Hz.
 fn sound(file: &Path) -> Result<(Array2<f64>, f64)> {
     let document = read_document(file, &ReadOptions::default())?;
     let frames = document

@@ -4,7 +4,7 @@ use chladni_frf::Error;
 use chladni_rfp::{FitError, FitOptions};
 use std::path::Path;
 
-/// A fit that cannot be made, in words of the file and the command line.
+/// The error of a fit that cannot be made, with its file; settings are named as options.
 pub fn explain(error: &FitError, options: &FitOptions, file: &Path) -> Error {
     error.told(options, |name| format!("--{name}")).file(file)
 }

@@ -4,7 +4,7 @@ use chladni_console::table::{counted, significant};
 use chladni_frf::{FrfKind, FrfSet};
 use std::fmt;
 
-/// Kind, counts and ends of a set of FRFs; displayed as a part of a sentence.
+/// Kind, counts and frequency axis of a set of FRFs; `Display` gives a part of a sentence.
 pub struct Extent {
     /// Kind of the FRFs; `None` where the units do not say it.
     pub kind: Option<FrfKind>,
@@ -19,7 +19,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The extent of `frf`, which holds a line at least.
+    /// The extent of `frf`, which holds at least one line.
     pub fn of(frf: &FrfSet) -> Self {
         let (responses, references, lines) = frf.values.dim();
         Self {

@@ -1,5 +1,5 @@
-//! Words for a measured field: which limits it keeps, and the likely causes of its
-//! deviation from the prediction. The terminal and the studio say the same.
+//! Sentences on a measured field: the limits that it keeps, and the likely causes of its
+//! deviation from the prediction. Terminal and studio share them.
 
 use crate::limits::EXPLAINED_NIS;
 use chladni_console::table::significant;

@@ -18,8 +18,7 @@ use chladni_console::next_step::report;
 use chladni_console::output::{Output, MODEL};
 use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
 use chladni_io::{frf_bytes, write_model, FrfParts};
 use chladni_report::better_band;
@@ -121,6 +120,7 @@ fn parse_bands(text: &str) -> std::result::Result<BandCount, String> {
     }
 }
 
+/// `LO:HI` in Hz as its ends.
 pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
     let ends = text
         .split_once(':')
@@ -144,7 +144,7 @@ pub fn parse_band(text: &str) -> std::result::Result<[f64; 2], String> {
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = expand(&args.files, console)?;
     let output = Output::asked("-o", args.output.as_deref(), MODEL, &files, console)?;
-    let mut options = args.fit_options()?;
+    let options = args.fit_options()?;
     let panel = args.scale.panel(args.memory)?;
     let frf_bytes = frf_bytes(&files)?;
     let in_parts = too_large(frf_bytes, args.memory);
@@ -172,38 +172,45 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         resume.done();
         return Ok(outcome);
     }
-    let (frf, mut sources) = read_frf(&files, &args.reading, console)
+    let (frf, sources) = read_frf(&files, &args.reading, console)
         .map_err(|error| args.following.explained(error, &files))?;
-    if let Some(model) = args.following.followed(&frf, &sources, console)? {
-        return written(args, model, output.as_ref(), console);
-    }
+    let model = match args.following.followed(&frf, &sources, console)? {
+        Some(followed) => followed,
+        None => {
+            let model = fitted(args, &frf, sources, options, &files[0], console)?;
+            drop(frf);
+            args.scale.scaled(model, panel.as_ref())?
+        }
+    };
+    written(args, model, output.as_ref(), console)
+}
+
+/// The model of a set in memory, in the band of the scene where one is given.
+fn fitted(
+    args: &Args,
+    frf: &FrfSet,
+    mut sources: Vec<Source>,
+    mut options: FitOptions,
+    file: &Path,
+    console: &Console,
+) -> Result<ModalModel> {
     let scene = args
         .scene
         .as_deref()
-        .map(|file| SceneBand::of(file, &frf, &options))
+        .map(|scene| SceneBand::of(scene, frf, &options))
         .transpose()?;
     if let Some(scene) = &scene {
         options.band_hz = Some(scene.band_hz());
         sources.push(scene.source.clone());
     }
-    let mut echo = echo_of(&options);
-    args.reading.echo(&mut echo);
-    let mut model = fit_model(
-        &frf,
-        &options,
-        sources,
-        echo,
-        console.findings(),
-        &files[0],
-        console,
-    )?;
+    let mut model = fit_model(frf, &options, sources, file, console)?;
+    args.reading.echo(&mut model.options);
+    model.quality.findings.splice(0..0, console.findings());
     if let Some(scene) = &scene {
-        let said = Finding::note("scene-band", scene.said(&model, &frf));
+        let said = Finding::note("scene-band", scene.said(&model, frf));
         model.quality.findings.push(said);
     }
-    drop(frf);
-    let model = args.scale.scaled(model, panel.as_ref())?;
-    written(args, model, output.as_ref(), console)
+    Ok(model)
 }
 
 /// Writes the model, and says what came of it.
@@ -230,7 +237,7 @@ fn written(
     })
 }
 
-/// The command that comes next: a better band where one is known, else the report.
+/// The next command: a fit of a better band where one is known, else the report.
 fn next_step(args: &Args, model: &ModalModel) -> Option<String> {
     let output = args.output.as_deref().map(shell_path);
     if model
@@ -250,7 +257,7 @@ fn next_step(args: &Args, model: &ModalModel) -> Option<String> {
     Some(report(&[output]))
 }
 
-/// Code of the finding that most of the data are left unexplained.
+/// Code of the finding that modes explain less than half of the data.
 const MOSTLY_UNEXPLAINED: &str = "mostly-unexplained";
 
 /// The parts of a set larger than memory.
@@ -260,7 +267,7 @@ fn stream<'a>(
     options: &'a FitOptions,
     console: &'a Console,
 ) -> Result<Stream<'a>> {
-    let whole = |field: &str, found: &str| {
+    let needs_whole_set = |field: &str, found: &str| {
         Err(Error::new(
             ErrorKind::Usage,
             "the set is larger than half of the memory allowed, and is read part by part: this \
@@ -272,10 +279,10 @@ fn stream<'a>(
         .help("raise --memory where the machine has it"))
     };
     if options.method != Method::Auto {
-        return whole("--method", options.method.as_str());
+        return needs_whole_set("--method", options.method.as_str());
     }
     if let Some(scene) = &args.scene {
-        return whole("--scene", &scene.display().to_string());
+        return needs_whole_set("--scene", &scene.display().to_string());
     }
     let data = FrfParts::open(files, &args.reading.options())?;
     Stream::new(data, files, args.memory, options, console)
@@ -306,17 +313,14 @@ fn streamed(
     Ok((model, resume))
 }
 
-/// Fits a set and completes the model with its sources, its options and the findings of
-/// reading.
+/// Fits a set; the model names its sources and the options.
 ///
 /// # Errors
-/// Of a fit that cannot be made, naming `file`.
+/// Those of a fit that cannot be made, naming `file`.
 pub fn fit_model(
     frf: &FrfSet,
     options: &FitOptions,
     sources: Vec<Source>,
-    echo: Map<String, Value>,
-    of_reading: Vec<Finding>,
     file: &Path,
     console: &Console,
 ) -> Result<ModalModel> {
@@ -325,8 +329,7 @@ pub fn fit_model(
         .map_err(|error| explain(&error, options, file))?;
     let mut model = fit.model;
     model.source = sources;
-    model.options = echo;
-    model.quality.findings.splice(0..0, of_reading);
+    model.options = echo_of(options);
     Ok(model)
 }
 
@@ -426,7 +429,7 @@ fn value_of(model: &ModalModel) -> Result<Value> {
     })
 }
 
-/// The whole model, as its file holds it, and the warnings at the top.
+/// The whole model as in its file, with warnings and findings at the top level too.
 fn whole(model: &ModalModel) -> Result<Value> {
     let mut value = value_of(model)?;
     value["warnings"] = json!(model.quality.warnings());
@@ -434,7 +437,7 @@ fn whole(model: &ModalModel) -> Result<Value> {
     Ok(value)
 }
 
-/// The part that fits on a screen: the model without shapes and residual terms.
+/// The model without shapes, participations and residual terms.
 pub fn summary(model: &ModalModel, output: &Path) -> Result<Value> {
     let mut value = value_of(model)?;
     for mode in value["modes"]

@@ -1,11 +1,11 @@
-//! A scene in time as pages show it.
+//! A scene in time, with the options of report and studio.
 
 use crate::limits::FRAMES;
 use chladni_frf::{ModalModel, Result};
 use chladni_render::{play, PlayOptions, Played, Scene, Weights};
 
-/// The drive over time with pictures of the ground, and the ground under plain ramps;
-/// none where the scene is a steady tone.
+/// The drive over time with pictures of the ground, and the ground under plain ramps; `None`
+/// for the scene of a steady tone.
 ///
 /// # Errors
 /// Those of [`play`].

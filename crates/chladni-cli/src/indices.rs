@@ -1,4 +1,4 @@
-//! Performance of weights, as a table.
+//! Performance of weights, as tables.
 
 use crate::limits::BEST_SHOWN;
 use chladni_console::table::{significant, table};
@@ -69,7 +69,7 @@ pub fn weights_table(weights: &Weights) -> String {
     table(&["reference", &amplitude, "phase, deg"], &rows)
 }
 
-/// Performance of the weights when the panel is not the model.
+/// Performance of the weights on panels that differ from the model.
 pub fn stress_table(rows: &[StressRow]) -> String {
     let cells = rows.iter().map(|row| {
         let shares = [
@@ -93,8 +93,8 @@ pub fn stress_table(rows: &[StressRow]) -> String {
     format!("\n{}", table(&header, &cells.collect::<Vec<_>>()))
 }
 
-/// The best frequencies of a sweep, in rising order: most responses served, touched ones
-/// first; among equals the largest κ.
+/// The best frequencies of a sweep, in rising order. The best serves the most responses under a
+/// finger, then the most without one, then has the largest κ.
 fn best_of(sweep: &FrequencySweep) -> Vec<&SweptFrequency> {
     let rank = |f: &SweptFrequency| {
         let touched = f.touched_ratio.unwrap_or(f.success_ratio);
@@ -112,7 +112,7 @@ fn best_of(sweep: &FrequencySweep) -> Vec<&SweptFrequency> {
     best
 }
 
-/// The scene at other frequencies, the best ones or all of them, and the suggestion.
+/// The scene at other frequencies (the best, or all), and the suggested frequency.
 pub fn sweep_table(sweep: &FrequencySweep, weights: &Weights, all: bool) -> String {
     let asked = weights.options.get("method").and_then(Value::as_str);
     let method = match asked {

@@ -5,8 +5,7 @@ use chladni_console::input::{expand, read_weights, Reading};
 use chladni_console::oddities;
 use chladni_console::settings::{error_with_options, finding_with_options};
 use chladni_console::table::{counted, shortened, significant, table};
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{Console, Outcome};
 use chladni_frf::{warnings, Checksum, Dof, Error, Finding, FrfKind, FrfSet, Result};
 use chladni_io::{
     assemble, checksum_of, list_document, read_field, read_model, DatasetInfo, Document,
@@ -96,7 +95,7 @@ struct Listing {
 }
 
 impl Listing {
-    /// A measured field; `None` where the file holds none.
+    /// The listing of a measured field; `None` where the file holds none.
     fn of_field(file: &Path) -> Option<Self> {
         let field = read_field(file).ok()?;
         let hz = significant(field.frequency_hz, 6);
@@ -134,8 +133,7 @@ impl Listing {
     }
 
     fn new(mut document: Document, options: &ReadOptions) -> Self {
-        // errors without a dataset of their own are told here; the others stand beside
-        // their datasets
+        // an error that a dataset carries is listed with the dataset, not here
         let mut findings = std::mem::take(&mut document.warnings);
         let errors = std::mem::take(&mut document.errors);
         let beside = |error: &Error| {
@@ -173,7 +171,7 @@ impl Listing {
         match document.format {
             _ if holds_model => listing.add_model(),
             FileFormat::Weights => listing.add_weights(),
-            // of a file whose headers alone were read
+            // no checksum: only the headers were read
             _ if document.checksum.is_none() => listing.add_headers(),
             _ => listing.add_set(document, options),
         }
@@ -215,7 +213,7 @@ impl Listing {
         }
     }
 
-    /// The FRFs of which headers were read.
+    /// Adds the FRFs of a file whose headers alone were read.
     fn add_headers(&mut self) {
         let frfs: Vec<&DatasetInfo> = self
             .datasets
@@ -242,7 +240,7 @@ impl Listing {
         (self.responses, self.references) = (responses, references);
     }
 
-    /// The file as a set of FRFs, as every other command would read it.
+    /// Adds the FRFs of the file, read as by every other command.
     fn add_set(&mut self, document: Document, options: &ReadOptions) {
         let contents = match assemble(vec![document], options) {
             Ok(contents) => contents,
@@ -273,8 +271,8 @@ impl Listing {
         self.findings.push(damage(error));
     }
 
-    /// Findings of the file and of its datasets, with the place; what is said of several
-    /// datasets is said once, of the first.
+    /// Findings of the file and of its datasets, each with its place. A finding of several
+    /// datasets is given once, with their number.
     fn all_findings(&self) -> Vec<Finding> {
         let file = self.file.display();
         let of_file = self.findings.iter().map(|finding| finding.about(&file));
@@ -370,7 +368,7 @@ impl Listing {
             "frequency, Hz",
             "warnings",
         ];
-        // what no dataset has is no column
+        // columns without a value are left out
         let rows = rows(&self.datasets, verbose);
         let is_filled = |column: &usize| rows.iter().any(|row| !row[*column].is_empty());
         let columns: Vec<usize> = (0..HEADER.len()).filter(is_filled).collect();
@@ -416,12 +414,12 @@ fn place(info: &DatasetInfo) -> String {
     }
 }
 
-/// One row per dataset; long runs of alike ones are one row unless `verbose`.
+/// A row for each dataset; a long run of alike ones is one row unless `verbose`.
 fn rows(datasets: &[DatasetInfo], verbose: bool) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     let mut start = 0;
     while start < datasets.len() {
-        let alike = |info: &&DatasetInfo| same_sort(info, &datasets[start]);
+        let alike = |info: &&DatasetInfo| is_alike(info, &datasets[start]);
         let count = 1 + datasets[start + 1..].iter().take_while(alike).count();
         if count > SHOWN_ALIKE && !verbose {
             rows.push(run_row(&datasets[start..start + count]));
@@ -433,7 +431,7 @@ fn rows(datasets: &[DatasetInfo], verbose: bool) -> Vec<Vec<String>> {
     rows
 }
 
-fn same_sort(a: &DatasetInfo, b: &DatasetInfo) -> bool {
+fn is_alike(a: &DatasetInfo, b: &DatasetInfo) -> bool {
     (a.number, &a.name, &a.function, a.values) == (b.number, &b.name, &b.function, b.values)
         && a.frequency_hz.is_none()
         && b.frequency_hz.is_none()

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 // compare.rs
 
-/// Names of files in a heading are cut to so many characters.
+/// Most characters of a file name in a heading.
 pub(crate) const LONGEST_HEADING: usize = 24;
 
 // curves.rs
@@ -23,8 +23,15 @@ pub(crate) const RESIDUAL_POWERS: [i32; 4] = [-2, 0, 2, 4];
 
 /// Cells of the scenes, each hot in one of them.
 pub(crate) const SCENES: usize = 4;
-/// Least share of hot ground that is felt, and of cold ground that is quiet.
+/// Least share of hot responses that are felt, and of cold ones that are quiet.
 pub(crate) const LEAST_RATIO: f64 = 0.95;
+
+// demo/rig.rs
+
+/// Signal-to-noise ratio of the field that the demonstration measures, dB.
+pub(crate) const SCANNER_SNR_DB: f64 = 40.0;
+/// Seed of that noise.
+pub(crate) const SCANNER_SEED: u64 = 1;
 
 // estimate.rs
 
@@ -49,8 +56,8 @@ pub(crate) const MOST_FILES: usize = 3;
 
 // fit/text.rs
 
-/// Modes up to which weak ones are listed unasked, and from which on a table without
-/// remarks has two columns.
+/// Modes up to which weak ones are listed too. A longer table without remarks has two
+/// columns.
 pub(crate) const FEW_MODES: usize = 16;
 /// Modes that are listed at most unless all are asked for.
 pub(crate) const MOST_MODES: usize = 40;
@@ -72,8 +79,8 @@ pub(crate) const BEST_SHOWN: usize = 6;
 
 // info.rs
 
-/// Alike datasets beyond this count are one line of the table, and files beyond it one
-/// line each, without `-v`.
+/// Alike datasets up to which each has a row of the table, and files up to which each has a
+/// table, unless all are asked for.
 pub(crate) const SHOWN_ALIKE: usize = 6;
 
 // play.rs
@@ -82,8 +89,7 @@ pub(crate) const SHOWN_ALIKE: usize = 6;
 pub(crate) const PLAY_FRAMES: usize = 120;
 /// Pixels of a PNG file per px of the picture.
 pub(crate) const PNG_SCALE: f64 = 2.0;
-/// Draws of each random trial in time: each plays the whole scene, and the worst twentieth
-/// is two of them.
+/// Draws of each random trial in time. Each plays the whole scene; the worst 5 % are two.
 pub(crate) const STRESS_DRAWS: usize = 40;
 
 // render.rs
@@ -93,9 +99,9 @@ pub(crate) const SWEEP_HZ: f64 = 30.0;
 
 // render/text.rs
 
-/// Columns of responses that a terminal shows as a map.
+/// Most columns of responses in the map on a terminal.
 pub(crate) const MOST_COLUMNS: usize = 36;
-/// Rows of the same map.
+/// Most rows of that map.
 pub(crate) const MOST_ROWS: usize = 12;
 /// Two coordinates nearer than this are one column or row, m.
 pub(crate) const SAME_M: f64 = 1e-6;
@@ -104,90 +110,82 @@ pub(crate) const SAME_M: f64 = 1e-6;
 
 /// Number of left-out modes that a message lists.
 pub(crate) const MODES_SHOWN: usize = 6;
-/// Number of tones.
+/// Number of tones that a message lists.
 pub(crate) const TONES_SHOWN: usize = 4;
 
 // select.rs
 
-/// A mode is the one that was seen where it lies so near, part of its frequency.
+/// Relative distance up to which a fitted mode is the one that was added.
 pub(crate) const AS_SEEN: f64 = 0.05;
 
 // streaming/mod.rs
 
-/// Parts that fit into the memory allowed: as many as there are lanes are held, and what
-/// the passes leave needs room beside them.
+/// Parts that fit into the memory allowed. One part is held for each lane, and the results
+/// of the passes need room beside them.
 pub(crate) const PARTS_OF_MEMORY: u64 = 32;
-/// Bytes of a part beyond which larger ones are no faster: merging costs less, memory
-/// that no part was in yet more (16, 32 and 64 MiB).
+/// Largest part, bytes. Larger ones (32 and 64 MiB were tried) are no faster: merging costs
+/// less, but touching fresh memory costs more.
 pub(crate) const PART_MOST: u64 = 16 << 20;
-/// Parts at work at a time beyond one for each thread: while one waits for the disk or
-/// for its turn, the others are reduced. A fit of 3 GiB on two cores took 6.1 to 6.6 s
-/// with two parts in all, 5.6 to 5.7 with four, 5.0 to 5.4 with five, 5.1 to 5.6 with
-/// six.
+/// Lanes beyond one for each thread: while one waits for the disk or for its turn, the
+/// others reduce. A fit of 3 GiB on two cores took 6.1 to 6.6 s with two lanes, 5.6 to 5.7
+/// with four, 5.0 to 5.4 with five, 5.1 to 5.6 with six.
 pub(crate) const LANES_WAITING: usize = 3;
-/// Most parts at work at a time: half of [`PARTS_OF_MEMORY`], whatever the number of
-/// threads.
+/// Most lanes: half of [`PARTS_OF_MEMORY`], for any number of threads.
 pub(crate) const LANES_MOST: usize = 16;
 /// Most parts of a pilot.
 pub(crate) const PILOT_PARTS: usize = 8;
-/// A pilot takes one of so many parts.
+/// A pilot takes at most one of so many parts.
 pub(crate) const PILOT_SHARE: usize = 16;
-/// Memory that a fit of a set held in memory needs, over the set.
+/// Memory that a fit of a set in memory needs, over the size of the set.
 pub(crate) const FIT_OVER_SET: u64 = 2;
 
 // streaming/resume.rs
 
-/// Keeping what was done may cost one part in so many of the time.
+/// Time between two saves of the state, over the time that a save takes.
 pub(crate) const SHARE: u32 = 40;
 
 // studio/draft.rs
 
-/// So many lines are fitted as fast as a hand moves, whatever they hold.
+/// Lines that a draft always fits fast enough to follow a drag.
 pub(crate) const FEW_LINES: usize = 300;
 /// Reach of a resonance on either side, half-power bandwidths.
 pub(crate) const REACH: f64 = 2.0;
-/// Lines over a resonance's reach: five would tell a pole and a residue, these also tell
+/// Lines over a resonance's reach. Five determine a pole and a residue; twelve also separate
 /// it from its neighbours.
 pub(crate) const LINES_PER_RESONANCE: f64 = 12.0;
-/// One in so many of the other lines is looked at.
+/// A draft uses one in so many of the other lines.
 pub(crate) const ONE_OF_OTHERS: f64 = 12.0;
 
 // studio/question.rs
 
-/// The largest whole number that the page's script counts exactly.
+/// Largest number of a question: the largest whole number that JavaScript counts exactly.
 pub(crate) const MOST_QUESTIONS: u64 = (1 << 53) - 1;
-/// Most modes that may be asked for, as on the page: ten times what bands of plates hold.
+/// Most modes that a question may ask for, as on the page: ten times the modes of usual bands.
 pub(crate) const QUESTION_MOST_MODES: usize = 1000;
 /// Highest frequency, Hz: above the bandwidth of any vibrometer.
 pub(crate) const HIGHEST_HZ: f64 = 1e10;
 
 // studio/server.rs
 
-/// A question is a band or a scene: no more bytes than that needs.
+/// Most bytes of a question: a band or a scene needs far fewer.
 pub(crate) const LARGEST_QUESTION: usize = 1 << 20;
-/// Time for the head of a request, and between two of one connection: a browser on this
-/// machine needs milliseconds, and who takes longer holds a handle that others may need.
+/// Time for the head of a request, and between two requests of one connection. A browser on
+/// this machine needs milliseconds; a slower client holds a handle that others may need.
 pub(crate) const REQUEST_DEADLINE: Duration = Duration::from_secs(5);
 /// Wait for a free handle where the system grants no more of them.
 pub(crate) const PAUSE: Duration = Duration::from_millis(200);
 
 // studio/token.rs
 
-/// Random bytes of a token: nobody guesses one of 2²⁵⁶.
+/// Random bytes of a token: 2²⁵⁶ possible ones.
 pub(crate) const BYTES: usize = 32;
 
 // truth.rs
 
-/// The accuracy that a fit of the built-in panel (40 dB) must reach; its actual errors
-/// are a hundred times smaller, so that what lies beyond is a fault and not the noise.
+/// Largest relative error of a natural frequency in a fit of the built-in panel (40 dB).
+/// Noise alone makes errors a hundred times smaller.
 pub(crate) const FREQUENCY_ERROR: f64 = 1e-4;
 /// The same for loss factors.
 pub(crate) const LOSS_FACTOR_ERROR: f64 = 1e-2;
 /// Least modal assurance criterion of a shape with the true one.
 pub(crate) const LEAST_MAC: f64 = 0.99;
-
-// demo/rig.rs
-
-/// Noise of the field that the demonstration measures, dB below it, and its seed.
-pub const SCANNER_SNR_DB: f64 = 40.0;
-pub const SCANNER_SEED: u64 = 1;

@@ -1,4 +1,4 @@
-//! `--dry-run`: what a command would read, need and write.
+//! `--dry-run`: the inputs, the memory and the outputs of a command.
 
 use chladni_console::memory::in_mebibytes;
 use chladni_console::table::counted;
@@ -6,11 +6,11 @@ use chladni_console::Outcome;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Work that is described in place of being done.
+/// Work that is described instead of done.
 pub struct Plan<'a> {
     /// Files to read.
     pub files: &'a [PathBuf],
-    /// Bytes of the FRFs in memory, about.
+    /// Approximate bytes of the FRFs in memory.
     pub frf_bytes: u64,
     /// Parts that the files are read in; `None` where they are held whole.
     pub parts: Option<usize>,
@@ -28,7 +28,7 @@ impl Plan<'_> {
         };
         let files = names(&mut self.files.iter().map(PathBuf::as_path));
         let outputs = names(&mut self.outputs.iter().copied());
-        let way = match self.parts {
+        let manner = match self.parts {
             Some(parts) => format!("in {}", counted(parts, "part")),
             None => "whole".into(),
         };
@@ -40,7 +40,7 @@ impl Plan<'_> {
             "{} to read, {}: FRFs of {} in memory, {} allowed\nto be written: {written}\n\
              Nothing was done (--dry-run).\n",
             counted(files.len(), "file"),
-            way,
+            manner,
             in_mebibytes(self.frf_bytes),
             in_mebibytes(self.memory),
         );

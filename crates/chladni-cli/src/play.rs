@@ -5,11 +5,11 @@ use crate::render::doubt;
 use crate::signal_files::SignalFiles;
 use crate::time_table::{stress_table, time_table};
 use chladni_console::input::{read_weights, source};
-use chladni_console::output::{make_folder, Output, MOVING, SIGNALS};
+use chladni_console::output::{make_folder, Output, PICTURE, SIGNALS};
 use chladni_console::table::significant;
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ModalModel, Result};
-use chladni_io::{read_model, write_atomically};
+use chladni_io::read_model;
 use chladni_render::{
     play, stress_in_time, ChannelMap, MethodChoice, PlayOptions, Played, Ramps, RenderOptions,
     SampleFormat, Scene, Signal, SignalOptions, StressOptions, TimeStressRow,
@@ -100,8 +100,8 @@ impl std::str::FromStr for FullScale {
 /// Runs the command.
 ///
 /// # Errors
-/// Those of reading and writing, of a scene that does not fit the model, and of a signal
-/// that cannot be. A scene that cannot be met in time is a result.
+/// Those of reading and writing, of a scene that does not fit the model, and of a signal that
+/// cannot be made. A scene that cannot be met in time is a result.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let inputs: Vec<PathBuf> = [&args.model, &args.scene]
         .into_iter()
@@ -156,12 +156,11 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         json["stress_seed"] = json!(args.seed);
         text += &format!("\n{}", stress_table(rows));
     }
-    let doubt = doubt(played.feasible, &played.findings);
     let outcome = match &args.output {
         Some(path) => Outcome::written(path, json, text),
         None => Outcome::shown(json, text),
     };
-    Ok(outcome.doubted(doubt))
+    Ok(outcome.doubted(doubt(played.feasible, &played.findings)))
 }
 
 impl Args {
@@ -190,7 +189,7 @@ impl Args {
     }
 }
 
-/// The error with the option that a field of the signal is.
+/// The error with the option that sets the field which it names.
 fn with_option(error: Error) -> Error {
     match error.field.as_deref() {
         Some("rate_hz") => error.field("--rate"),
@@ -204,6 +203,7 @@ fn channel_map(file: &Path) -> Result<ChannelMap> {
     ChannelMap::parse(&text).map_err(|error| error.file(file))
 }
 
+/// The stress table of the drive in time.
 fn tried(
     played: &Played,
     scene: &Scene,
@@ -222,7 +222,7 @@ fn tried(
     Ok(rows)
 }
 
-/// Writes the chart; plain ramps lie behind.
+/// Writes the chart with plain ramps for comparison, and the moving ground.
 fn draw(folder: &Path, scene: &Scene, played: &Played, console: &Console) -> Result<()> {
     make_folder(folder, "--charts")?;
     let title = format!("{} over time", scene.name());
@@ -235,8 +235,7 @@ fn draw(folder: &Path, scene: &Scene, played: &Played, console: &Console) -> Res
     files.extend(moving.map(|bytes| ("gif", bytes)));
     for (extension, content) in files {
         let path = folder.join(format!("time.{extension}"));
-        Output::new(&path, MOVING, &[], console)?
-            .write(|path, force| write_atomically(path, force, |out| out.write_all(&content)))?;
+        Output::new(&path, PICTURE, &[], console)?.write_bytes(content)?;
     }
     Ok(())
 }
@@ -247,7 +246,7 @@ fn summary(
     played: &Played,
     signal: &Signal,
 ) -> serde_json::Value {
-    let shown = |path: &std::path::Path| path.display().to_string();
+    let shown = |path: &Path| path.display().to_string();
     json!({
         "output": args.output.as_deref().map(shown),
         "sidecar": files.and_then(SignalFiles::sidecar).map(shown),
@@ -258,7 +257,7 @@ fn summary(
     })
 }
 
-/// The content of the file, in words.
+/// The drive signal in words.
 fn signal_line(played: &Played, signal: &Signal, args: &Args) -> String {
     let scales = signal
         .sidecar

@@ -8,10 +8,9 @@ use crate::limits::SWEEP_HZ;
 use crate::signal_files::SignalFiles;
 use chladni_console::input::{expand, read_frf, source, Reading};
 use chladni_console::output::{Output, SIGNAL_OR_TABLE, WEIGHTS};
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Severity, Source};
-use chladni_io::{is_same_place, read_model, write_atomically};
+use chladni_io::{is_same_place, read_model};
 use chladni_render::{
     render_with_others, stress, sweep, Count, FrequencySweep, Method, MethodChoice, RenderOptions,
     Rendering, Scene, StressOptions, Weights,
@@ -105,6 +104,12 @@ impl std::str::FromStr for Frequency {
     }
 }
 
+/// A sweep of drive frequencies, and the range that it tried.
+struct RangeSweep {
+    range_hz: [f64; 2],
+    sweep: FrequencySweep,
+}
+
 /// The content of the files that a rendering starts from.
 struct Given {
     model: ModalModel,
@@ -116,7 +121,7 @@ struct Given {
 }
 
 impl Args {
-    /// Options that do not go together.
+    /// Refuses options that do not go together.
     fn check(&self) -> Result<()> {
         if self.cut.is_none() || self.method == MethodChoice::Only(Method::Modal) {
             return Ok(());
@@ -130,7 +135,7 @@ impl Args {
         )
     }
 
-    /// Notes on options that do not reach where one might expect.
+    /// Notes on options that have no effect here.
     fn without_effect(&self) -> Vec<Finding> {
         let all_actuators = self.actuators == Count::All;
         let mut notes = Vec::new();
@@ -187,15 +192,14 @@ impl Args {
         }
     }
 
-    /// Sets the scene to the frequency that `--frequency` asks for; returns the sweep that
-    /// suggested it, and its range.
+    /// Sets the scene to the frequency of `--frequency`. Returns the sweep that suggested it.
     fn set_frequency(
         &self,
         model: &ModalModel,
         scene: &mut Scene,
         options: &RenderOptions,
         console: &Console,
-    ) -> Result<Option<([f64; 2], FrequencySweep)>> {
+    ) -> Result<Option<RangeSweep>> {
         match self.frequency {
             Some(Frequency::Auto) => self
                 .better_frequency(model, scene, options, console)
@@ -218,27 +222,53 @@ impl Args {
         }
     }
 
-    /// Sets the scene to the frequency that a sweep suggests; returns its range and the sweep.
+    /// Sets the scene to the frequency that a sweep suggests, and returns the sweep.
     fn better_frequency(
         &self,
         model: &ModalModel,
         scene: &mut Scene,
         options: &RenderOptions,
         console: &Console,
-    ) -> Result<([f64; 2], FrequencySweep)> {
+    ) -> Result<RangeSweep> {
         console.stage("sweeping frequencies");
         let hz = scene.frequency_hz;
-        let range = self
+        let range_hz = self
             .sweep
             .unwrap_or([(hz - SWEEP_HZ).max(1.0), hz + SWEEP_HZ]);
-        let sweep = sweep(model, scene, options, range).map_err(|error| scene.blame(error))?;
+        let sweep = sweep(model, scene, options, range_hz).map_err(|error| scene.blame(error))?;
         scene.frequency_hz = sweep.suggested_hz.unwrap_or(hz);
-        Ok((range, sweep))
+        Ok(RangeSweep { range_hz, sweep })
     }
-}
 
-impl Args {
-    /// The files of samples, where these are asked for.
+    /// Puts every tone of `weights` to the trials that are asked for. `swept` is the sweep that
+    /// was made before the rendering.
+    fn try_out(
+        &self,
+        weights: &mut Weights,
+        swept: Option<RangeSweep>,
+        model: &ModalModel,
+        scene: &Scene,
+        console: &Console,
+    ) -> Result<()> {
+        let options = self.options();
+        let trials = Trials {
+            stress_seed: self.stress.then_some(self.seed),
+            sweep_hz: self.sweep.filter(|_| swept.is_none()),
+        };
+        trials.on(weights, model, scene, &options, console)?;
+        if let Some(RangeSweep { range_hz, sweep }) = swept {
+            let echo = &mut weights.options;
+            echo.insert("frequency".into(), "auto".into());
+            echo.insert("sweep_hz".into(), range_hz.to_vec().into());
+            weights.sweep = Some(sweep);
+        }
+        for tone in &mut weights.other_tones {
+            trials.on(tone, model, scene, &options, console)?;
+        }
+        Ok(())
+    }
+
+    /// The files of drive signals, where these are asked for.
     fn signals(&self, inputs: &[PathBuf], console: &Console) -> Result<Option<SignalFiles>> {
         let signals = self
             .wav
@@ -307,22 +337,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .insert("also".into(), others.iter().map(Scene::name).collect());
     }
     args.reading.echo(&mut weights.options);
-    let trials = Trials {
-        stress_seed: args.stress.then_some(args.seed),
-        sweep_hz: args.sweep.filter(|_| swept.is_none()),
-    };
     weights.findings.extend(args.without_effect());
-    trials.on(&mut weights, &model, &scene, &options, console)?;
-    if let Some((range, sweep)) = swept {
-        weights.options.insert("frequency".into(), "auto".into());
-        weights
-            .options
-            .insert("sweep_hz".into(), range.to_vec().into());
-        weights.sweep = Some(sweep);
-    }
-    for tone in &mut weights.other_tones {
-        trials.on(tone, &model, &scene, &options, console)?;
-    }
+    args.try_out(&mut weights, swept, &model, &scene, console)?;
     console.find_all(weights.findings.iter());
     let drive = match &signals {
         Some(files) => Some((files, Drive::of(files, &model, &scene, &weights)?)),
@@ -347,7 +363,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     })
 }
 
-/// The reason not to take a drive for one that serves its scene.
+/// The reason why a drive does not serve its scene, or may not; `None` where it serves.
 pub fn doubt(feasible: bool, findings: &[Finding]) -> Option<String> {
     let has = |code: &str| findings.iter().any(|finding| finding.code == code);
     let is_fault =
@@ -362,7 +378,7 @@ pub fn doubt(feasible: bool, findings: &[Finding]) -> Option<String> {
     }
 }
 
-/// Renders one scene; the weights know their sources.
+/// Renders one scene; the weights name `sources` as theirs.
 ///
 /// # Errors
 /// Those of the scene, with its file.
@@ -379,7 +395,7 @@ pub fn render_scene(
     Ok(rendering)
 }
 
-/// Trials of weights beside the scene itself.
+/// Trials of weights on other panels and at other frequencies.
 pub struct Trials {
     /// Seed of the stress table; `None`: no table.
     pub stress_seed: Option<u64>,
@@ -388,7 +404,7 @@ pub struct Trials {
 }
 
 impl Trials {
-    /// Puts `weights` to the trials; they carry the outcome.
+    /// Puts `weights` to the trials and stores the outcome in them.
     ///
     /// # Errors
     /// A range of frequencies that cannot be swept.
@@ -431,11 +447,10 @@ impl Trials {
 /// # Errors
 /// Those of writing.
 pub fn write_weights(output: &Output, weights: &Weights) -> Result<()> {
-    let text = weights.to_json()?;
-    output.write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))
+    output.write_bytes(weights.to_json()?)
 }
 
-/// The weights as they stand in their file.
+/// The weights as in their file.
 ///
 /// # Errors
 /// [`ErrorKind::Internal`] where they have no JSON.
@@ -448,7 +463,7 @@ pub fn value_of(weights: &Weights) -> Result<Value> {
     })
 }
 
-/// The part that fits on a screen: everything but the weights themselves.
+/// The content of a weights file without the weights themselves.
 fn summary(weights: &Weights, output: &Path) -> Result<Value> {
     let mut summary = Map::from_iter([("output".to_owned(), json!(output.display().to_string()))]);
     if let Value::Object(fields) = value_of(weights)? {

@@ -3,12 +3,11 @@
 use crate::curves::curves;
 use crate::in_time::in_time;
 use chladni_console::input::{expand, read_frf, read_weights, source, Reading};
-use chladni_console::output::{make_folder, Output, HTML, PICTURE, TABLE};
+use chladni_console::output::{extension_of, make_folder, Output, HTML, PICTURE, TABLE};
 use chladni_console::table::{counted, shortened};
 use chladni_console::{unbroken, Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
-use chladni_io::try_place;
-use chladni_io::{detect_format, write_atomically, FileFormat};
+use chladni_io::{detect_format, try_place, FileFormat};
 use chladni_render::{evaluate, Evaluation, On, Played, Scene, Weights};
 use chladni_report::{
     charts, html, unlike, ChartFormats, Curves, RenderedScene, ReportInput, Table,
@@ -16,8 +15,7 @@ use chladni_report::{
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// The method of a model that was not fitted: the truth of `simulate`, whose source is a
-/// panel.
+/// Method of the models that `simulate` writes; their source is a panel, not FRFs.
 const SIMULATED: &str = "simulate";
 
 /// Arguments of `report`.
@@ -53,7 +51,7 @@ pub struct Args {
     charts: Option<PathBuf>,
 }
 
-/// A weights file with the field that it makes, where scene and model are at hand.
+/// Weights with the field that they make, where scene and model are at hand.
 struct ShownWeights {
     weights: Weights,
     evaluation: Option<Evaluation>,
@@ -79,7 +77,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if let Some(output) = &output {
         let page = html(&input)?;
         console.stage("writing");
-        write_page(output, &page)?;
+        output.write_bytes(page)?;
     }
     let pictures = match &args.charts {
         Some(folder) => write_charts(folder, &input, console)?,
@@ -119,7 +117,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::written(written, json, text + "\n"))
 }
 
-/// Everything that a report shows.
+/// The content of the files that a report shows.
 pub struct Contents {
     /// The model; that of the weights where none is named.
     pub model: Option<ModalModel>,
@@ -130,29 +128,31 @@ pub struct Contents {
 }
 
 impl Contents {
-    /// Reads `files`, and what they name as their sources where it lies beside them,
-    /// unchanged; the FRFs from `measured` where that names any.
+    /// Reads `files`, and their sources that lie unchanged beside them. The FRFs come from
+    /// `measured` where that names any.
     ///
     /// # Errors
     /// Those of reading; more than one model.
     pub fn read(files: &[PathBuf], measured: &[PathBuf], console: &Console) -> Result<Self> {
-        let (mut model_file, weights, tables) = sort(files)?;
-        if model_file.is_none() {
-            model_file = weights.iter().find_map(|(file, weights)| {
-                beside(file, &weights.source)
-                    .into_iter()
-                    .find(|path| is_model(path))
-            });
-        }
+        let NamedFiles {
+            model,
+            weights,
+            tables,
+        } = sorted(files)?;
+        let of_weights = |(file, weights): &(PathBuf, Weights)| {
+            let sources = beside(file, &weights.source);
+            sources.into_iter().find(|path| is_model(path))
+        };
+        let model_file = model.or_else(|| weights.iter().find_map(of_weights));
         let model = model_file
             .as_deref()
             .map(chladni_io::read_model)
             .transpose()?;
         let measured = match (&model_file, &model) {
             (_, Some(model)) if !measured.is_empty() => {
-                Some(measured_named(measured, model, console)?)
+                Some(measured_by_user(measured, model, console)?)
             }
-            (Some(file), Some(model)) => measured_of(file, model, console),
+            (Some(file), Some(model)) => measured_beside(file, model, console),
             _ => None,
         };
         let mut shown = Vec::new();
@@ -167,7 +167,7 @@ impl Contents {
         })
     }
 
-    /// The same as the report takes it.
+    /// The input of the report.
     pub fn input(&self, title: String, console: &Console) -> ReportInput<'_> {
         ReportInput {
             title,
@@ -192,36 +192,37 @@ fn write_charts(folder: &Path, input: &ReportInput, console: &Console) -> Result
         },
     )?;
     let places: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
+    // all places are checked before the first file is written
     let outputs = places
         .iter()
         .map(|path| Output::new(path, PICTURE, &[], console))
         .collect::<Result<Vec<_>>>()?;
     for (output, (_, bytes)) in outputs.iter().zip(&files) {
-        output.write(|path, force| write_atomically(path, force, |out| out.write_all(bytes)))?;
+        output.write_bytes(bytes)?;
     }
     Ok(files.len())
 }
 
-/// Writes the page.
-///
-/// # Errors
-/// Those of writing.
-pub fn write_page(output: &Output, page: &str) -> Result<()> {
-    output.write(|path, force| write_atomically(path, force, |out| out.write_all(page.as_bytes())))
+/// The named files by what they hold.
+#[derive(Default)]
+struct NamedFiles {
+    model: Option<PathBuf>,
+    weights: Vec<(PathBuf, Weights)>,
+    tables: Vec<Table>,
 }
 
-type WeightsFile = (PathBuf, Weights);
-
-fn sort(files: &[PathBuf]) -> Result<(Option<PathBuf>, Vec<WeightsFile>, Vec<Table>)> {
-    let (mut model, mut weights, mut tables) = (None, Vec::new(), Vec::new());
+fn sorted(files: &[PathBuf]) -> Result<NamedFiles> {
+    let mut named = NamedFiles::default();
     for file in files {
         if let Some(table) = bench_table(file)? {
-            tables.push(table);
+            named.tables.push(table);
             continue;
         }
         match detect_format(file)? {
-            FileFormat::Weights => weights.push((file.clone(), read_weights(file)?)),
-            FileFormat::Model | FileFormat::Hdf5 if model.is_none() => model = Some(file.clone()),
+            FileFormat::Weights => named.weights.push((file.clone(), read_weights(file)?)),
+            FileFormat::Model | FileFormat::Hdf5 if named.model.is_none() => {
+                named.model = Some(file.clone());
+            }
             FileFormat::Model | FileFormat::Hdf5 => {
                 return Err(Error::new(ErrorKind::Usage, "a report shows one model")
                     .file(file)
@@ -235,7 +236,7 @@ fn sort(files: &[PathBuf]) -> Result<(Option<PathBuf>, Vec<WeightsFile>, Vec<Tab
             }
         }
     }
-    Ok((model, weights, tables))
+    Ok(named)
 }
 
 /// First columns of the tables that `chladni bench` writes.
@@ -243,10 +244,7 @@ const TABLE_STARTS: [&str; 2] = ["case,method,", "scene,method,"];
 
 /// The table in a .csv file that `chladni bench` wrote; `None` for any other file.
 fn bench_table(file: &Path) -> Result<Option<Table>> {
-    let extension = file
-        .extension()
-        .map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-    if !extension.is_some_and(|extension| TABLE.contains(&extension.as_str())) {
+    if !TABLE.contains(&extension_of(file).as_str()) {
         return Ok(None);
     }
     let text = chladni_text::read_text(file, "a table of `chladni bench`, CSV")?;
@@ -266,7 +264,7 @@ fn bench_table(file: &Path) -> Result<Option<Table>> {
     }))
 }
 
-/// Cells of a line of CSV; commas in quotation marks do not part them.
+/// Cells of a line of CSV; a comma in quotation marks belongs to its cell.
 fn cells(line: &str) -> Vec<String> {
     let (mut out, mut quoted) = (vec![String::new()], false);
     for letter in line.chars() {
@@ -302,7 +300,7 @@ fn beside(result: &Path, sources: &[Source]) -> Vec<PathBuf> {
     sources.iter().filter_map(of).collect()
 }
 
-/// Folders inside a folder, in order; hidden ones are nobody's data.
+/// Folders inside a folder, in order, without hidden ones.
 fn subfolders(folder: &Path) -> Vec<PathBuf> {
     let is_hidden = |path: &PathBuf| {
         path.file_name()
@@ -319,11 +317,16 @@ fn subfolders(folder: &Path) -> Vec<PathBuf> {
     folders
 }
 
-/// The FRFs that the user names as those that a model was fitted to, read as they were then.
+/// The FRFs of the files that the user names, read as the model's own FRFs were. A finding
+/// tells where the model does not explain them.
 ///
 /// # Errors
 /// Those of reading; no FRF that the model has.
-pub fn measured_named(files: &[PathBuf], model: &ModalModel, console: &Console) -> Result<FrfSet> {
+pub fn measured_by_user(
+    files: &[PathBuf],
+    model: &ModalModel,
+    console: &Console,
+) -> Result<FrfSet> {
     let reading = Reading::from_echo(&model.options);
     let (frf, sources) = read_frf(&expand(files, console)?, &reading, console)?;
     let is_same = |source: &Source| {
@@ -338,9 +341,9 @@ pub fn measured_named(files: &[PathBuf], model: &ModalModel, console: &Console) 
     Ok(frf)
 }
 
-/// The FRFs that a model was fitted to, read as they were then; none where one of the
-/// files is gone or another.
-pub fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option<FrfSet> {
+/// The FRFs that the model in `file` was fitted to, read as they were then; `None` where one
+/// of their files does not lie beside it or has changed.
+pub fn measured_beside(file: &Path, model: &ModalModel, console: &Console) -> Option<FrfSet> {
     if model.source.is_empty() || model.method == SIMULATED {
         return None;
     }
@@ -376,8 +379,7 @@ pub fn measured_of(file: &Path, model: &ModalModel, console: &Console) -> Option
     }
 }
 
-/// Weights with their field and curves, where the scene lies beside them; each tone by
-/// itself.
+/// The weights of each tone, with field and curves where the scene lies beside the file.
 fn show(
     file: &Path,
     mut weights: Weights,
@@ -419,7 +421,7 @@ fn show(
     }
 }
 
-/// A tone of weights with its field and curves; the first one shows the scene in time.
+/// A tone of weights with its field and curves; the first one takes the scene in time.
 fn show_tone(
     weights: Weights,
     model: &ModalModel,
@@ -443,7 +445,7 @@ fn show_tone(
     })
 }
 
-/// The scene in time; one that cannot be played says why.
+/// The scene in time; a finding tells why a scene cannot be played.
 fn said_in_time(
     model: &ModalModel,
     scene: &Scene,

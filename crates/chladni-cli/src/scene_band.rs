@@ -1,5 +1,4 @@
-//! `chladni fit --scene`: fits only the band that a scene needs, and says what was left
-//! out.
+//! `chladni fit --scene`: the band that a scene needs, and a sentence on the modes outside.
 
 use crate::limits::{MODES_SHOWN, TONES_SHOWN};
 use chladni_console::input::source;
@@ -19,11 +18,11 @@ pub struct SceneBand {
 }
 
 impl SceneBand {
-    /// Reads the scene and takes a quick look at the modes.
+    /// Reads the scene, and finds the band that it needs by a quick fit. Where that fails the
+    /// band is the whole axis, and the fit itself reports the error.
     ///
     /// # Errors
-    /// Those of the scene; a look that cannot be taken is the fit's own error and comes
-    /// from there.
+    /// Those of the scene.
     pub fn of(file: &Path, frf: &FrfSet, options: &FitOptions) -> Result<Self> {
         let scene = Scene::read(file)?;
         let source = source(file)?;
@@ -53,13 +52,13 @@ impl SceneBand {
         })
     }
 
-    /// Hz.
+    /// Ends of the band that the scene needs, Hz.
     pub fn band_hz(&self) -> [f64; 2] {
         self.needed.band_hz
     }
 
-    /// Tells what was left out, what that costs by the proven remainder, and what the
-    /// model then misses of the measured line.
+    /// A sentence on the modes that were left out, the bound of the error that this causes, and
+    /// the deviation of the model from the measured line.
     pub fn said(&self, model: &ModalModel, frf: &FrfSet) -> String {
         let NeededBand {
             band_hz: [low, high],
@@ -113,8 +112,8 @@ impl SceneBand {
         )
     }
 
-    /// Rms of model less measured line at the drive frequency, over the rms of the line,
-    /// the largest of all tones; `None` where a line is missing.
+    /// Rms of the difference between model and measured line at the drive frequency, over the
+    /// rms of the line; the largest of all tones. `None` where a line is missing.
     fn missed(&self, model: &ModalModel, frf: &FrfSet) -> Option<f64> {
         self.scene.tones().iter().try_fold(0.0, |most: f64, tone| {
             Some(most.max(missed(tone, model, frf)?))
@@ -122,7 +121,7 @@ impl SceneBand {
     }
 }
 
-/// The same of a scene with one tone.
+/// The same for a scene of one tone.
 fn missed(scene: &Scene, model: &ModalModel, frf: &FrfSet) -> Option<f64> {
     let line = Operator::of_line(frf, scene.frequency_hz, scene.actuators.only.as_deref()).ok()?;
     let modelled = model.frf_matrix(FrfKind::Mobility, line.frequency_hz);

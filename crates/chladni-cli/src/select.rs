@@ -3,7 +3,7 @@
 use crate::explain::explain;
 use crate::fit::{distrust, summary, text};
 use crate::limits::AS_SEEN;
-use crate::report::{measured_named, measured_of};
+use crate::report::{measured_beside, measured_by_user};
 use chladni_console::input::source;
 use chladni_console::output::{Output, MODEL};
 use chladni_console::table::{counted, significant};
@@ -66,7 +66,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         }
     };
     let Selected { mut model, dropped } = selection.apply(&whole).map_err(of_file)?;
-    // what the model was fitted to stays named, so that a report finds the FRFs
+    // the sources of the fit stay, so that a report finds the FRFs
     let inputs: Vec<Source> = inputs
         .iter()
         .map(|file| source(file))
@@ -89,7 +89,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let added: String = selection
         .added_hz()
         .iter()
-        .map(|&hz| format!("{}\n", become_of(&whole, hz)))
+        .map(|&hz| format!("{}\n", outcome_of_added(&whole, hz)))
         .collect();
     let text = format!(
         "{}\n{added}{}: {kept} kept, {dropped}\n",
@@ -101,7 +101,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 }
 
 impl Args {
-    /// `model` fitted anew to its FRFs, with modes at these frequencies beside the others.
+    /// Fits the FRFs of `model` anew, with additional modes at these frequencies.
     fn fitted_with(
         &self,
         model: &ModalModel,
@@ -109,8 +109,8 @@ impl Args {
         console: &Console,
     ) -> Result<ModalModel> {
         let frf = match self.measured.as_slice() {
-            [] => measured_of(&self.model, model, console),
-            files => Some(measured_named(files, model, console)?),
+            [] => measured_beside(&self.model, model, console),
+            files => Some(measured_by_user(files, model, console)?),
         };
         let frf = frf.ok_or_else(|| {
             Error::bad_data("a mode is added by a new fit, and the FRFs are not at hand")
@@ -137,7 +137,7 @@ impl Args {
     }
 }
 
-/// A new fit of the files of `before`.
+/// The new fit with the sources and options of `before`, and the added modes.
 fn again(mut model: ModalModel, before: &ModalModel, options: &FitOptions) -> ModalModel {
     model.source.clone_from(&before.source);
     model.options.clone_from(&before.options);
@@ -146,8 +146,8 @@ fn again(mut model: ModalModel, before: &ModalModel, options: &FitOptions) -> Mo
     model
 }
 
-/// The outcome of a mode that was added at `hz`.
-fn become_of(model: &ModalModel, hz: f64) -> String {
+/// The mode that came of adding one at `hz`, in words.
+fn outcome_of_added(model: &ModalModel, hz: f64) -> String {
     let near = model
         .modes
         .iter()

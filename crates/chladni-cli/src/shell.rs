@@ -1,4 +1,4 @@
-//! Completions and manual pages, made of the same definitions as the options themselves.
+//! Completions and manual pages, made from the definitions of the options.
 
 use chladni_console::Outcome;
 use chladni_frf::{nearest_word, Error, ErrorKind, Result};

@@ -8,18 +8,18 @@ use chladni_render::{SampleFormat, Signal};
 use chladni_text::door::Claim;
 use std::path::{Path, PathBuf};
 
-/// Destination of a signal.
+/// The files that a drive signal is written to.
 pub struct SignalFiles {
     path: PathBuf,
-    /// Of a sound file.
+    /// The JSON file beside a sound file.
     sidecar: Option<PathBuf>,
     force: bool,
-    /// So that neither is read as an input.
+    /// Claims on both files, so that no input is read from them.
     _claims: Vec<Claim>,
 }
 
 impl SignalFiles {
-    /// Checks both places, of the path that `option` names, before the work.
+    /// Checks the path that `option` names, and that of its sidecar, before the work.
     ///
     /// # Errors
     /// As [`Output::new`].
@@ -50,7 +50,7 @@ impl SignalFiles {
         Ok(files)
     }
 
-    /// True for this extension; the standard output takes a table.
+    /// True where the file has this extension; the standard output counts as `csv`.
     pub fn is(&self, extension: &str) -> bool {
         if is_standard_output(&self.path) {
             return extension == "csv";
@@ -84,7 +84,7 @@ impl SignalFiles {
         self.write_bytes(&self.path, &bytes)
     }
 
-    /// Writes a text instead.
+    /// Writes `text` in place of a signal.
     ///
     /// # Errors
     /// Those of writing.

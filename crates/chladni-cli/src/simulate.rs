@@ -3,16 +3,14 @@
 
 use crate::extent::Extent;
 use crate::plan::Plan;
-use crate::scanned::scanned;
+use crate::scanned::{scanned, ScannerNoise};
 use chladni_console::input::{read_weights, source};
 use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, FRF, MODEL, TABLE};
 use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Dof, Error, ErrorKind, ReferenceUnit, Result};
-use chladni_io::{
-    field_csv, is_same_place, sha256_of, write_atomically, write_contents, write_model, Contents,
-};
+use chladni_io::{field_csv, is_same_place, sha256_of, write_contents, write_model, Contents};
 use chladni_plate::{simulate, DampedPlate, Layout, Panel};
 use chladni_render::Weights;
 use ndarray::Array1;
@@ -128,6 +126,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     Ok(Outcome::written(&args.output, json, text))
 }
 
+/// Refuses one file for FRFs and model.
 fn check_truth(args: &Args) -> Result<()> {
     let is_one = |truth: &PathBuf| is_same_place(truth, &args.output);
     if !args.truth.as_ref().is_some_and(is_one) {
@@ -157,7 +156,7 @@ fn planned(args: &Args, panel: &Panel) -> Outcome {
     plan.outcome()
 }
 
-/// Writes the field of weights.
+/// Writes the field that weights make on the panel.
 fn play(file: &Path, args: &Args, console: &Console) -> Result<Outcome> {
     let inputs = [args.panel.clone(), file.to_path_buf()];
     let output = Output::new(&args.output, TABLE, &inputs, console)?;
@@ -174,21 +173,21 @@ fn play(file: &Path, args: &Args, console: &Console) -> Result<Outcome> {
     let velocities = mobility.dot(&drive);
     let responses = layout.response_dofs.iter().copied();
     let velocities: Vec<(Dof, Complex64)> = responses.zip(velocities).collect();
-    let snr_db = args.snr_db.unwrap_or(panel.frf.snr_db);
-    let seed = args.seed.unwrap_or(panel.frf.seed);
-    let field = scanned(&velocities, frequency_hz, sha256_of(file)?, (snr_db, seed))?;
+    let noise = ScannerNoise {
+        snr_db: args.snr_db.unwrap_or(panel.frf.snr_db),
+        seed: args.seed.unwrap_or(panel.frf.seed),
+    };
+    let field = scanned(&velocities, frequency_hz, sha256_of(file)?, noise)?;
     console.stage("writing");
-    let text = field_csv(&field);
-    output
-        .write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))?;
+    output.write_bytes(field_csv(&field))?;
     let count = field.points.len();
     let json = json!({
         "output": args.output.display().to_string(),
         "weights": file.display().to_string(),
         "frequency_hz": frequency_hz,
         "responses": count,
-        "snr_db": snr_db,
-        "seed": seed,
+        "snr_db": noise.snr_db,
+        "seed": noise.seed,
     });
     let text = format!(
         "{}: field at {} under {}, {} Hz, signal-to-noise ratio {} dB\n",
@@ -196,7 +195,7 @@ fn play(file: &Path, args: &Args, console: &Console) -> Result<Outcome> {
         counted(count, "response"),
         file.display(),
         significant(frequency_hz, 6),
-        snr_db
+        noise.snr_db
     );
     Ok(Outcome::written(&args.output, json, text))
 }
@@ -230,7 +229,7 @@ fn forces(weights: &Weights, layout: &Layout, panel: &Panel) -> Result<Array1<Co
                 .expected(format!("weights in {unit}"))
                 .help(help));
         }
-        let same = |dof: &chladni_frf::Dof| dof.same_axis(weight.reference);
+        let same = |dof: &Dof| dof.same_axis(weight.reference);
         let place = layout.reference_dofs.iter().position(same).ok_or_else(|| {
             Error::bad_data("the panel has no such reference")
                 .field("weights")

@@ -1,9 +1,9 @@
-//! Performance of ground in time, for people.
+//! Performance of a drive in time, as tables.
 
 use chladni_console::table::table;
 use chladni_render::{TimeIndices, TimeMeasure, TimeStressRow};
 
-/// All measures.
+/// Every measure, at the responses and over the area between them.
 pub fn time_table(indices: &TimeIndices) -> String {
     let header = [
         "measure",
@@ -46,7 +46,7 @@ pub fn time_table(indices: &TimeIndices) -> String {
     table(&header, &rows)
 }
 
-/// Trials of a drive in time.
+/// Performance of a drive in time on panels that differ from the model.
 pub fn stress_table(rows: &[TimeStressRow]) -> String {
     let header = [
         "stress",

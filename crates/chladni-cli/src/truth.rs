@@ -1,10 +1,10 @@
-//! A fit beside the model that its data were made of.
+//! A fitted model compared with the model that its data were simulated from.
 
 use crate::limits::{FREQUENCY_ERROR, LEAST_MAC, LOSS_FACTOR_ERROR};
 use chladni_frf::{ModalModel, Mode};
 use chladni_rfp::mac;
 
-/// Errors of the modes that were found, and the count of the others.
+/// Errors of the modes that were found, and numbers of missed and spurious modes.
 pub struct Comparison {
     /// Modes in band of the truth.
     pub known: usize,
@@ -13,11 +13,11 @@ pub struct Comparison {
     /// Modes of the fit without a partner in the truth.
     pub spurious: usize,
     /// Found minus known natural frequency of each known mode, Hz; `None`: missed.
-    pub frequency_hz: Vec<Option<f64>>,
+    pub frequency_errors_hz: Vec<Option<f64>>,
     /// Relative errors of the natural frequencies, rising.
-    pub frequency: Vec<f64>,
+    pub frequency_errors: Vec<f64>,
     /// Relative errors of the loss factors, rising.
-    pub loss_factor: Vec<f64>,
+    pub loss_factor_errors: Vec<f64>,
     /// Modal assurance criterion of each shape with the true one, rising.
     pub mac: Vec<f64>,
 }
@@ -52,7 +52,7 @@ impl Comparison {
             .zip(&partners)
             .filter_map(|(&known, partner)| Some((known, (*partner)?)))
             .collect();
-        let frequency_hz = known
+        let frequency_errors_hz = known
             .iter()
             .zip(&partners)
             .map(|(known, found)| found.map(|found| found.frequency_hz - known.frequency_hz));
@@ -68,14 +68,18 @@ impl Comparison {
             known: known.len(),
             missed: known.len() - matched.len(),
             spurious: found.len() - matched.len(),
-            frequency_hz: frequency_hz.collect(),
-            frequency: sorted(|known, found| (found.frequency_hz / known.frequency_hz - 1.0).abs()),
-            loss_factor: sorted(|known, found| (found.loss_factor / known.loss_factor - 1.0).abs()),
+            frequency_errors_hz: frequency_errors_hz.collect(),
+            frequency_errors: sorted(|known, found| {
+                (found.frequency_hz / known.frequency_hz - 1.0).abs()
+            }),
+            loss_factor_errors: sorted(|known, found| {
+                (found.loss_factor / known.loss_factor - 1.0).abs()
+            }),
             mac: sorted(|known, found| mac(&known.shape.0, &found.shape.0)),
         }
     }
 
-    /// The fault, if any.
+    /// The reasons why the fit misses the truth; `None` for a good fit.
     pub fn complaint(&self) -> Option<String> {
         let worst = |errors: &[f64]| errors.last().copied().unwrap_or(f64::INFINITY);
         let checks = [
@@ -88,12 +92,18 @@ impl Comparison {
                 format!("{} spurious modes", self.spurious),
             ),
             (
-                worst(&self.frequency) > FREQUENCY_ERROR,
-                format!("a frequency is wrong by {:.2e}", worst(&self.frequency)),
+                worst(&self.frequency_errors) > FREQUENCY_ERROR,
+                format!(
+                    "a frequency is wrong by {:.2e}",
+                    worst(&self.frequency_errors)
+                ),
             ),
             (
-                worst(&self.loss_factor) > LOSS_FACTOR_ERROR,
-                format!("a loss factor is wrong by {:.2e}", worst(&self.loss_factor)),
+                worst(&self.loss_factor_errors) > LOSS_FACTOR_ERROR,
+                format!(
+                    "a loss factor is wrong by {:.2e}",
+                    worst(&self.loss_factor_errors)
+                ),
             ),
             (
                 self.mac.first().is_none_or(|&mac| mac < LEAST_MAC),

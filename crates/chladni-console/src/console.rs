@@ -8,12 +8,13 @@ use chladni_frf::{printable, Finding, Severity};
 use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard};
 
-/// Text whose words may come from a file or its name, with lines and tabs only.
+/// Text without control characters other than line breaks and tabs, since parts of it may come
+/// from a file or its name.
 pub fn for_terminal(text: &str) -> String {
     printable(text, &['\n', '\t'])
 }
 
-/// The user's wishes about output, and everything said so far.
+/// Messages to the user, as the common options ask for, and the findings so far.
 pub struct Console {
     /// `--json`.
     pub json: bool,
@@ -44,17 +45,17 @@ impl Console {
         }
     }
 
-    /// A stage begins.
+    /// Begins a stage.
     pub fn stage(&self, name: &str) {
         self.progress.stage(name);
     }
 
-    /// Tells how far the stage is, 0 to 1, and how long it will still take.
+    /// Shows the part of the stage that is done, 0 to 1, and the time that is left.
     pub fn so_far(&self, done: f64, left: std::time::Duration) {
         self.progress.so_far(done, left);
     }
 
-    /// A finding; the same one counts once. It is told at the end, with the others.
+    /// Adds a finding unless it is known already. All are told at the end.
     pub fn find(&self, finding: &Finding) {
         let finding = finding_with_options(finding);
         let mut known = self.known();
@@ -63,7 +64,7 @@ impl Console {
         }
     }
 
-    /// Several findings.
+    /// Adds several findings.
     pub fn find_all<'a>(&self, findings: impl IntoIterator<Item = &'a Finding>) {
         findings.into_iter().for_each(|finding| self.find(finding));
     }
@@ -84,8 +85,8 @@ impl Console {
             .expect("nothing panics while it is held")
     }
 
-    /// Tells the findings on stderr: by code, faults first, notes by their number unless
-    /// all is asked for.
+    /// Tells the findings on stderr: by code, faults first; notes are only counted without
+    /// `--verbose`.
     pub fn tell(&self) {
         if self.quiet {
             return;
@@ -101,14 +102,14 @@ impl Console {
         }
     }
 
-    /// Something good to know that belongs into no result.
+    /// Prints a remark that belongs to no result.
     pub fn note(&self, note: &str) {
         if !self.quiet {
             self.line("", "", note);
         }
     }
 
-    /// An error, always shown.
+    /// Prints an error, with `--quiet` too.
     pub fn error(&self, message: &str) {
         self.line("1;31", "error: ", message);
     }
@@ -121,7 +122,7 @@ impl Console {
         }
     }
 
-    /// Shows how long each stage took; nowhere else does a time appear.
+    /// Prints the time of each stage. No other output contains a time.
     pub fn times(&self) {
         for (name, seconds) in self.progress.take_times() {
             self.note(&format!("{seconds:8.2} s  {name}"));

@@ -1,20 +1,17 @@
-//! Reading: the options that all commands share which read FRFs, and the files behind a
-//! result.
+//! Reading: the options shared by all commands that read FRFs, and the sources of results.
 
 use crate::console::Console;
 use crate::oddities;
 use crate::quoting::{shell_path, shell_word};
 use chladni_frf::{Error, Finding, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
-use chladni_io::DeclaredDofs;
-use chladni_io::PhaseUnit;
-use chladni_io::{detect_format, Duplicates, FileFormat, ReadOptions};
+use chladni_io::{detect_format, DeclaredDofs, Duplicates, FileFormat, PhaseUnit, ReadOptions};
 use chladni_render::Weights;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Map, Value};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// How FRFs are to be read.
+/// Options of reading FRFs.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Reading FRFs")]
 pub struct Reading {
@@ -67,7 +64,7 @@ pub struct Reading {
     pub lenient: bool,
 }
 
-/// A list of DOFs with the name of its file, for the result's `options`.
+/// A list of DOFs with the name of its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DofFile {
     name: String,
@@ -83,12 +80,12 @@ fn read_dofs(path: &str) -> Result<DofFile> {
 }
 
 impl DofFile {
-    /// True where it is the standard input.
+    /// True where the list comes from the standard input.
     pub fn is_standard_input(&self) -> bool {
         self.name == "-"
     }
 
-    /// Rows as they may stand in such a file.
+    /// The rows as in such a file.
     fn rows(&self) -> impl Iterator<Item = String> + '_ {
         self.list.rows.iter().map(|row| {
             let file = row
@@ -110,7 +107,7 @@ fn parse_map(text: &str) -> std::result::Result<(String, String), String> {
 }
 
 impl Reading {
-    /// The options as the library takes them.
+    /// The options of the reading library.
     pub fn options(&self) -> ReadOptions {
         ReadOptions {
             frf_kind: self.frf_kind,
@@ -127,8 +124,7 @@ impl Reading {
         }
     }
 
-    /// The options that were given, for the result's `options`: each can change what is
-    /// read.
+    /// Adds the given options to the `options` of a result: each can change the FRFs.
     pub fn echo(&self, options: &mut Map<String, Value>) {
         let mut add = |name: &str, value: Value| drop(options.insert(name.to_owned(), value));
         if let Some(kind) = self.frf_kind {
@@ -169,7 +165,7 @@ impl Reading {
         }
     }
 
-    /// The options that were given, as on a command line of a shell.
+    /// The given options, as on a command line of a shell.
     pub fn flags(&self) -> Vec<String> {
         let mut echoed = Map::new();
         self.echo(&mut echoed);
@@ -188,7 +184,7 @@ impl Reading {
             other => plain(other),
         };
         let flag = |(name, value): (&String, &Value)| match value {
-            // the rows stand in a file
+            // the option names the file, not its rows
             Value::Array(_) if name == "dofs" => {
                 let name = self.dofs.as_ref().map_or("", |file| file.name.as_str());
                 format!("--dofs {}", shell_path(Path::new(name)))
@@ -199,7 +195,7 @@ impl Reading {
         echoed.iter().map(flag).collect()
     }
 
-    /// The options that [`Self::echo`] left in a result.
+    /// The options from the `options` of a result, where [`Self::echo`] put them.
     pub fn from_echo(options: &Map<String, Value>) -> Self {
         let text = |name: &str| options.get(name).and_then(Value::as_str);
         let given = |name: &str| options.get(name).and_then(Value::as_bool).unwrap_or(false);
@@ -239,8 +235,7 @@ impl Reading {
     }
 }
 
-/// The files behind paths, folders and patterns; what a folder holds besides is named in
-/// a warning.
+/// The files of paths, folders and patterns; warnings name the other files of a folder.
 ///
 /// # Errors
 /// Those of [`chladni_io::expand_paths`].
@@ -250,7 +245,7 @@ pub fn expand(paths: &[PathBuf], console: &Console) -> Result<Vec<PathBuf>> {
     Ok(inputs.files)
 }
 
-/// The FRFs of files as one set, whose kind is known.
+/// The FRFs of files as one set, and the sources. The kind of the FRFs is known.
 ///
 /// # Errors
 /// Those of reading; [`chladni_frf::ErrorKind::UnknownFrfKind`].
@@ -267,8 +262,8 @@ pub fn read_frf(
     Ok((frf, sources))
 }
 
-/// Findings about files, which they name without their folders: results are the same
-/// wherever the files lie.
+/// Adds findings about files. Their texts name files without folders, so that results do not
+/// depend on where the files are.
 pub fn warn_of_files(files: &[PathBuf], findings: Vec<Finding>, console: &Console) {
     let folders: Vec<String> = files
         .iter()
@@ -290,7 +285,7 @@ pub fn warn_of_files(files: &[PathBuf], findings: Vec<Finding>, console: &Consol
     }
 }
 
-/// Findings of several files in the same words, told once with their number.
+/// The findings, those of several files in the same words merged into one with their number.
 fn told_once(files: &[PathBuf], findings: Vec<Finding>) -> Vec<Finding> {
     let names: HashSet<String> = files
         .iter()

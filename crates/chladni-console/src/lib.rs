@@ -1,7 +1,7 @@
-//! The common part of the programs of Chladni: options, messages, progress, outputs that
-//! are refused before the work, and exit codes.
+//! The common part of the programs of Chladni: options, messages, progress, refusal of outputs
+//! before the work, and exit codes.
 //!
-//! A part of Chladni for its programs: what is public here may change with any version.
+//! It serves only these programs; its public items may change with any version.
 
 mod args;
 mod console;

@@ -5,18 +5,17 @@ use std::time::Duration;
 
 // oddities.rs
 
-/// No test of a structure that fits on a table ends so low, Hz; one whose kHz are called
-/// Hz does.
+/// End of a frequency axis, Hz, below which it is doubtful: such an axis is probably in kHz.
 pub(crate) const LOWEST_END_HZ: f64 = 5.0;
-/// ... if it has so many lines.
+/// Least number of lines of an axis that is doubted so.
 pub(crate) const LINES_OF_A_TEST: usize = 50;
-/// A part (real or imaginary) that stays at its largest value over so many lines in a row
-/// is clipped: noise and resonance curves do not repeat a number.
+/// Lines in a row at the largest value from which on a part (real or imaginary) is clipped.
+/// Noise and resonances do not repeat a number.
 pub(crate) const CLIPPED_LINES: usize = 5;
 
 // progress.rs
 
-/// Of a sum of shares, tenths.
+/// Rounding error of a sum of shares, tenths.
 pub(crate) const ROUNDING: f64 = 1e-6;
 /// Time between two moves of the bar.
 pub(crate) const TICK: Duration = Duration::from_millis(100);
@@ -25,8 +24,8 @@ pub(crate) const TICK: Duration = Duration::from_millis(100);
 
 /// Columns of a terminal; pipes get the same text.
 pub(crate) const COLUMNS: usize = 80;
-/// Columns of the word before a finding: `caution`, and two blanks.
+/// Columns of the severity before a finding: `caution` and two blanks.
 pub(crate) const INDENT: usize = 9;
-/// Cautions up to which each shows its next step; of more, only options are named, so that
-/// a result fits on one screen. Faults always show theirs.
+/// Most cautions that all show their next steps. With more, only steps that are options are
+/// shown, so that a result fits on a screen. Faults always show theirs.
 pub(crate) const MOST_WITH_HELP: usize = 2;

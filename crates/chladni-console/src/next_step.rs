@@ -1,12 +1,12 @@
-//! Options of the command line that take the next step of a finding. Libraries know none.
+//! Commands and options for the next step after a finding. Libraries know none.
 
 use chladni_frf::{Finding, Values};
 use std::path::Path;
 
-/// The page that is proposed for a report.
+/// File of the proposed report.
 const PAGE: &str = "report.html";
 
-/// The command that makes a report of `files`, quoted for a shell, from this folder.
+/// The command that makes a report of `files`, which are quoted for a shell.
 pub fn report(files: &[String]) -> String {
     let force = match Path::new(PAGE).exists() {
         true => " --force",
@@ -15,7 +15,7 @@ pub fn report(files: &[String]) -> String {
     format!("chladni report {} -o {PAGE}{force}", files.join(" "))
 }
 
-/// True where gains endanger a drive more than the panel does.
+/// True where errors of the gains endanger a drive more than those of the panel.
 pub fn is_of_gains(finding: &Finding) -> bool {
     let share = |name: &str| match finding.values.get(name) {
         Some(Values::One(share)) => *share,

@@ -1,5 +1,5 @@
-//! Oddities of a set of FRFs although every number in it can be read. What only a fit can
-//! tell is in `chladni-rfp` (faults).
+//! Oddities of a set of FRFs that reading shows. Those that only a fit shows are in
+//! `chladni-rfp/src/checks`.
 
 use crate::limits::{CLIPPED_LINES, LINES_OF_A_TEST, LOWEST_END_HZ};
 use crate::table::counted;
@@ -14,7 +14,7 @@ pub fn of_set(frf: &FrfSet) -> Vec<Finding> {
         .collect()
 }
 
-/// Findings on what may well be meant, and how to tell: for who asks what is inside.
+/// Findings for listings only, on oddities that may be meant.
 pub fn of_listing(frf: &FrfSet) -> Vec<Finding> {
     let (responses, references) = (frf.responses.len(), frf.references.len());
     let swapped = (references > responses).then(|| {
@@ -27,7 +27,7 @@ pub fn of_listing(frf: &FrfSet) -> Vec<Finding> {
              swapped: correct the export",
         )
     });
-    // commands that fit say the same of the fitted model, and better
+    // commands that fit report driving points from the model, which shows more
     swapped
         .into_iter()
         .chain(driving_point_faults(frf))
@@ -71,7 +71,7 @@ fn is_clipped(values: &[Complex64]) -> bool {
     ]
     .into_iter()
     .any(|part| {
-        // a run of that length has one of these pairs of neighbours
+        // a run of CLIPPED_LINES values contains one of these pairs of neighbours
         let mut pairs = values.windows(2).step_by(CLIPPED_LINES - 1);
         if !pairs.any(|pair| part(&pair[0]) == part(&pair[1])) {
             return false;

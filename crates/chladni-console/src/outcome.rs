@@ -1,4 +1,4 @@
-//! The end of a run: the result on stdout, or an error; and the exit status.
+//! The end of a run: the result on stdout or the error, and the exit status.
 
 use crate::console::{for_terminal, Console};
 use crate::settings::error_with_options;
@@ -9,20 +9,20 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Exit status of a result that was written, and failed a quality gate.
+/// Exit status of a result that was written but is in doubt.
 const DOUBTED: u8 = 1;
 
 /// The outcome of a command.
 pub struct Outcome {
     /// One JSON object, printed with `--json`.
     pub json: Value,
-    /// Text for people, printed without it.
+    /// Text for people, printed without `--json`.
     pub text: String,
-    /// The file that holds the result; with `-q` its summary is not printed.
+    /// The file of the result. With `--quiet` the text of a result in a file is not printed.
     pub output: Option<PathBuf>,
     /// The reason that the result cannot be trusted (exit 1).
     pub doubt: Option<String>,
-    /// The command that comes next, where there is one to propose.
+    /// The command that is proposed next.
     pub next: Option<String>,
 }
 
@@ -54,7 +54,7 @@ impl Outcome {
         Self { doubt, ..self }
     }
 
-    /// The same with the command that comes next.
+    /// The same with the next command.
     pub fn next(self, next: impl Into<String>) -> Self {
         Self {
             next: Some(next.into()),
@@ -63,9 +63,8 @@ impl Outcome {
     }
 }
 
-/// Runs `work`; a panic is a bug of ours and becomes an error of its own kind.
+/// Runs `work`; a panic becomes an internal error with its place in the source.
 pub fn without_panic(work: impl FnOnce() -> Result<Outcome>) -> Result<Outcome> {
-    panic::set_hook(Box::new(|_| {}));
     let place = std::sync::Arc::new(std::sync::Mutex::new(String::new()));
     let seen = place.clone();
     panic::set_hook(Box::new(move |info| {
@@ -89,8 +88,7 @@ pub fn without_panic(work: impl FnOnce() -> Result<Outcome>) -> Result<Outcome> 
     })
 }
 
-/// Prints the result, what was found on the way, and the next step; or the error. Gives
-/// the exit status.
+/// Prints the result, the findings and the next step, or the error. Returns the exit status.
 pub fn report(result: Result<Outcome>, console: &Console) -> ExitCode {
     console.finish();
     let printed = result.and_then(|outcome| {

@@ -1,45 +1,44 @@
-//! Places of results: refused before the work where they could not be written after it.
+//! Outputs: a file that could not be written is refused before the work.
 
 use crate::console::Console;
 use crate::interrupt::unbroken;
 use crate::stdout::{bytes_to_stdout, claim, is_standard_output};
 use chladni_frf::{Error, ErrorKind, Result};
-use chladni_io::refuse_output_among_inputs;
-use chladni_io::try_place;
+use chladni_io::{refuse_output_among_inputs, try_place, write_atomically};
 use chladni_text::door::Claim;
 use std::fs;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
-/// Formats of results on the standard output: of those that a command writes, the first.
-/// FRFs go on as binary universal files, bit by bit.
+/// Formats of results on the standard output; a command writes the first of these that it
+/// knows. FRFs are written as binary universal files, without loss.
 const STREAMED: [&str; 6] = ["json", "uff", "part", "poles", "csv", "html"];
-/// Those of them that no terminal can show.
+/// Binary ones among them, which no terminal can show.
 const BINARY: [&str; 3] = ["uff", "part", "poles"];
 
 /// Extensions of FRF files.
 pub const FRF: &[&str] = &[
     "h5", "hdf5", "npz", "mat", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt",
 ];
-/// Extensions of what `convert` writes of measured data.
+/// Extensions that `convert` writes measured data to.
 pub const DATA: &[&str] = &[
     "h5", "hdf5", "npz", "mat", "uff", "ufb", "bunv", "unv", "uf", "csv", "txt", "vtu", "pvd",
 ];
 /// Extensions of shapes and fields.
 pub const SHAPES: &[&str] = &["unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd"];
-/// Extensions of what `convert` writes of a model.
+/// Extensions that `convert` writes a model to.
 pub const MODEL_OR_SHAPES: &[&str] = &[
     "json", "h5", "hdf5", "mat", "csv", "txt", "unv", "uff", "ufb", "bunv", "uf", "vtu", "pvd",
 ];
 /// Extensions of model files.
 pub const MODEL: &[&str] = &["json", "h5", "hdf5"];
-/// Extensions of what is left of blocks of FRFs.
+/// Extension of partials of blocks of FRFs.
 pub const PARTIAL: &[&str] = &["part"];
-/// Extensions of what `block solve` writes: poles, or a model.
+/// Extensions that `block solve` writes to: poles or a model.
 pub const POLES_OR_MODEL: &[&str] = &["poles", "json", "h5", "hdf5"];
 /// Extensions of weights files.
 pub const WEIGHTS: &[&str] = &["json"];
-/// Extensions of what `render --wav` writes: a drive signal, or a table of amplitudes and
+/// Extensions that `render --wav` writes to: a drive signal, or a table of amplitudes and
 /// phases.
 pub const SIGNAL_OR_TABLE: &[&str] = &["wav", "csv"];
 /// Extensions of drive signals.
@@ -48,13 +47,16 @@ pub const SIGNALS: &[&str] = &["wav", "csv", "npz"];
 pub const SCENE: &[&str] = &["toml"];
 /// Extensions of reports.
 pub const HTML: &[&str] = &["html", "htm"];
-
 /// Extensions of tables.
 pub const TABLE: &[&str] = &["csv"];
 /// Extensions of pictures.
 pub const PICTURE: &[&str] = &["svg", "png", "gif"];
-/// Pictures, moving ones among them.
-pub const MOVING: &[&str] = &["svg", "png", "gif"];
+/// Extension of a file in lower case; empty where it has none.
+pub fn extension_of(path: &Path) -> String {
+    path.extension()
+        .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
+        .unwrap_or_default()
+}
 
 /// Makes `folder`, named by `option`, where it does not exist.
 ///
@@ -91,18 +93,18 @@ pub fn make_folder(folder: &Path, option: &str) -> Result<()> {
     })
 }
 
-/// A place that a result may be written to: a file, or the standard output as `-`.
+/// A checked output of a result: a file, or the standard output as `-`.
 pub struct Output<'a> {
     path: &'a Path,
     force: bool,
-    /// Extension of the format on the standard output.
+    /// Extension of the format on the standard output; `None` for a file.
     streamed: Option<&'static str>,
     _claim: Option<Claim>,
 }
 
 impl<'a> Output<'a> {
-    /// Checks extension, folder and an existing file, so that hours of work do not end in
-    /// a refusal. From then on the file is no input.
+    /// Checks extension and folder, and that no file is overwritten unasked. From then on the
+    /// file cannot be read as an input.
     ///
     /// # Errors
     /// [`ErrorKind::Usage`] for an unknown extension, [`ErrorKind::CannotCreate`] for
@@ -121,10 +123,7 @@ impl<'a> Output<'a> {
                 _claim: None,
             });
         }
-        let extension = path
-            .extension()
-            .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
-            .unwrap_or_default();
+        let extension = extension_of(path);
         if !extensions.contains(&extension.as_str()) {
             let known: Vec<String> = extensions.iter().map(|known| format!(".{known}")).collect();
             return Err(Error::new(
@@ -168,8 +167,17 @@ impl<'a> Output<'a> {
             .map_err(|error| of_option(error, option))
     }
 
-    /// Writes by `write(path, force)`, to its end even where an interruption comes
-    /// between.
+    /// Writes `content`, the whole file.
+    ///
+    /// # Errors
+    /// Those of writing.
+    pub fn write_bytes(&self, content: impl AsRef<[u8]>) -> Result<()> {
+        self.write(|path, force| {
+            write_atomically(path, force, |file| file.write_all(content.as_ref()))
+        })
+    }
+
+    /// Calls `write(path, force)`. An interruption waits until it has returned.
     ///
     /// # Errors
     /// Those of `write`.
@@ -177,19 +185,22 @@ impl<'a> Output<'a> {
         let Some(extension) = self.streamed else {
             return unbroken(|| write(self.path, self.force));
         };
-        // whole before its first byte goes out
+        // the result is complete before its first byte is printed
         let (made, bytes) = unbroken(|| {
-            let folder = tempfile::tempdir().map_err(|error| not_kept(&error))?;
+            let folder = tempfile::tempdir().map_err(|error| no_temporary_file(&error))?;
             let file = folder.path().join(format!("stdout.{extension}"));
             let made = write(&file, false)?;
-            Ok((made, fs::read(&file).map_err(|error| not_kept(&error))?))
+            Ok((
+                made,
+                fs::read(&file).map_err(|error| no_temporary_file(&error))?,
+            ))
         })?;
         bytes_to_stdout(&bytes)?;
         Ok(made)
     }
 }
 
-/// An error of an output that `option` names; it speaks of `-o`.
+/// The error of an output with the name of its option in place of `-o`.
 fn of_option(error: Error, option: &str) -> Error {
     let help = error.help.as_deref();
     match help.map(|help| help.replace("with -o", &format!("with {option}"))) {
@@ -198,7 +209,7 @@ fn of_option(error: Error, option: &str) -> Error {
     }
 }
 
-fn not_kept(error: &io::Error) -> Error {
+fn no_temporary_file(error: &io::Error) -> Error {
     Error::new(
         ErrorKind::Io,
         format!("cannot make the result for the standard output: {error}"),
@@ -208,7 +219,8 @@ fn not_kept(error: &io::Error) -> Error {
     .help("name another with TMPDIR, or give a file with -o")
 }
 
-/// Takes the standard output for a result, in the one of `extensions` that is streamed.
+/// Claims the standard output for a result, and returns the one of `extensions` that can be
+/// streamed.
 fn format_of_stream(extensions: &[&str], console: &Console) -> Result<&'static str> {
     let refuse = |message: &str, found: &str, expected: &str| {
         Err(Error::new(ErrorKind::Usage, message)

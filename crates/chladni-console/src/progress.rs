@@ -7,7 +7,7 @@ use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-/// The display, and the time that each stage took.
+/// The display of progress, and the times of the stages.
 pub struct Progress {
     display: Display,
     course: Mutex<Course>,
@@ -15,9 +15,9 @@ pub struct Progress {
 
 #[derive(Default)]
 struct Course {
-    /// Stages, and when they began.
+    /// Stages and their starts; a stage without a name is the end of the last.
     stages: Vec<(String, Instant)>,
-    /// Of the last stage, said so far.
+    /// Tenths of the last stage that were told.
     tenths: f64,
 }
 
@@ -28,7 +28,7 @@ enum Display {
 }
 
 impl Progress {
-    /// A display as chosen; `quiet` shows nothing.
+    /// The chosen display; none with `quiet`.
     pub fn new(choice: ProgressChoice, quiet: bool) -> Self {
         let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
         let display = match choice {
@@ -49,7 +49,7 @@ impl Progress {
         self.course.lock().expect("nothing panics while it is held")
     }
 
-    /// A stage begins, and the one before ends.
+    /// Begins a stage and ends the one before.
     pub fn stage(&self, name: &str) {
         let mut course = self.course();
         course.stages.push((name.to_owned(), Instant::now()));
@@ -64,8 +64,8 @@ impl Progress {
         }
     }
 
-    /// Shows how far the stage is, 0 to 1, and how long it will still take; without a bar
-    /// it is said at every tenth.
+    /// Shows the part of the stage that is done, 0 to 1, and the time that is left; as lines
+    /// only at every tenth.
     pub fn so_far(&self, done: f64, left: Duration) {
         let mut course = self.course();
         let stage = course.stages.last().map_or("", |(name, _)| name.as_str());
@@ -84,7 +84,7 @@ impl Progress {
         }
     }
 
-    /// Runs `print` with the bar out of the way.
+    /// Runs `print` while the bar is hidden.
     pub fn suspend(&self, print: impl FnOnce()) {
         match &self.display {
             Display::Bar(bar) => bar.suspend(print),
@@ -92,7 +92,7 @@ impl Progress {
         }
     }
 
-    /// The last stage ends.
+    /// Ends the last stage.
     pub fn finish(&self) {
         self.course().stages.push((String::new(), Instant::now()));
         if let Display::Bar(bar) = &self.display {
@@ -100,7 +100,7 @@ impl Progress {
         }
     }
 
-    /// Seconds that each stage took, those of the same name together; forgets them.
+    /// Takes the seconds of each stage, stages of the same name together.
     pub fn take_times(&self) -> Vec<(String, f64)> {
         let stages = std::mem::take(&mut self.course().stages);
         let mut times: Vec<(String, f64)> = Vec::new();

@@ -1,10 +1,11 @@
-//! File names and values in commands that people copy into a shell: whatever stands in
-//! them, they stay one word, and nothing of it is run.
+//! Quoting of file names and values in commands that people copy into a shell: each stays one
+//! word, and no part of it is run.
 
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// The path as one word of a POSIX shell that no program takes for an option.
+/// The path as one word of a POSIX shell; one that begins with a dash is written `./-…`, so
+/// that it is not taken for an option.
 pub fn shell_path(path: &Path) -> String {
     let name = path.as_os_str();
     let bytes = name.as_encoded_bytes();
@@ -15,8 +16,8 @@ pub fn shell_path(path: &Path) -> String {
     }
 }
 
-/// The text as one word of a POSIX shell: bare where it holds nothing but letters, digits
-/// and a few harmless signs, in quotes otherwise.
+/// The text as one word of a POSIX shell: bare where it holds only letters, digits and a few
+/// harmless signs, otherwise in quotes.
 pub fn shell_word(text: impl AsRef<OsStr>) -> String {
     let bytes = text.as_ref().as_encoded_bytes();
     let is_bare = |byte: &u8| byte.is_ascii_alphanumeric() || b"_-./,:=+@%".contains(byte);
@@ -29,8 +30,8 @@ pub fn shell_word(text: impl AsRef<OsStr>) -> String {
     }
 }
 
-/// `$'...'`, which names by number what cannot be shown: control characters, which a
-/// terminal would obey, and bytes that are no text.
+/// The text as `$'...'`, with octal numbers for control characters and for bytes that are not
+/// UTF-8.
 fn escaped(bytes: &[u8]) -> String {
     let by_number =
         |bytes: &[u8]| -> String { bytes.iter().map(|byte| format!("\\{byte:03o}")).collect() };

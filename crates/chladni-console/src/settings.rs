@@ -1,12 +1,13 @@
-//! Settings that libraries name in their sentences, as options of the command line.
+//! Settings that libraries name in their sentences, rewritten as options.
 //!
-//! A library knows no option. It names a setting of its own by the name of its field in
-//! backticks, with a value where it proposes one: `` `frf_kind mobility` ``. From Python
-//! that is the keyword; here it becomes `--frf-kind mobility`.
+//! A library knows no options. It names a setting by its field in backticks, with a value
+//! where it proposes one: `` `frf_kind mobility` ``. In Python that is the keyword; here it
+//! becomes `--frf-kind mobility`.
 
 use crate::usage;
 use chladni_frf::{Error, ErrorKind, Finding, TimeSign};
 
+/// Names of the settings that are options of the same name.
 const SETTINGS: [&str; 25] = [
     "block",
     "blocks",
@@ -35,7 +36,7 @@ const SETTINGS: [&str; 25] = [
     "window",
 ];
 
-/// Words of libraries for the time sign that the data were not read with.
+/// Words of libraries for the time sign opposite to that of reading.
 const OTHER_SIGN: &str = "the other time sign";
 
 /// The text with every setting as an option.
@@ -53,7 +54,7 @@ fn as_options_of(text: &str, read_with: TimeSign) -> String {
         TimeSign::Minus => "+",
         TimeSign::Plus => "-",
     };
-    // what was read is told again with a result
+    // findings of a stored result are told again: they already name the option
     let text = match text.contains(&format!("{OTHER_SIGN} (")) {
         true => text.to_owned(),
         false => text.replace(OTHER_SIGN, &format!("{OTHER_SIGN} (`time_sign {other}`)")),
@@ -71,14 +72,14 @@ fn as_options_of(text: &str, read_with: TimeSign) -> String {
     out + rest
 }
 
-/// The text before the next words in backticks, these, and what follows.
+/// The text before the next words in backticks, these words, and the rest.
 fn next_quoted(text: &str) -> Option<(&str, &str, &str)> {
     let (before, rest) = text.split_once('`')?;
     let (quoted, after) = rest.split_once('`')?;
     Some((before, quoted, after))
 }
 
-/// `frf_kind mobility` as `--frf-kind mobility`; `None` for what is no setting.
+/// `frf_kind mobility` as `--frf-kind mobility`; `None` where the words name no setting.
 fn option_of(quoted: &str) -> Option<String> {
     let name = quoted
         .split(' ')
@@ -100,7 +101,7 @@ pub fn finding_with_options(finding: &Finding) -> Finding {
     }
 }
 
-/// The error with every setting as an option; a wrong option is named as one.
+/// The error with every setting as an option; so is the field of an error of usage.
 pub fn error_with_options(error: Error) -> Error {
     let field = error.field.as_deref().map(|field| {
         option_of(field)

@@ -1,4 +1,4 @@
-//! One way to start and to end for every program.
+//! The start and the end of every program.
 
 use crate::args::Common;
 use crate::console::Console;
@@ -9,17 +9,17 @@ use chladni_text::door::KeptInputs;
 use clap::Parser;
 use std::process::ExitCode;
 
-/// Parses the arguments, runs the command on as many threads as asked for, and prints its
-/// result or its error; the exit status is that of the contract.
+/// Parses the arguments, runs the command on the number of threads asked for, and prints its
+/// result or its error. Returns the exit status.
 ///
-/// * `common`: the options of all commands among the parsed ones
+/// * `common`: the common options of the parsed arguments
 pub fn start<C: Parser>(
     common: impl Fn(&C) -> &Common,
     run: impl FnOnce(&C, &Console) -> Result<Outcome>,
 ) -> ExitCode {
     let json = usage::asks_for("--json");
     interrupt::install(json);
-    // before the arguments: some options read a file
+    // before parsing, since some options read a file
     let _kept = KeptInputs::of_run();
     let cli: C = match usage::parse() {
         Ok(cli) => cli,
@@ -31,11 +31,10 @@ pub fn start<C: Parser>(
         start_threads(common.threads)?;
         run(&cli, &console)
     });
-    outcome::report(result.map_err(interrupt::told), &console)
+    outcome::report(result.map_err(interrupt::as_interruption), &console)
 }
 
-/// Starts the threads to compute with, as many as there are cores where no number is
-/// asked for.
+/// Starts the threads to compute with; one for each core where no number is given.
 fn start_threads(asked: Option<u16>) -> Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(asked.unwrap_or(0).into());
     pool.build_global().map_err(|error| {
@@ -44,9 +43,9 @@ fn start_threads(asked: Option<u16>) -> Result<()> {
     })
 }
 
-/// The error for threads that the system does not start.
+/// The error where the system starts no more threads.
 pub fn refused_threads(error: &dyn std::error::Error) -> Error {
-    // the words of the pool say nothing, those of the system behind them do
+    // the system's error behind that of the pool tells the reason
     let reason = error
         .source()
         .map_or_else(|| error.to_string(), ToString::to_string);

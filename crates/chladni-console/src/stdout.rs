@@ -1,4 +1,4 @@
-//! The content of stdout: the result, or the error object of the contract.
+//! Stdout: the result, or the error object.
 
 use chladni_frf::{Error, ErrorKind, Result};
 use serde_json::json;
@@ -8,33 +8,32 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The name of the standard output.
 const STANDARD_OUTPUT: &str = "-";
-/// Set once stdout is the place of a result file.
+/// Set once stdout takes the content of a result file.
 static CLAIMED: AtomicBool = AtomicBool::new(false);
-
-/// Set once stdout is in use for the result.
+/// Set once something is printed.
 static PRINTING: AtomicBool = AtomicBool::new(false);
 
-/// True once stdout belongs to the result.
+/// True once something is printed.
 pub fn is_printing() -> bool {
     PRINTING.load(Ordering::SeqCst)
 }
 
-/// True where a result is to be written to stdout.
+/// True for the path `-`.
 pub fn is_standard_output(path: &Path) -> bool {
     path.as_os_str() == STANDARD_OUTPUT
 }
 
-/// Takes stdout for the content of a result file; false where another one has it.
+/// Claims stdout for the content of a result file; false where another one has it.
 pub fn claim() -> bool {
     !CLAIMED.swap(true, Ordering::SeqCst)
 }
 
-/// True once stdout is the place of a result file, and no text belongs there.
+/// True once stdout takes the content of a result file, so that no text may be printed.
 pub fn is_claimed() -> bool {
     CLAIMED.load(Ordering::SeqCst)
 }
 
-/// Prints the error object of the contract: all keys always.
+/// Prints the error object, which always has all keys.
 pub fn print_error(error: &Error) {
     let object = json!({"error": {
         "code": error.kind.exit_code(),
@@ -49,11 +48,11 @@ pub fn print_error(error: &Error) {
         "expected": error.expected,
         "help": error.help,
     }});
-    // the error is on stderr already; a closed stdout changes nothing
+    // the error is on stderr already, so a closed stdout does not matter
     drop(print_line(&object.to_string()));
 }
 
-/// Prints text that ends with a line feed.
+/// Prints text and a line feed.
 pub fn print_line(text: &str) -> Result<()> {
     to_stdout(&format!("{text}\n"))
 }
@@ -63,7 +62,7 @@ pub fn to_stdout(text: &str) -> Result<()> {
     bytes_to_stdout(text.as_bytes())
 }
 
-/// Writes to stdout; a reader that has seen enough (`| head`) is no error.
+/// Writes to stdout; a pipe that its reader has closed (`| head`) is no error.
 pub fn bytes_to_stdout(bytes: &[u8]) -> Result<()> {
     PRINTING.store(true, Ordering::SeqCst);
     let mut stdout = io::stdout().lock();

@@ -1,12 +1,11 @@
-//! Tables for people, and numbers with as many digits as their error bars carry.
+//! Tables for people, and numbers with as many digits as their error bars allow.
 
 use comfy_table::{presets, CellAlignment, Table};
 
-/// 95 % of a normal distribution lie within so many standard deviations.
+/// Standard deviations within which 95 % of a normal distribution lie.
 pub const SIGMAS_95: f64 = 1.96;
 
-/// A table without frame: header, then rows; columns whose cells are numbers stand at the
-/// right.
+/// A table without a frame: header, then rows; columns of numbers are aligned at the right.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let mut table = Table::new();
     table
@@ -25,20 +24,20 @@ pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
             }
         }
     }
-    // every cell is padded, the first one too
+    // the first cell of a line is padded on its left too
     table
         .lines()
         .map(|line| format!("{}\n", line.strip_prefix(' ').unwrap_or(&line).trim_end()))
         .collect()
 }
 
-/// A value with its bound, whose first digit is the last of both; a bound that is not
-/// known is left out.
+/// A value with its bound, both rounded to the first digit of the bound. Without a known bound
+/// the value alone, to six digits.
 pub fn bounded(value: f64, bound: f64) -> String {
     if !(bound.is_finite() && bound > 0.0) {
         return significant(value, 6);
     }
-    // 0.96 is 1 in one digit
+    // the exponent after rounding to one digit: 0.96 becomes 1e0
     let leading = format!("{bound:.0e}");
     let exponent: f64 = leading
         .split_once('e')
@@ -67,7 +66,7 @@ pub fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The first of a list, and how many more there are.
+/// The first `shown` items of a list, and the number of the others.
 pub fn shortened(items: &[String], shown: usize) -> String {
     let first = items
         .iter()

@@ -1,5 +1,4 @@
-//! Findings as a terminal shows them: one paragraph for each code, in the order of their
-//! weight.
+//! Findings on a terminal: one paragraph for each code, faults first.
 
 use crate::limits::{COLUMNS, INDENT, MOST_WITH_HELP};
 use crate::next_step::option_for;
@@ -7,24 +6,23 @@ use crate::table::counted;
 use chladni_frf::{Finding, Severity};
 use std::cmp::Reverse;
 
-/// Notes that ask how the data were measured: they are shown in full, for nobody else can
-/// answer.
+/// Notes that ask the user how the data were measured: they are always shown in full.
 const QUESTIONS: [&str; 1] = ["more-references"];
 
-/// Findings that the sentence of a result says already.
+/// Findings that the first sentence of a result contains already.
 const SAID: [&str; 1] = ["mostly-unexplained"];
 
 /// A paragraph for the terminal.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Told {
-    /// Of the finding; `None` for a line about all notes.
+    /// Severity of the finding; `None` for a line about all notes.
     pub severity: Option<Severity>,
-    /// Its text without that word, in lines that fit beside it.
+    /// The text in lines that fit beside the severity.
     pub text: String,
 }
 
-/// Findings of one code as one paragraph, faults first; notes are counted unless all is
-/// `verbose`, or they ask something.
+/// One paragraph for the findings of each code, faults first. Notes are only counted, unless
+/// `verbose` or they ask something.
 pub(crate) fn told(findings: &[Finding], verbose: bool) -> Vec<Told> {
     let mut groups: Vec<Vec<&Finding>> = Vec::new();
     let is_said = |finding: &&Finding| !verbose && SAID.contains(&&*finding.code);
@@ -74,8 +72,8 @@ fn alike(a: &Finding, b: &Finding) -> bool {
     (&a.code, a.severity) == (&b.code, b.severity)
 }
 
-/// The first of the group, how many more there are, and with `help` the next step; a step
-/// that is an option is always named.
+/// The first finding of the group, the number of the others, and with `help` the next step. A
+/// step that names an option is always shown.
 fn sentence(group: &[&Finding], verbose: bool, help: bool) -> String {
     let first = group[0];
     let mut sentence = first.text.clone();
@@ -97,7 +95,7 @@ fn sentence(group: &[&Finding], verbose: bool, help: bool) -> String {
     }
 }
 
-/// The text in lines that leave room for the word before it; words are never cut.
+/// The text in lines that leave room for the severity; words are never cut.
 fn wrapped(text: &str) -> String {
     let mut lines = vec![String::new()];
     for paragraph in text.lines() {
@@ -117,7 +115,7 @@ fn wrapped(text: &str) -> String {
     lines.join(&format!("\n{}", " ".repeat(INDENT)))
 }
 
-/// The word before a finding, padded.
+/// The severity before a finding, padded.
 pub(crate) fn label(severity: Severity) -> String {
     format!("{:INDENT$}", severity.as_str())
 }

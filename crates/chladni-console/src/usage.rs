@@ -1,4 +1,4 @@
-//! Wrong usage, in the same words and the same JSON as every other error.
+//! Parsing of the arguments; errors of usage have the form of all other errors.
 
 use crate::console::for_terminal;
 use crate::input::DofFile;
@@ -10,7 +10,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// True where `option` stands among the arguments, however wrong the others are.
+/// True where `option` is among the arguments, even if others are wrong.
 pub fn asks_for(option: &str) -> bool {
     std::env::args_os()
         .take_while(|arg| arg != "--")
@@ -27,9 +27,9 @@ pub fn says(option: &str, value: &str) -> bool {
             .any(|pair| pair[0] == option && pair[1] == value)
 }
 
-/// The reason that there is nothing to run.
+/// The reason why no command is run.
 pub enum Answer {
-    /// Help, version, or arguments that are not understood.
+    /// Help, version, or wrong arguments.
     Clap(clap::Error),
     /// Arguments that do not go together.
     Refused(Error),
@@ -41,7 +41,7 @@ pub fn parse<C: Parser>() -> Result<C, Answer> {
         true => ColorChoice::Never,
         false => ColorChoice::Auto,
     };
-    let matches = purpose_first(C::command())
+    let matches = with_help_pages(C::command())
         .color(colours)
         .try_get_matches_from(arguments())
         .map_err(Answer::Clap)?;
@@ -49,27 +49,26 @@ pub fn parse<C: Parser>() -> Result<C, Answer> {
     C::from_arg_matches(&matches).map_err(Answer::Clap)
 }
 
-/// The arguments of this process; `help --help` asks for what `help` shows.
+/// The arguments of this process; `help --help` is read as `help`.
 fn arguments() -> impl Iterator<Item = OsString> {
     let is_help = std::env::args_os().nth(1).is_some_and(|arg| arg == "help");
     std::env::args_os().filter(move |arg| !(is_help && (arg == "--help" || arg == "-h")))
 }
 
-/// A help page: what the command is for, examples, then its options.
+/// A help page: purpose, examples, options.
 const HELP: &str = "{about-with-newline}
 {before-help}{usage-heading} {usage}
 
 {all-args}{after-help}";
 
-/// Options under these headings are those of many commands: `--help` lists them, `-h`
-/// does not.
+/// Headings of options that many commands share: `--help` lists them, `-h` does not.
 const SHARED: [&str; 2] = ["Common options", "Reading FRFs"];
-/// One of them that many files need.
+/// One of these options that `-h` lists too, since many files need it.
 const OFTEN_NEEDED: &str = "frf_kind";
 
-/// The command and all below it with help pages that begin with their purpose, and short
-/// ones that hold their own options. A negative number after an option is its value.
-fn purpose_first(command: Command) -> Command {
+/// The command and its subcommands with the help page [`HELP`]. Their short help leaves out
+/// shared options. A negative number after an option is its value.
+fn with_help_pages(command: Command) -> Command {
     let is_shared = |arg: &Arg| {
         let heading = arg.get_help_heading();
         arg.get_id().as_str() != OFTEN_NEEDED && heading.is_some_and(|name| SHARED.contains(&name))
@@ -82,13 +81,13 @@ fn purpose_first(command: Command) -> Command {
             arg.hide_short_help(hide)
                 .allow_negative_numbers(takes_value)
         })
-        .mut_subcommands(purpose_first)
+        .mut_subcommands(with_help_pages)
 }
 
 /// Options that name a file to write.
 const WRITTEN: [&str; 4] = ["output", "truth", "wav", "calibration"];
 
-/// Refuses a second file that is the standard input: it can be read once.
+/// Refuses the standard input as a second file, since it can be read only once.
 fn one_standard_input(matches: &ArgMatches) -> Result<(), Error> {
     let Some((_, matches)) = matches.subcommand() else {
         return Ok(());
@@ -127,7 +126,7 @@ impl Answer {
 fn report(answer: &clap::Error, program: &Command, json: bool) -> ExitCode {
     let no_command = answer.kind() == ClapKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if !answer.use_stderr() || (no_command && !json) {
-        // a reader that has seen enough is no error
+        // a pipe that its reader has closed is no error
         drop(answer.print());
         return ExitCode::from(
             u8::try_from(answer.exit_code()).unwrap_or(ErrorKind::Usage.exit_code()),
@@ -145,7 +144,7 @@ fn refuse(error: &Error, json: bool) -> ExitCode {
 }
 
 fn error_of(answer: &clap::Error, program: &Command) -> Error {
-    // a file that an option names could not be read: no wrong usage
+    // a file of an option that cannot be read is not an error of usage
     if let Some(error) = reason(answer).filter(|error| error.file.is_some()) {
         return error.clone();
     }
@@ -184,7 +183,7 @@ fn error_of(answer: &clap::Error, program: &Command) -> Error {
             }),
         _ => with_value(error, answer),
     };
-    // for an unknown option clap would show the usage of its guess
+    // for an unknown option clap gives the usage of the option that it guesses
     let usage = context(ContextKind::Usage)
         .filter(|_| answer.kind() != ClapKind::UnknownArgument)
         .map(|usage| usage.trim_start_matches("Usage: ").trim().to_owned());
@@ -197,7 +196,7 @@ fn error_of(answer: &clap::Error, program: &Command) -> Error {
     })
 }
 
-/// The reason in words of our own, where a value was refused for one.
+/// The error of our own parser of a value, where that refused it.
 fn reason(answer: &clap::Error) -> Option<&Error> {
     std::error::Error::source(answer).and_then(|reason| reason.downcast_ref())
 }
@@ -209,12 +208,12 @@ fn is_twice(answer: &clap::Error) -> bool {
     argument.is_some() && argument == of(ContextKind::PriorArg)
 }
 
-/// The words of clap on one side of the matter.
+/// Clap's words for one kind of context; `None` where they are empty.
 fn context(answer: &clap::Error, kind: ContextKind) -> Option<String> {
     answer.get(kind).map(words).filter(|text| !text.is_empty())
 }
 
-/// Adds the argument, its value and what the value should be.
+/// Adds the argument, its value, and the expected value.
 fn with_value(error: Error, answer: &clap::Error) -> Error {
     let argument = context(answer, ContextKind::InvalidArg);
     let (name, placeholder) = argument.as_deref().map_or((None, None), split_argument);
@@ -241,7 +240,7 @@ fn with_value(error: Error, answer: &clap::Error) -> Error {
     }
 }
 
-/// The program and the command among the arguments, as they are called.
+/// The program and its command, as in the arguments.
 fn called(program: &Command) -> String {
     let name = program.get_bin_name().unwrap_or(program.get_name());
     let command = std::env::args()
@@ -253,7 +252,7 @@ fn called(program: &Command) -> String {
     }
 }
 
-/// `--band <LO:HI>` into its name and what its value looks like.
+/// Name and placeholder of `--band <LO:HI>`.
 fn split_argument(argument: &str) -> (Option<String>, Option<String>) {
     match argument.split_once(' ') {
         Some((name, placeholder)) => (
@@ -279,7 +278,7 @@ fn message(answer: &clap::Error) -> String {
         return reason.message.clone();
     }
     if let Some(reason) = std::error::Error::source(answer) {
-        // the words of number parsers are meant for programmers
+        // the words of number parsers are for programmers
         return match reason.is::<std::num::ParseIntError>() {
             true => "not a whole number, 0 or more".into(),
             false => reason.to_string(),
@@ -307,7 +306,7 @@ fn message(answer: &clap::Error) -> String {
     }
 }
 
-/// The text of a piece of context, without colours.
+/// The text of clap's context, without colours.
 fn words(value: &ContextValue) -> String {
     match value {
         ContextValue::String(text) => text.clone(),

@@ -13,8 +13,9 @@ pub(super) struct Files {
     pub(super) model: PathBuf,
     pub(super) scenes: Vec<PathBuf>,
     pub(super) weights: Vec<PathBuf>,
-    /// The measured field of the first scene, and its weights corrected by it.
+    /// The measured field of the first scene.
     pub(super) field: PathBuf,
+    /// The weights that this field corrected.
     pub(super) corrected: PathBuf,
     pub(super) report: PathBuf,
 }
@@ -23,7 +24,7 @@ impl Files {
     /// Makes the folder, and refuses to overwrite anything without `--force`.
     ///
     /// # Errors
-    /// A folder that cannot be made, a file that stands there already.
+    /// A folder that cannot be made; a file that exists already.
     pub(super) fn new(folder: &Path, console: &Console) -> Result<Self> {
         let numbered = |stem: &str, extension: &str| {
             (1..=SCENES)

@@ -1,5 +1,5 @@
-//! Speed against accuracy on the demonstration's own FRFs: a few methods, one fit each,
-//! beside what the noise allows.
+//! Speed against accuracy on the demonstration's own FRFs: one fit by each of a few methods,
+//! with errors over the Cramér-Rao bound.
 
 use crate::limits::RESIDUAL_POWERS;
 use crate::truth::Comparison;
@@ -10,8 +10,8 @@ use chladni_report::Table;
 use chladni_rfp::{fit, FitOptions, Method};
 use std::time::Instant;
 
-/// Beside `auto`, which the demonstration runs anyway: the methods that take less time
-/// than it does, so that it stays a matter of seconds.
+/// Methods beside `auto`, which the demonstration runs anyway. All are faster than `auto`, so
+/// that the demonstration takes seconds.
 const METHODS: [Method; 5] = [
     Method::Lean,
     Method::Vf,
@@ -62,7 +62,7 @@ pub fn speed_against_accuracy(
     let mut rows = vec![row(Method::Auto, auto_s, model)];
     for method in METHODS {
         console.stage(&format!("speed against accuracy: {method}"));
-        // `lean` is for those who know the order
+        // `lean` needs the number of modes
         let options = FitOptions {
             method,
             modes: (method == Method::Lean).then_some(known.len()),
@@ -91,7 +91,7 @@ fn row(
 ) -> Vec<String> {
     // a missed mode counts as half its bandwidth
     let over_bound = comparison
-        .frequency_hz
+        .frequency_errors_hz
         .iter()
         .zip(known)
         .zip(bounds_hz)

@@ -7,19 +7,17 @@ mod rig;
 use self::files::Files;
 use self::rig::OnRig;
 use crate::curves::curves;
-use crate::fit::{echo_of, fit_model};
+use crate::fit::fit_model;
 use crate::limits::{LEAST_RATIO, SCENES};
 use crate::render::{render_scene, write_weights, Trials};
-use crate::report::write_page;
 use crate::truth::Comparison;
 use chladni_console::input::source;
 use chladni_console::output::{Output, FRF, HTML, MODEL, SCENE, WEIGHTS};
 use chladni_console::quoting::shell_path;
 use chladni_console::table::{significant, table};
-use chladni_console::Console;
-use chladni_console::Outcome;
+use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result};
-use chladni_io::{write_atomically, write_contents, write_model, Contents};
+use chladni_io::{write_contents, write_model, Contents};
 use chladni_plate::{simulate, Panel};
 use chladni_render::{evaluate, On, PointIndices, RenderOptions, Rendering, Scene};
 use chladni_report::{html, sentence, Curves, RenderedScene, ReportInput};
@@ -28,7 +26,7 @@ use serde_json::{json, Value};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// The trials of the first scene beside being rendered, as by `chladni render --stress
+/// The trials of the first scene, as by `chladni render --stress
 /// --sweep 310:350`.
 const TRIALS: Trials = Trials {
     stress_seed: Some(1),
@@ -52,7 +50,7 @@ pub struct Args {
     output: PathBuf,
 }
 
-/// A scene rendered by the fitted model, in the model and on the panel itself.
+/// A scene rendered with the fitted model, judged in that model and on the true panel.
 struct Judged {
     rendering: Rendering,
     curves: Curves,
@@ -65,7 +63,7 @@ struct Judged {
 /// Those of writing; anything else is a bug.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let files = Files::new(&args.output, console)?;
-    // fixtures/panel.toml with one driving point
+    // the panel of fixtures/panel.toml, with one driving point
     let mut panel = Panel::default();
     panel.responses.driving_point = true;
     let (frf, truth) = measure(&files, &panel, console)?;
@@ -97,7 +95,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         tables: vec![methods],
         ..ReportInput::default()
     })?;
-    write_page(&Output::new(&files.report, HTML, &[], console)?, &page)?;
+    Output::new(&files.report, HTML, &[], console)?.write_bytes(page)?;
 
     let comparison = Comparison::new(&model, &truth);
     let doubts: Vec<String> = comparison
@@ -143,15 +141,7 @@ fn identify(files: &Files, frf: &FrfSet, console: &Console) -> Result<(ModalMode
     let options = FitOptions::default();
     let sources = vec![source(&files.panel)?];
     let start = Instant::now();
-    let model = fit_model(
-        frf,
-        &options,
-        sources,
-        echo_of(&options),
-        Vec::new(),
-        &files.panel,
-        console,
-    )?;
+    let model = fit_model(frf, &options, sources, &files.panel, console)?;
     let time_s = start.elapsed().as_secs_f64();
     console.find_all(&model.quality.findings);
     Output::new(&files.model, MODEL, &[], console)?
@@ -159,8 +149,8 @@ fn identify(files: &Files, frf: &FrfSet, console: &Console) -> Result<(ModalMode
     Ok((model, time_s))
 }
 
-/// Writes a scene, renders it by the fitted model, and judges the weights on the panel
-/// itself.
+/// Writes scene `k`, renders it with the fitted model, and judges the weights on the true
+/// panel.
 fn render_one(
     files: &Files,
     k: usize,
@@ -169,9 +159,7 @@ fn render_one(
     console: &Console,
 ) -> Result<Judged> {
     console.stage("rendering four scenes");
-    let text = scene_text(k + 1);
-    Output::new(&files.scenes[k], SCENE, &[], console)?
-        .write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))?;
+    Output::new(&files.scenes[k], SCENE, &[], console)?.write_bytes(scene_text(k + 1))?;
     let scene = Scene::read(&files.scenes[k])?;
     let options = RenderOptions::default();
     let mut rendering = render_scene(
@@ -229,7 +217,8 @@ max_force_n = 0.1
     )
 }
 
-/// Scenes whose hot or cold ratio is too low, in the model or on the panel.
+/// A complaint for each scene whose hot or cold ratio is too low, in the model or on the
+/// panel.
 fn unmet(scenes: &[Judged]) -> Vec<String> {
     let least = |scene: &Judged| {
         scene
@@ -278,8 +267,8 @@ fn json(
         "output": args.output.display().to_string(),
         "files": files.all().map(name).collect::<Vec<_>>(),
         "modes": {"known": comparison.known, "missed": comparison.missed, "spurious": comparison.spurious},
-        "frequency_error": spread(&comparison.frequency),
-        "loss_factor_error": spread(&comparison.loss_factor),
+        "frequency_error": spread(&comparison.frequency_errors),
+        "loss_factor_error": spread(&comparison.loss_factor_errors),
         "mac": {"worst": comparison.mac.first(), "median": median(&comparison.mac)},
         "scenes": scenes.iter().enumerate().map(scene).collect::<Vec<_>>(),
         "dead_actuator": on_rig.json(),
@@ -303,8 +292,8 @@ fn text(
         comparison.known - comparison.missed,
         comparison.known,
         comparison.spurious,
-        worst(&comparison.frequency),
-        worst(&comparison.loss_factor)
+        worst(&comparison.frequency_errors),
+        worst(&comparison.loss_factor_errors)
     );
     let percent = |ratio: f64| format!("{:.0} %", 100.0 * ratio);
     let row = |(k, scene): (usize, &Judged)| {
@@ -340,8 +329,7 @@ fn text(
     )
 }
 
-/// The middle of rising values, the mean of both where they are even in number; NaN
-/// without values.
+/// Median of rising values; NaN without values.
 fn median(sorted: &[f64]) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;

@@ -1,17 +1,17 @@
-//! A rig that is not as the model: the strongest actuator of the first scene is dead. Its
-//! field is measured, named and corrected, as by `chladni evaluate --field` and
-//! `chladni correct`.
+//! A rig that differs from the model: the strongest actuator of the first scene is dead.
+//! The field is measured, the dead actuator is named and the weights are corrected, as by
+//! `chladni evaluate --field` and `chladni correct`.
 
 use super::files::Files;
 use crate::correct::corrected;
 use crate::field_words::sentence;
 use crate::limits::{SCANNER_SEED, SCANNER_SNR_DB};
 use crate::render::write_weights;
-use crate::scanned::scanned;
+use crate::scanned::{scanned, ScannerNoise};
 use chladni_console::output::{Output, TABLE, WEIGHTS};
 use chladni_console::Console;
 use chladni_frf::{Dof, Error, ErrorKind, MeasuredField, ModalModel, Result};
-use chladni_io::{field_csv, sha256_of, write_atomically};
+use chladni_io::{field_csv, sha256_of};
 use chladni_render::{evaluate, evaluate_field, FieldEvaluation, On, PlayedField, Scene, Weights};
 use chladni_report::RenderedScene;
 use serde_json::{json, Value};
@@ -19,14 +19,20 @@ use serde_json::{json, Value};
 /// The first scene on the rig with a dead actuator.
 pub(super) struct OnRig {
     dead: Dof,
-    /// The weights of the model, and their field.
-    before: (Weights, FieldEvaluation),
-    /// Corrected by that field.
-    after: (Weights, FieldEvaluation),
+    /// The rendered weights.
+    before: Measured,
+    /// The weights that the field of `before` corrected.
+    after: Measured,
 }
 
-/// Plays `played`, the weights of the first scene, on the rig, corrects them by the field,
-/// plays these.
+/// Weights and the field that was measured while they were played.
+struct Measured {
+    weights: Weights,
+    field: FieldEvaluation,
+}
+
+/// Plays `played`, the weights of the first scene, on the rig. Corrects them by their field
+/// and plays the corrected weights.
 ///
 /// # Errors
 /// Those of writing; anything else is a bug.
@@ -45,9 +51,7 @@ pub(super) fn on_rig(
         .ok_or_else(|| Error::new(ErrorKind::Internal, "weights without actuators"))?;
     let sha256 = sha256_of(&files.weights[0])?;
     let field = measured(played, dead, truth, &scene, sha256.clone())?;
-    let text = field_csv(&field);
-    Output::new(&files.field, TABLE, &[], console)?
-        .write(|path, force| write_atomically(path, force, |out| out.write_all(text.as_bytes())))?;
+    Output::new(&files.field, TABLE, &[], console)?.write_bytes(field_csv(&field))?;
     let before = evaluate_field(played, &scene, model, &field, Some(&sha256))?;
     let inputs = [
         &files.model,
@@ -74,8 +78,14 @@ pub(super) fn on_rig(
     };
     let dead = played.weights[dead].reference;
     Ok(OnRig {
-        before: (named(played, format!("actuator {dead} dead")), before),
-        after: (named(&weights, "corrected".into()), after),
+        before: Measured {
+            weights: named(played, format!("actuator {dead} dead")),
+            field: before,
+        },
+        after: Measured {
+            weights: named(&weights, "corrected".into()),
+            field: after,
+        },
         dead,
     })
 }
@@ -94,7 +104,10 @@ fn measured(
     let field = evaluate(&rig, scene, On::Model(truth))?.field;
     let velocities = field.velocity_m_per_s.iter().copied();
     let velocities: Vec<_> = field.responses.into_iter().zip(velocities).collect();
-    let noise = (SCANNER_SNR_DB, SCANNER_SEED);
+    let noise = ScannerNoise {
+        snr_db: SCANNER_SNR_DB,
+        seed: SCANNER_SEED,
+    };
     scanned(&velocities, weights.frequency_hz, weights_sha256, noise)
 }
 
@@ -102,18 +115,18 @@ impl OnRig {
     /// Both fields, for the report.
     pub(super) fn shown(&self) -> [RenderedScene<'_>; 2] {
         [&self.before, &self.after]
-            .map(|(weights, field)| RenderedScene::of_measured(weights, field))
+            .map(|shown| RenderedScene::of_measured(&shown.weights, &shown.field))
     }
 
     /// The verdict on the measured field, and the shares after the correction.
     pub(super) fn text(&self) -> String {
-        let points = &self.after.1.indices.points;
+        let points = &self.after.field.indices.points;
         let percent = |ratio: f64| format!("{:.0} %", 100.0 * ratio);
         format!(
             "Scene 1 where actuator {} is dead:\n{}\nCorrected by that field: {} of hot points \
              felt, {} of cold ones quiet.",
             self.dead,
-            sentence(&self.before.1).replace(". ", ".\n"),
+            sentence(&self.before.field).replace(". ", ".\n"),
             percent(points.hot_ratio),
             percent(points.cold_ratio),
         )
@@ -123,9 +136,9 @@ impl OnRig {
     pub(super) fn json(&self) -> Value {
         json!({
             "dead": self.dead,
-            "likeliest": self.before.1.agreement.hypotheses.first(),
-            "before": self.before.1.indices.points,
-            "after": self.after.1.indices.points,
+            "likeliest": self.before.field.agreement.hypotheses.first(),
+            "before": self.before.field.indices.points,
+            "after": self.after.field.indices.points,
         })
     }
 }

@@ -12,7 +12,7 @@ use chladni_io::{read_field, sha256_of};
 use chladni_render::{evaluate_field, FieldEvaluation, Scene, Weights};
 use serde_json::{json, Value};
 
-/// Scores every field that was named.
+/// Judges every field of `--field`.
 ///
 /// # Errors
 /// Those of reading, and a field that is not of these weights or not of this model.

@@ -42,11 +42,11 @@ impl Args {
         self.poles_of.is_some()
     }
 
-    /// The model with its poles moved to the fields `files`; `None` where no weights say
-    /// that they are fields.
+    /// The model with its poles moved to the measured fields `files`; `None` where no weights
+    /// are given, so that the files are FRFs.
     ///
     /// # Errors
-    /// Those of reading; as many weights as files; fields that do not belong to them.
+    /// Those of reading; another number of weights than of files; fields of other weights.
     pub fn followed_by_fields(
         &self,
         files: &[PathBuf],
@@ -90,11 +90,12 @@ impl Args {
         let sources = inputs
             .map(|file| source(file))
             .collect::<Result<Vec<_>>>()?;
-        self.told(model, [common_shift, common_shift_std], &sources, file)
+        self.completed(model, [common_shift, common_shift_std], &sources, file)
             .map(Some)
     }
 
-    /// The error of reading `files`, with what to do where one is a field without weights.
+    /// The error of reading `files`, with advice where one is a field and its weights are
+    /// missing.
     pub fn explained(&self, error: Error, files: &[PathBuf]) -> Error {
         match self.is_given() && files.iter().any(|file| read_field(file).is_ok()) {
             true => error.help("of a measured field name the weights that played: --weights"),
@@ -114,7 +115,7 @@ impl Args {
         .help("give some of the files, or raise --memory")
     }
 
-    /// The model with its poles moved to `frf`; `None` where none is to be followed.
+    /// The model with its poles moved to `frf`; `None` where no model is to be followed.
     ///
     /// # Errors
     /// Those of reading the model; FRFs between DOFs that it lacks.
@@ -135,12 +136,13 @@ impl Args {
             common_shift_std,
             ..
         } = poles_of(&known, frf).map_err(|error| error.file(file))?;
-        self.told(model, [common_shift, common_shift_std], sources, file)
+        self.completed(model, [common_shift, common_shift_std], sources, file)
             .map(Some)
     }
 
-    /// The model with its sources and options, and what its drift is in kelvin.
-    fn told(
+    /// The moved model with its sources and options, and with the drift in kelvin where a
+    /// coefficient is given.
+    fn completed(
         &self,
         mut model: ModalModel,
         [common_shift, common_shift_std]: [f64; 2],

@@ -50,7 +50,7 @@ impl Args {
     /// Reads the panel.
     ///
     /// # Errors
-    /// Those of the panel; a route that needs one, and a panel that nothing needs.
+    /// Those of the panel; a scale that needs a panel without one, and the reverse.
     pub fn panel(&self, memory: u64) -> Result<Option<GivenPanel>> {
         let needs = matches!(self.scale, Choice::Continuity | Choice::Mass);
         match &self.panel {
@@ -74,10 +74,10 @@ impl Args {
         }
     }
 
-    /// The model with its shapes scaled as it was asked for.
+    /// The model with its shapes scaled as `--scale` asks.
     ///
     /// # Errors
-    /// A route that was named and cannot be taken.
+    /// A scale that was asked for and cannot be found.
     pub fn scaled(&self, model: ModalModel, panel: Option<&GivenPanel>) -> Result<ModalModel> {
         let is_scaled = model.scaling == Scaling::UnitModalMass;
         let route = match (self.scale, panel) {
@@ -111,7 +111,7 @@ impl Args {
     }
 }
 
-/// The caution that a panel cannot give a scale.
+/// The caution that the panel gives no scale, with the reason.
 fn refused(error: Error) -> Finding {
     let found = error
         .found

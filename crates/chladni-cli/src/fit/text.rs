@@ -20,8 +20,8 @@ pub fn text(model: &ModalModel, verbose: bool) -> String {
     }
 }
 
-/// The part of the data that a fit explains; where poles were moved to new data, by how much
-/// instead: quality is that of the model that was followed.
+/// The sentence on modes and the explained part of the data. Where poles were moved to new
+/// data, their shift instead, since the quality is that of the known model.
 fn headline(model: &ModalModel) -> String {
     let is_followed = model.options.contains_key("poles_of");
     let findings = &model.quality.findings;
@@ -32,8 +32,7 @@ fn headline(model: &ModalModel) -> String {
     }
 }
 
-/// The sentence in lines that a terminal does not break within a word; a file or another
-/// program gets it in one.
+/// The sentence in lines that fit on a terminal; in one line for a file or another program.
 fn for_terminal(sentence: &str) -> String {
     if !stdout().is_terminal() {
         return sentence.to_owned();
@@ -58,11 +57,12 @@ fn for_terminal(sentence: &str) -> String {
 struct Numbered<'a> {
     number: usize,
     mode: &'a Mode,
-    /// Doubts about its damping alone, and why it is weak.
+    /// The doubt about its damping, or the reason why the mode is weak.
     remark: String,
 }
 
-/// The modes that count, as many as a screen holds: sure ones before weak ones.
+/// A table of the modes in the band that fits on a screen. Weak modes are listed where the
+/// modes are few.
 fn modes(model: &ModalModel) -> String {
     let all: Vec<Numbered> = model
         .in_band_modes()
@@ -136,7 +136,7 @@ fn two_columns(listed: &[&Numbered]) -> String {
     let width = |lines: &[String]| lines.iter().map(|line| line.chars().count()).max();
     let bounded = parts.map(|part| column(part, true));
     let wide: usize = bounded.iter().filter_map(|lines| width(lines)).sum();
-    // where two columns with both bounds are wider than a terminal, one line bounds all ζ
+    // where the bounds of ζ do not fit on a terminal, one line below gives the largest
     let is_wide = wide + 2 > TERMINAL_WIDTH;
     let [left, right] = match is_wide {
         true => parts.map(|part| column(part, false)),
@@ -200,8 +200,7 @@ fn remark(model: &ModalModel, mode: &Mode, number: usize) -> String {
     weak.unwrap_or_else(|| damping.to_owned())
 }
 
-/// Every mode with all that the file says of it in a row: also rejected ones, and those
-/// outside the band.
+/// A table of every mode with its reasons, rejected ones and those outside the band included.
 fn every_mode(model: &ModalModel) -> String {
     const HEADER: [&str; 5] = ["mode", "f, Hz ± 95 %", "ζ, % ± 95 %", "", "reasons"];
     let mut number = 0;
@@ -235,7 +234,7 @@ fn every_mode(model: &ModalModel) -> String {
     }
 }
 
-/// Damping law and scale; with all of it also the method and the poles outside.
+/// Damping law and scale; with `verbose` also the method and the poles outside the band.
 fn whole(model: &ModalModel, verbose: bool) -> String {
     let law = match model.damping {
         Damping::Structural => "structural",

@@ -8,7 +8,7 @@ use chladni_render::{play, signal_csv, PlayOptions, Scene, Signal, SignalOptions
 pub enum Drive {
     /// A table of amplitudes and phases.
     Table(String),
-    /// The samples that `play` makes of them.
+    /// The samples that `play` makes of the weights.
     Samples(Box<Signal>),
 }
 

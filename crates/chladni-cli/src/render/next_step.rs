@@ -7,13 +7,13 @@ use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
 use chladni_render::Weights;
 
-/// A sweep where the drive is too sensitive to the panel, the suggested frequency after one;
-/// else the report.
+/// For a drive that is too sensitive to the panel: a sweep, or after a sweep the suggested
+/// frequency. Otherwise the report.
 pub fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<String> {
     let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
     let again = format!("chladni render {model} {scene}");
     let drive_hz = weights.frequency_hz;
-    // no frequency bears gains that are off
+    // another frequency does not help against errors of the gains
     let is_sensitive = weights
         .findings
         .iter()
@@ -26,7 +26,7 @@ pub fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<St
                 significant(hz, 6)
             ))
         }
-        // a sweep looks for one frequency
+        // a sweep suggests one frequency, for scenes of one tone
         (None, true) if weights.other_tones.is_empty() => {
             let [low, high] = around(drive_hz, band_hz)?.map(|hz| significant(hz, 6));
             Some(format!("{again} --sweep {low}:{high}"))
@@ -38,8 +38,8 @@ pub fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<St
     }
 }
 
-/// The frequencies about a drive, Hz, that a sweep is worth: those that were fitted, where the
-/// model says which. `None` where it has none of them.
+/// Range of a sweep around the drive frequency, Hz: the part inside the fitted band `[low,
+/// high]`, where the model has one. `None` where the band does not reach it.
 fn around(drive_hz: f64, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let [from, to] = [(drive_hz - SWEEP_HZ).max(1.0), drive_hz + SWEEP_HZ];
     if low >= high {

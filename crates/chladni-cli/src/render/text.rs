@@ -1,12 +1,14 @@
-//! Rendered scenes in words: whether the scene is met, a map of the responses, and what
-//! the drive endures.
+//! Rendered scenes in words: the verdict, a map of the responses, and the robustness of the
+//! drive.
 
 use crate::indices::{stress_table, sweep_table, weights_table};
 use crate::limits::{MOST_COLUMNS, MOST_ROWS, SAME_M};
 use chladni_console::table::{counted, significant, table};
 use chladni_render::{Field, Ground, Limits, Rendering, TouchIndices, Weights};
+use std::fmt::{self, Display, Formatter};
 
-/// All tones, one below the other; `weights` carry what the trials added to the rendering.
+/// All tones, one below the other. `weights` are those of `rendering` with the outcome of the
+/// trials.
 pub fn text(weights: &Weights, rendering: &Rendering, verbose: bool) -> String {
     let fields = std::iter::once(rendering).chain(&rendering.other_tones);
     let tones: Vec<String> = weights
@@ -39,37 +41,55 @@ fn tone(weights: &Weights, field: &Field, limits: &Limits, verbose: bool) -> Str
             .unwrap_or_default()
 }
 
-/// Responses inside their limits, and all of them: hot, cold.
-struct Judged([[usize; 2]; 2]);
+/// Numbers of responses: those that keep their limit, and all.
+#[derive(Default)]
+struct Kept {
+    kept: usize,
+    all: usize,
+}
 
-impl Judged {
-    fn of(field: &Field, limits: &Limits) -> Self {
-        let mut counts = [[0; 2]; 2];
-        for (ground, velocity) in field.ground.iter().zip(&field.velocity_m_per_s) {
-            let (kind, inside) = match ground {
-                Ground::Hot => (0, limits.is_felt(velocity.norm())),
-                Ground::Cold => (1, limits.is_quiet(velocity.norm())),
-                Ground::Ignored => continue,
-            };
-            counts[kind][0] += usize::from(inside);
-            counts[kind][1] += 1;
-        }
-        Self(counts)
-    }
-
-    fn words(&self) -> [String; 2] {
-        self.0.map(|[inside, all]| format!("{inside} of {all}"))
+impl Kept {
+    fn count(&mut self, is_kept: bool) {
+        self.kept += usize::from(is_kept);
+        self.all += 1;
     }
 }
 
-/// Tells whether the scene is met, by how much, and what speaks against it.
+impl Display for Kept {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        write!(out, "{} of {}", self.kept, self.all)
+    }
+}
+
+/// The judged responses of a field.
+#[derive(Default)]
+struct Judged {
+    hot: Kept,
+    cold: Kept,
+}
+
+impl Judged {
+    fn of(field: &Field, limits: &Limits) -> Self {
+        let mut judged = Self::default();
+        for (ground, velocity) in field.ground.iter().zip(&field.velocity_m_per_s) {
+            match ground {
+                Ground::Hot => judged.hot.count(limits.is_felt(velocity.norm())),
+                Ground::Cold => judged.cold.count(limits.is_quiet(velocity.norm())),
+                Ground::Ignored => {}
+            }
+        }
+        judged
+    }
+}
+
+/// The verdict: the scene is met or not, the margin, and the reservation if there is one.
 fn sentence(weights: &Weights, judged: &Judged) -> String {
     let hz = significant(weights.frequency_hz, 6);
     if weights.own_finding("scene-impossible").is_some() {
         return format!("The scene is impossible at {hz} Hz: no drive can meet it.");
     }
-    let [hot, cold] = judged.words();
     if !weights.is_met() {
+        let Judged { hot, cold } = judged;
         return format!("The scene is not met at {hz} Hz: {hot} hot felt, {cold} cold quiet.");
     }
     let spare = weights
@@ -83,8 +103,8 @@ fn sentence(weights: &Weights, judged: &Judged) -> String {
     format!("The scene is met at {hz} Hz{spare}{but}.")
 }
 
-/// The responses as they lie on the panel, one sign each; `None` where they are no grid
-/// that a terminal can show.
+/// A map with one sign for each response; `None` where the responses do not lie on a grid
+/// that fits on a terminal.
 fn map(field: &Field, limits: &Limits) -> Option<String> {
     let axis = |k: usize| -> Vec<f64> {
         let mut places: Vec<f64> = field.positions_m.iter().map(|place| place[k]).collect();
@@ -118,24 +138,23 @@ fn map(field: &Field, limits: &Limits) -> Option<String> {
     Some(cells.iter().rev().map(line).collect())
 }
 
-/// Indices, and what the drive endures.
+/// A table of the indices and of the robustness of the drive.
 fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
     let points = &weights.indices.points;
     let area = weights.indices.area.as_ref();
     let percent = |ratio: Option<f64>| {
         ratio.map_or_else(String::new, |ratio| format!("{:.1} %", 100.0 * ratio))
     };
-    let [hot, cold] = judged.words();
     let one = |name: &str, value: String, remark: String| vec![name.to_owned(), value, remark];
     let mut rows = vec![
         one(
             "hot ground felt",
-            hot,
+            judged.hot.to_string(),
             percent(area.and_then(|area| area.hot_ratio)),
         ),
         one(
             "cold ground quiet",
-            cold,
+            judged.cold.to_string(),
             percent(area.and_then(|area| area.cold_ratio)),
         ),
     ];
@@ -179,7 +198,8 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
     table(&["", "responses", "ground between"], &rows)
 }
 
-/// The firmest finger that is borne; the share served under it; the least of any place.
+/// The firmest finger that the drive withstands; the share of responses served under fingers;
+/// the share at the worst place.
 fn under_fingers(touch: &TouchIndices) -> [String; 3] {
     let kappa = touch.kappa.unwrap_or(f64::INFINITY);
     let borne = match &touch.firmest {

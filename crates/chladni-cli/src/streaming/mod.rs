@@ -1,5 +1,5 @@
-//! Fits of data larger than memory: passes over the files part by part, each part reduced
-//! and forgotten.
+//! Fits of data larger than memory: passes over the files, which read, reduce and drop one
+//! part after the other.
 
 mod resume;
 
@@ -8,8 +8,7 @@ use crate::limits::{
     FIT_OVER_SET, LANES_MOST, LANES_WAITING, PARTS_OF_MEMORY, PART_MOST, PILOT_PARTS, PILOT_SHARE,
 };
 use chladni_console::input::source;
-use chladni_console::refused_threads;
-use chladni_console::Console;
+use chladni_console::{refused_threads, Console};
 use chladni_frf::{Error, ErrorKind, Finding, FrfValues, Result, Source};
 use chladni_io::{Checksums, FrfParts, Part, Turn};
 use chladni_rfp::pieces::{solve, Partial, PieceError, Poles, Reducer, Solved};
@@ -30,7 +29,7 @@ pub struct Stream<'a> {
     data: FrfParts,
     parts: Vec<Part>,
     files: Vec<PathBuf>,
-    /// Made by the first pass, where it can.
+    /// Checksums that the first pass computes; `None` where it cannot.
     checksums: Option<Checksums>,
     options: &'a FitOptions,
     console: &'a Console,
@@ -71,8 +70,8 @@ impl<'a> Stream<'a> {
         self.parts.iter().map(bytes).sum()
     }
 
-    /// Runs `work`, which makes passes, and with it or beside it the checksums of the
-    /// files.
+    /// Runs `work`, which makes passes, and computes the checksums of the files: in the first
+    /// pass where possible, else on a thread beside.
     ///
     /// # Errors
     /// Those of either.
@@ -82,7 +81,7 @@ impl<'a> Stream<'a> {
             return Ok((made, checksums.sources()?));
         }
         let files = self.files.clone();
-        // not scoped: an error of `work` need not wait for the end of the files
+        // not scoped: an error of `work` is told before all files are read
         let read = move || {
             files
                 .iter()
@@ -99,10 +98,10 @@ impl<'a> Stream<'a> {
         Ok((made, sources?))
     }
 
-    /// One pass, where `before` is what an interrupted one had left.
+    /// One pass; `before` is the state of an interrupted one.
     ///
     /// # Errors
-    /// Those of reading, of a fit that cannot be made, and of keeping what was done.
+    /// Those of reading, of a fit that cannot be made, and of saving the state.
     pub fn pass(
         &self,
         reducer: &Reducer,
@@ -118,12 +117,12 @@ impl<'a> Stream<'a> {
         let mut merged = before;
         thread::scope(|scope| {
             let lanes = pass.lanes(scope)?;
-            let taken = self.merge_in_turn(&pass, &lanes, &mut merged, resume);
+            let merging = self.merge_in_turn(&pass, &lanes, &mut merged, resume);
             // no lane may wait for a part that will not come
-            if !matches!(taken, Ok(true)) {
+            if !matches!(merging, Ok(Merging::Complete)) {
                 pass.give_up();
             }
-            taken.map(drop)
+            merging.map(drop)
         })?;
         merged.ok_or_else(|| {
             Error::bad_data("the input holds no FRF")
@@ -134,25 +133,25 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Merges the parts of the `lanes` in the order of the data, so that what is said comes
-    /// in that order too; false where a lane panicked.
+    /// Merges the parts of the `lanes` in the order of the data; their findings come in that
+    /// order too.
     fn merge_in_turn(
         &self,
         pass: &Pass,
-        lanes: &[Receiver<Reduced>],
+        lanes: &[Receiver<Result<ReducedPart>>],
         merged: &mut Option<Partial>,
         resume: &mut Resume,
-    ) -> Result<bool> {
+    ) -> Result<Merging> {
         let bytes = |part: &Part| self.data.part_bytes(part) as f64;
         let all: f64 = pass.open.iter().map(|(_, part)| bytes(part)).sum();
         let (start, mut done) = (Instant::now(), 0.0);
         for ((_, part), lane) in pass.open.iter().zip(lanes.iter().cycle()) {
             let file = self.data.file(part);
-            let Ok(made) = lane.recv() else {
-                return Ok(false);
-            }; // it panicked: so does the scope
-            let (partial, warnings) = made?;
-            self.console.find_all(&warnings);
+            let Ok(received) = lane.recv() else {
+                return Ok(Merging::LanePanicked);
+            };
+            let ReducedPart { partial, findings } = received?;
+            self.console.find_all(&findings);
             let partial = partial?;
             let whole = match merged.take() {
                 Some(before) => {
@@ -165,11 +164,11 @@ impl<'a> Stream<'a> {
                 .so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
             resume.keep(merged.insert(whole))?;
         }
-        Ok(true)
+        Ok(Merging::Complete)
     }
 
-    /// Both passes, or the first alone where the poles of a pilot will do; and once more
-    /// where they ask for it.
+    /// Fits the data by passes: one where the poles of a pilot serve, two otherwise, more where
+    /// the solution asks for another.
     ///
     /// # Errors
     /// As [`Self::pass`].
@@ -196,8 +195,8 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// Poles as a few parts from all over the data show them. What goes wrong is for the
-    /// passes to tell.
+    /// Poles of a few parts spread over the data; `None` where anything fails, since the passes
+    /// then report the error.
     fn pilot(&self) -> Option<Poles> {
         self.console.stage("pilot");
         let reducer = Reducer::new(self.options, None).ok()?;
@@ -206,7 +205,7 @@ impl<'a> Stream<'a> {
         let mut partial = |part: (u64, &Part)| {
             reduced(&self.data, self.options, &reducer, &part, None, &mut spare)
                 .ok()?
-                .0
+                .partial
                 .ok()
         };
         let partials: Option<Vec<Partial>> = (0..)
@@ -226,18 +225,28 @@ impl<'a> Stream<'a> {
     }
 }
 
-/// A part as a lane hands it over: what is left of it, and what is to be said of it.
-type Reduced = Result<(Result<Partial>, Vec<Finding>)>;
+/// A part that was read and reduced.
+struct ReducedPart {
+    partial: Result<Partial>,
+    /// Findings of reading, told even where the part cannot be reduced.
+    findings: Vec<Finding>,
+}
 
-/// The parts that a pass has still to reduce, shared out to lanes: threads that each take
-/// every so many-th part.
+/// The end of merging the parts of a pass.
+enum Merging {
+    Complete,
+    /// A lane panicked; the scope of the threads passes the panic on.
+    LanePanicked,
+}
+
+/// The parts that a pass still has to reduce. With n lanes (threads), each takes every n-th.
 struct Pass<'a> {
     data: &'a FrfParts,
     options: &'a FitOptions,
     reducer: &'a Reducer,
-    /// Number and part of each.
+    /// The parts with their numbers.
     open: Vec<(u64, &'a Part)>,
-    /// Of the files, in the pass that makes them.
+    /// Checksums of the files, in the pass that computes them.
     checksums: Option<&'a Checksums>,
     /// Number of lanes.
     count: usize,
@@ -265,7 +274,7 @@ impl<'a> Pass<'a> {
     fn lanes<'scope>(
         &'scope self,
         scope: &'scope thread::Scope<'scope, '_>,
-    ) -> Result<Vec<Receiver<Reduced>>> {
+    ) -> Result<Vec<Receiver<Result<ReducedPart>>>> {
         let lane = |first: usize| {
             let (sender, receiver) = sync_channel(1);
             let started =
@@ -282,8 +291,8 @@ impl<'a> Pass<'a> {
         lanes
     }
 
-    /// Reduces part `first` of the open ones and every further one of its lane.
-    fn run_lane(&self, first: usize, sender: &SyncSender<Reduced>) {
+    /// Reduces the open parts of the lane whose first part is `first`.
+    fn run_lane(&self, first: usize, sender: &SyncSender<Result<ReducedPart>>) {
         let mut spare = None;
         let mut run = || {
             for (number, part) in self.open.iter().enumerate().skip(first).step_by(self.count) {
@@ -303,7 +312,7 @@ impl<'a> Pass<'a> {
                 }
             }
         };
-        // a part to each thread: shared out, its short products would wait for others to wake
+        // one thread for each part: its products are too short to be worth waking others
         match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
             Ok(alone) => alone.install(run),
             Err(_) => run(),
@@ -318,8 +327,8 @@ impl<'a> Pass<'a> {
     }
 }
 
-/// Reads a part in its `turn` and reduces it, and what is to be said of it; `spare` goes
-/// from part to part, so that memory need not be cleared for each.
+/// Reads a part in its `turn` and reduces it. The values in `spare` are memory that the parts
+/// reuse, so that it is not cleared for each.
 fn reduced(
     data: &FrfParts,
     options: &FitOptions,
@@ -327,8 +336,8 @@ fn reduced(
     (number, part): &(u64, &Part),
     turn: Option<Turn>,
     spare: &mut Option<FrfValues>,
-) -> Reduced {
-    let (frf, warnings) = data.read(part, turn, spare.take())?;
+) -> Result<ReducedPart> {
+    let (frf, findings) = data.read(part, turn, spare.take())?;
     let file = data.file(part);
     let partial = match frf.known_kind() {
         Ok(_) => reducer
@@ -337,10 +346,10 @@ fn reduced(
         Err(error) => Err(error.file(file)),
     };
     *spare = Some(frf.values);
-    Ok((partial, warnings))
+    Ok(ReducedPart { partial, findings })
 }
 
-/// A piece that cannot be made or solved, in words of the file and the options.
+/// The error of a piece that cannot be made or solved, with its file and the options.
 pub fn explain_piece(error: PieceError, options: &FitOptions, file: &Path) -> Error {
     match error {
         PieceError::Fit(error) => explain(&error, options, file),

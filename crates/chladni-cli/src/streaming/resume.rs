@@ -1,8 +1,8 @@
-//! The state that an interrupted run leaves beside its output, so that the next can go
-//! on.
+//! The state that a run saves beside its output, so that the next can go on where it was
+//! interrupted.
 //!
-//! One line of JSON that says of which files it is, and with which options they were read
-//! and fitted, then the partial so far.
+//! The file holds one line of JSON, which names the input files and the options of reading
+//! and fitting, and then the partial so far.
 
 use crate::limits::SHARE;
 use chladni_console::{is_standard_output, unbroken};
@@ -20,25 +20,27 @@ use std::time::{Duration, Instant};
 /// Version of the first line; another one is refused.
 const VERSION: u64 = 2;
 
-/// The state that is kept, and its place.
+/// The saved state of a run.
 pub struct Resume {
+    /// The file of the state; `None` where nothing is saved.
     place: Option<PathBuf>,
     /// The first line of the file.
     head: Value,
-    /// Time at which it was kept last, and how long that took.
+    /// Time of the last save, and how long it took.
     kept: Instant,
     cost: Duration,
+    /// The state of the interrupted run.
     found: Option<Partial>,
-    /// Claim on the kept file, which is no input.
+    /// Claim on the file of the state, so that no input is read from it.
     _claim: Option<Claim>,
 }
 
 impl Resume {
-    /// Beside `output` (nowhere without one); with `goes_on` what an interrupted run left
-    /// there is taken up.
+    /// A state that is saved beside `output`, or nowhere without one. With `goes_on` the
+    /// state of an interrupted run is read.
     ///
-    /// * `memory`: what the files are cut by
-    /// * `options`: all that can change a byte of the result, as results echo them
+    /// * `memory`: bytes that determine the parts of the files
+    /// * `options`: all that can change the result, as results echo them
     ///
     /// # Errors
     /// A state that belongs to other files or options, or is damaged.
@@ -119,12 +121,12 @@ impl Resume {
         Partial::from_bytes(&bytes[end + 1..])
     }
 
-    /// The state that the interrupted run left.
+    /// The state of the interrupted run, once.
     pub fn take(&mut self) -> Option<Partial> {
         self.found.take()
     }
 
-    /// Keeps what is done, from time to time.
+    /// Saves the state, if the last save is long enough ago.
     ///
     /// # Errors
     /// Those of writing.
@@ -149,10 +151,10 @@ impl Resume {
         Ok(())
     }
 
-    /// The work is done: nothing is left behind.
+    /// Removes the file of the state once the work is done.
     pub fn done(self) {
         if let Some(place) = self.place {
-            // the result is written: a file too much is no failure
+            // the result is written, so a file that stays is no failure
             let _ = fs::remove_file(place);
         }
     }
@@ -167,7 +169,7 @@ fn described(files: &[PathBuf]) -> Result<Value> {
     files.iter().map(of).collect()
 }
 
-/// Refuses the first option whose value was another one.
+/// Refuses options that differ from those of the interrupted run; names the first.
 fn same_options(were: &Value, are: &Value) -> Result<()> {
     let no_options = Map::new();
     let [were, are] = [were, are].map(|options| options.as_object().unwrap_or(&no_options));
@@ -180,7 +182,7 @@ fn same_options(were: &Value, are: &Value) -> Result<()> {
         Some(Value::String(text)) => text.clone(),
         Some(value) => value.to_string(),
     };
-    // results name the unit too
+    // names in results end with the unit
     let flag = name.trim_end_matches("_hz").trim_end_matches("_per_s");
     Err(
         Error::bad_data("what was interrupted was a fit with other options")

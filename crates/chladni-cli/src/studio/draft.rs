@@ -1,17 +1,15 @@
-//! Lines that a draft looks at: those that tell the resonances known so far, and a few of
-//! the others.
+//! Lines that a draft uses: those around the known resonances, and a few of the others.
 //!
-//! A draft knows how many modes there are and where they stood a moment ago. Between
-//! resonances FRFs are smooth, so that few lines hold what all of them do, and a fit
-//! costs as much as it has lines.
+//! A draft knows the modes of the last full fit. Between resonances FRFs are smooth, so that
+//! few lines are enough there, and the time of a fit grows with its lines.
 
 use crate::limits::{FEW_LINES, LINES_PER_RESONANCE, ONE_OF_OTHERS, REACH};
 use chladni_frf::ModalModel;
 
-/// The lines of `axis_hz` in `band_hz` (all where it is missing) that a draft needs;
-/// `None` where it may look at all of them.
+/// Indices of the lines of `axis_hz` in `band_hz` (all lines where that is missing) that a
+/// draft needs; `None` where it may use all of them.
 ///
-/// Beyond the band of `known`, every line stays: nobody has looked there.
+/// Beyond the band of `known` every line stays, since its modes are not known there.
 pub fn few_lines(
     axis_hz: &[f64],
     band_hz: Option<[f64; 2]>,
@@ -36,7 +34,7 @@ pub fn few_lines(
             ]
         })
         .collect();
-    // distance from one line to the next
+    // least distance of neighbouring lines
     let gap_hz = |hz: f64| {
         let over = resonances
             .iter()

@@ -1,5 +1,5 @@
-//! Measured fields in the studio: how near the last one comes to its prediction, the likely
-//! causes of the rest, and the drive that all of them correct.
+//! Measured fields in the studio: the agreement of the last one with its prediction, the
+//! likely causes of the deviation, and the drive that all of them correct.
 
 use super::question::MeasuredQuestion;
 use super::rendered::Rendered;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub struct Corrected {
     pub weights: Weights,
     pub calibration: Arc<Calibration>,
-    /// Field of the drive in the model that the fields corrected.
+    /// The field of the drive in the corrected model.
     pub evaluation: Evaluation,
 }
 
@@ -82,7 +82,8 @@ impl Session {
             ..ReportInput::default()
         };
         let model = self.selected_file(&question.scene);
-        // the weights of the first field are the rendered ones, each later ones those that were corrected before
+        // the first field was measured under the rendered weights, each later one under the
+        // weights that the fields before it corrected
         let pairs = question.fields.iter().enumerate().map(|(k, field)| {
             let weights = match k {
                 0 => "weights.json".to_owned(),
@@ -113,8 +114,8 @@ impl Corrected {
     }
 }
 
-/// The fields with the weights that each was measured under: those of the rendering, then
-/// those that the fields before correct.
+/// The fields, each with the weights that it was measured under: the rendered ones for the
+/// first, for each later one those that the fields before it correct.
 fn played(rendered: &Rendered, question: &MeasuredQuestion) -> Result<Vec<PlayedField>> {
     if question.fields.is_empty() {
         return Err(Error::bad_data("no measured field")

@@ -1,10 +1,10 @@
 //! `chladni studio`: the report, live, on a page that only this machine can open.
 //!
-//! `session.rs` fits, on the lines that `draft.rs` chooses while a hand moves, and
-//! `progress.rs` knows how far it is; `scenes.rs` renders, `measured.rs` takes measured
-//! fields; `server.rs` answers the page, which lives in `chladni-report` and shares the
-//! report's views. `token.rs` tells the owner from other users of the machine, and
-//! `question.rs` says what may be asked.
+//! `server.rs` answers the page, which is in `chladni-report` and shares the report's views.
+//! `question.rs` holds the questions that it may ask, and `token.rs` distinguishes the owner
+//! from other users of the machine. `session.rs` fits, on the lines of `draft.rs` while
+//! something is dragged, and `progress.rs` holds the stages of the fit. `scenes.rs` renders
+//! scenes, and `measured.rs` judges measured fields.
 
 mod draft;
 mod measured;

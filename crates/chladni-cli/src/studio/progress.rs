@@ -1,28 +1,27 @@
-//! Progress of the fit of the moment: its stages with their times, for the page to show.
+//! Progress of the running fit: its stages with their times, for the page.
 
 use serde_json::{json, Value};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// The stages of the last full fit, and the one at work.
+/// The stages of the last full fit, the running one among them.
 #[derive(Default)]
 pub struct Progress(Mutex<Stages>);
 
 #[derive(Default)]
 struct Stages {
-    /// Names and seconds of those that are over.
+    /// Names and seconds of the stages that have ended.
     over: Vec<(String, f64)>,
     running: Option<(String, Instant)>,
 }
 
 impl Progress {
-    /// A new fit: nothing of it is done.
+    /// Begins a new fit.
     pub fn begin(&self) {
         *self.stages() = Stages::default();
     }
 
-    /// A stage begins, and the one before is over. The next round of a stage counts as
-    /// the same one.
+    /// Begins a stage and ends the one before. Another round of a stage adds to its time.
     pub fn stage(&self, name: &str) {
         let mut stages = self.stages();
         if stages
@@ -36,7 +35,7 @@ impl Progress {
         stages.running = Some((name.to_owned(), Instant::now()));
     }
 
-    /// Nothing is at work any more.
+    /// Ends the fit.
     pub fn end(&self) {
         self.stages().close();
     }
@@ -52,7 +51,7 @@ impl Progress {
     }
 
     fn stages(&self) -> MutexGuard<'_, Stages> {
-        // a list of names is sound whoever panicked with it
+        // after a panic the list is whole all the same
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

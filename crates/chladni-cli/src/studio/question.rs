@@ -1,5 +1,5 @@
-//! Questions that the page may ask, and the bounds of every number in it. No question
-//! names a file: what a scene needs besides comes along as text.
+//! Questions of the page, and the bounds of every number in them. No question names a file:
+//! a threshold table or a measured field comes along as text.
 
 use crate::limits::{HIGHEST_HZ, MOST_QUESTIONS, QUESTION_MOST_MODES};
 use chladni_frf::{Error, Result};
@@ -10,27 +10,26 @@ use std::fmt::Debug;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-/// A question's place among those about fits: what a newer page asks is newer, and of one
-/// page what has the higher number.
+/// The order of the questions about fits: by page, then by number.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Turn {
-    /// The page, as it was numbered when it was served.
+    /// Number of the page, in the order in which pages were served.
     page: u64,
     /// Rises from question to question of a page.
     number: u64,
 }
 
-/// Settings of a fit; of no account where a model was read.
+/// Settings of a fit; ignored where a model was opened.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FitQuestion {
-    /// Number of the page that asks; 0 for who asks without one.
+    /// Number of the page that asks; 0 without a page.
     #[serde(default)]
     page: u64,
     /// Rises from question to question.
     number: u64,
-    /// The hand still moves: the model that is quickest to have, and what changes with it
-    /// alone.
+    /// True while something is dragged: the answer is a quick fit, without what only a full
+    /// fit changes.
     #[serde(default)]
     pub draft: bool,
     /// Hz; all lines where it is missing.
@@ -40,12 +39,12 @@ pub struct FitQuestion {
     /// Modes that the reader has seen, Hz.
     #[serde(default)]
     pub added_hz: Vec<f64>,
-    /// True where the page asks afterwards for what takes longer than the fit.
+    /// True where the page asks later for the data that take longer than the fit.
     #[serde(default)]
     pub light: bool,
 }
 
-/// The fit that is to be drawn.
+/// Asks for the data of a fit.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DataQuestion {
@@ -67,7 +66,7 @@ impl DataQuestion {
 }
 
 impl FitQuestion {
-    /// The fit that is asked for, and its turn; `pages` were served so far.
+    /// The options of the fit, and its turn. `pages` were served so far.
     ///
     /// # Errors
     /// A number out of its bounds, by name.
@@ -102,7 +101,7 @@ impl FitQuestion {
     }
 }
 
-/// The scene that is to be rendered.
+/// Asks for the rendering of a scene.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneQuestion {
@@ -125,8 +124,8 @@ pub struct SceneQuestion {
 pub struct MeasuredQuestion {
     /// The scene whose weights were played first.
     pub scene: SceneQuestion,
-    /// Oldest first; each after the first was measured under the drive that those before
-    /// it correct.
+    /// Oldest first. Each but the first was measured under the drive that the fields before it
+    /// correct.
     pub fields: Vec<FieldText>,
 }
 
@@ -140,7 +139,7 @@ pub struct FieldText {
     pub csv: String,
 }
 
-/// A result to take along.
+/// Asks for a result as a file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileQuestion {
@@ -151,12 +150,12 @@ pub struct FileQuestion {
     pub drop: Vec<usize>,
     /// The rendered scene, for files of a scene.
     pub scene: Option<SceneQuestion>,
-    /// The measured fields that corrected its drive; none where it is as rendered.
+    /// The measured fields that corrected its drive; empty for the rendered drive.
     #[serde(default)]
     pub fields: Vec<FieldText>,
 }
 
-/// The files that the studio hands out; it writes none.
+/// The files that the page can download; the studio writes none to disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum FileName {
     /// The model without what was dropped.
@@ -165,7 +164,7 @@ pub enum FileName {
     /// The weights.
     #[serde(rename = "weights.json")]
     Weights,
-    /// Knowledge of the rig from the measured fields.
+    /// The calibration of the rig by the measured fields.
     #[serde(rename = "calibration.json")]
     Calibration,
     /// The drive signals.

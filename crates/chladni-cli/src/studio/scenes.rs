@@ -1,9 +1,9 @@
-//! Scenes of the studio: rendered by the model of the moment, swept, and as files.
+//! Scenes of the studio: renderings with the current model, sweeps, and files.
 
 use super::measured::{corrected, Corrected};
 use super::question::{FileName, FileQuestion, MeasuredQuestion, SceneQuestion};
 use super::rendered::Rendered;
-use super::session::{Session, MODEL};
+use super::session::Session;
 use crate::curves::curves;
 use crate::in_time::in_time;
 use chladni_frf::{Error, ModalModel, ModeName, ModePick, Result, Selection};
@@ -16,14 +16,14 @@ use serde_json::{json, Value};
 use std::sync::{Arc, PoisonError};
 
 impl Session {
-    /// Renders a scene with the model of the moment.
+    /// Renders a scene with the current model.
     ///
     /// # Errors
     /// A scene that cannot be read or does not fit the model.
     pub fn render(&self, question: &SceneQuestion) -> Result<Value> {
         let rendered = self.rendered(question)?;
         let (model, rendering) = (&rendered.model, &rendered.rendering);
-        // curves for the drive that stays, not for those in passing
+        // the quick drives while zones are dragged have no curves
         let curves = (question.method()? != MethodChoice::Fast)
             .then(|| curves(model, &rendered.scene, &rendering.weights))
             .transpose()?;
@@ -154,7 +154,7 @@ impl Session {
         )
     }
 
-    /// The model that renders a scene, in the words of the commands.
+    /// The file of the model that renders a scene, in the commands on the page.
     pub(super) fn selected_file(&self, question: &SceneQuestion) -> &str {
         match question.drop.is_empty() {
             true => self.model_file(),
@@ -164,10 +164,10 @@ impl Session {
 
     /// The rendering of the last question, or a new one.
     pub(super) fn rendered(&self, question: &SceneQuestion) -> Result<Arc<Rendered>> {
-        let whole = self.model_of_the_moment()?;
+        let whole = self.current_model()?;
         let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((model, known)) = last().as_ref() {
-            if Arc::ptr_eq(model, &whole) && known.question == *question {
+        if let Some(known) = last().as_ref() {
+            if Arc::ptr_eq(&known.whole, &whole) && known.question == *question {
                 return Ok(known.clone());
             }
         }
@@ -183,17 +183,18 @@ impl Session {
         }
         let rendered = Arc::new(Rendered {
             question: question.clone(),
+            whole,
             model,
             scene,
             rendering,
         });
-        *last() = Some((whole, rendered.clone()));
+        *last() = Some(rendered.clone());
         Ok(rendered)
     }
 
-    /// The model of the moment without the modes that were dropped on the page.
+    /// The current model without the modes that were dropped on the page.
     fn selected(&self, drop: &[usize]) -> Result<Arc<ModalModel>> {
-        let model = self.model_of_the_moment()?;
+        let model = self.current_model()?;
         if drop.is_empty() {
             return Ok(model);
         }
@@ -206,18 +207,9 @@ impl Session {
         Ok(Arc::new(selection.apply(&model)?.model))
     }
 
-    fn model_of_the_moment(&self) -> Result<Arc<ModalModel>> {
+    fn current_model(&self) -> Result<Arc<ModalModel>> {
         self.current()
             .ok_or_else(|| Error::bad_data("no model yet").help("fit first"))
-    }
-
-    /// The file of the model, in the words of the commands.
-    pub(super) fn model_file(&self) -> &str {
-        if self.is_of_model() {
-            self.words()
-        } else {
-            MODEL
-        }
     }
 }
 

@@ -1,5 +1,5 @@
-//! The studio's page and its questions: fit this, render that, hand it over. One thread
-//! answers, others work.
+//! The server of the studio's page and its questions. One thread answers; others fit and
+//! render.
 
 use super::question::{DataQuestion, FileQuestion, FitQuestion, MeasuredQuestion, SceneQuestion};
 use super::session::Session;
@@ -20,7 +20,7 @@ use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 use tokio::net::TcpStream;
 
-/// Condition of entry: a request to this address, from its own page, with the token.
+/// The check of every request: to this address, from its own page, with the token.
 pub struct Door {
     /// The address that is listened on.
     pub address: SocketAddr,
@@ -45,12 +45,12 @@ impl Door {
             _ => text(request.headers(), header::AUTHORIZATION)
                 .and_then(|words| words.strip_prefix("Bearer ")),
         };
-        // both are always asked
+        // without a shortcut, so that the time does not tell which of them failed
         self.token.is(shown.unwrap_or_default()) & self.is_from_here(request.headers())
     }
 
-    /// False for pages of other sites that reach this port by a name of their own, or post
-    /// to it from elsewhere.
+    /// False for pages of other sites, which reach this port by another host name or send
+    /// another origin.
     fn is_from_here(&self, headers: &HeaderMap) -> bool {
         let here = [
             self.address.to_string(),
@@ -98,24 +98,24 @@ pub fn serve(session: Arc<Session>, listener: TcpListener, door: Door) -> std::i
         loop {
             match listener.accept().await {
                 Ok((stream, _)) => drop(tokio::spawn(answer(stream, routes.clone()))),
-                // too many connections: until some of them are closed
+                // too many connections: wait until some are closed
                 Err(_) => tokio::time::sleep(PAUSE).await,
             }
         }
     })
 }
 
-/// Answers the requests of one connection, each of which is said in time.
+/// Answers the requests of one connection; a late one closes it.
 async fn answer(stream: TcpStream, routes: Router) {
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(REQUEST_DEADLINE)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(routes));
-    // one that was closed too early, or said nothing in time, gets no answer
+    // a connection that was closed early or was too slow gets no answer
     drop(connection.await);
 }
 
-/// Refuses who is not let in, before anything is looked at that is asked for.
+/// Refuses requests that the door does not admit, before their content is read.
 async fn only_who_may(State(door): State<Arc<Door>>, request: Request, next: Next) -> Response {
     let mut answer = match door.admits(&request) {
         true => next.run(request).await,
@@ -129,8 +129,8 @@ async fn only_who_may(State(door): State<Arc<Door>>, request: Request, next: Nex
     answer
 }
 
-/// The headers of every answer: it is kept nowhere, its address is told to nobody, no
-/// other page shows it.
+/// The headers of every answer: no cache, no referrer, no frame on another page, no guessing
+/// of types.
 fn discreet() -> [(HeaderName, HeaderValue); 4] {
     [
         (header::CACHE_CONTROL, "no-store"),
@@ -221,7 +221,7 @@ async fn file(State(session): State<Arc<Session>>, Json(question): Json<FileQues
     }
 }
 
-/// Runs `work` on a thread of its own; an error, and a bug too, is an answer in words.
+/// Runs `work` on a thread of its own; an error or a panic becomes an answer in words.
 async fn at_work(work: impl FnOnce() -> Result<Value> + Send + 'static) -> Json<Value> {
     Json(match tokio::task::spawn_blocking(work).await {
         Ok(Ok(value)) => value,

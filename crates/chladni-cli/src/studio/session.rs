@@ -1,4 +1,4 @@
-//! The data of the studio: the measured FRFs, and the model of the moment.
+//! The data of the studio: the measured FRFs and the current model.
 
 use super::draft::few_lines;
 use super::progress::Progress;
@@ -18,44 +18,42 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
-/// Name that the commands on the page give to the model.
-pub(super) const MODEL: &str = "model.json";
+/// Name of the fitted model in the commands on the page.
+const MODEL: &str = "model.json";
 
-/// Everything between two questions of the page.
+/// The state that the studio keeps between the questions of its pages.
 pub struct Session {
     /// Title of the page.
     title: String,
-    /// Without measured FRFs nothing can be fitted again.
+    /// The measured FRFs; `None` where a model was opened without them.
     frf: Option<FrfSet>,
     sources: Vec<Source>,
     findings: Vec<Finding>,
     /// The files and options of reading, as on a command line.
-    words: String,
-    /// The model was in the file.
-    from_model: bool,
+    input_words: String,
+    /// True where a model was opened: nothing is fitted.
+    is_model: bool,
     fitted: RwLock<Fitted>,
     /// Pages served so far.
     pages: AtomicU64,
-    /// The newest question about a fit: an older one is not worth going on with.
+    /// The newest question about a fit; fits for older ones are given up.
     newest: Mutex<Turn>,
-    /// Stops the full fit that was begun last.
+    /// Cancels the full fit that began last.
     running: Mutex<CancelToken>,
     /// Progress of that fit.
     pub(super) progress: Progress,
-    /// The last rendering, with the whole model that it was made with.
-    pub(super) last: Mutex<Option<(Arc<ModalModel>, Arc<Rendered>)>>,
+    /// The last rendering.
+    pub(super) last: Mutex<Option<Arc<Rendered>>>,
 }
 
-/// The models of the moment.
+/// The current models.
 #[derive(Default)]
 struct Fitted {
-    /// The question that `latest` answers: an answer to an older one that comes later is
-    /// not kept.
+    /// The question that `latest` answers. A later answer to an older question is not kept.
     turn: Turn,
     /// The model that scenes are rendered by.
     latest: Option<Arc<ModalModel>>,
-    /// The last one whose number of modes was decided by evidence or by the reader, not
-    /// by a draft.
+    /// The model of the last full fit: a draft takes its number of modes from there.
     settled: Option<Arc<ModalModel>>,
     /// The question that `settled` answers.
     settled_turn: Turn,
@@ -88,8 +86,8 @@ impl Session {
                 None => sources,
             },
             findings: console.findings(),
-            words: words.join(" "),
-            from_model: model.is_some(),
+            input_words: words.join(" "),
+            is_model: model.is_some(),
             fitted: RwLock::new(Fitted {
                 latest: model.map(Arc::new),
                 ..Fitted::default()
@@ -135,7 +133,7 @@ impl Session {
     }
 
     fn refits(&self) -> bool {
-        !self.from_model && self.frf.is_some()
+        !self.is_model && self.frf.is_some()
     }
 
     /// A model with its data, as a report takes them.
@@ -149,19 +147,18 @@ impl Session {
         }
     }
 
-    /// Fits anew, or hands over the model of the file; what the report would draw, all of
-    /// it or the draft's part, and the command that does the same.
+    /// Fits anew, or takes the opened model. Returns the data that the report would draw, or the
+    /// draft's part of it, and the command that makes the same fit.
     ///
     /// # Errors
     /// Those of the question, of a fit, and of drawing.
     pub fn fit(&self, question: &FitQuestion) -> Result<Value> {
         let (options, turn) = question.checked(self.pages.load(Ordering::Relaxed))?;
-        // a model that was read is the model; FRFs are fitted as they are asked to be
-        let (model, command) = match (&self.frf, self.current()) {
-            (_, Some(model)) if self.from_model => (model, String::new()),
-            (Some(frf), _) => match self.fitted(frf, question, options, turn)? {
-                Some(fitted) => fitted,
-                None => return Ok(json!({ self.why_not(turn): true })),
+        let model = match (&self.frf, self.current()) {
+            (_, Some(model)) if self.is_model => model,
+            (Some(frf), _) => match self.fit_anew(frf, question, options, turn)? {
+                Some(model) => model,
+                None => return Ok(json!({ self.why_given_up(turn): true })),
             },
             (None, _) => return Err(Error::new(ErrorKind::Internal, "neither FRFs nor a model")),
         };
@@ -170,7 +167,7 @@ impl Session {
             answer["draft"] = draft_data(&model);
         }
         if !question.draft {
-            answer["command"] = command.into();
+            answer["command"] = self.fit_command(question).into();
             let input = self.input(&model);
             match question.light {
                 true => answer["head"] = head_data(&input),
@@ -180,8 +177,7 @@ impl Session {
         Ok(answer)
     }
 
-    /// The data that the report would draw of a full fit, where that is still the last
-    /// one.
+    /// The data that the report would draw of a full fit, if that is still the last one.
     ///
     /// # Errors
     /// Those of drawing.
@@ -196,28 +192,25 @@ impl Session {
         }
     }
 
-    /// `None` where a newer question has overtaken this one.
-    fn fitted(
+    /// Fits the FRFs and keeps the model; `None` where the fit was given up.
+    fn fit_anew(
         &self,
         frf: &FrfSet,
         question: &FitQuestion,
         mut options: FitOptions,
         turn: Turn,
-    ) -> Result<Option<(Arc<ModalModel>, String)>> {
+    ) -> Result<Option<Arc<ModalModel>>> {
         let mut thinned = None;
         if question.draft {
-            (options.method, options.modes) = (
-                Method::Lean,
-                question
-                    .modes
-                    .or_else(|| self.known_modes(question.band_hz)),
-            );
+            options.method = Method::Lean;
+            let known = || self.known_modes(question.band_hz);
+            options.modes = question.modes.or_else(known);
             let lines = self.settled().and_then(|settled| {
                 few_lines(frf.frequency_hz.as_slice()?, question.band_hz, &settled)
             });
             thinned = lines.map(|lines| frf.on_lines(&lines));
         }
-        let Some(fit) = self.unless_overtaken(thinned.as_ref().unwrap_or(frf), &options, turn)?
+        let Some(fit) = self.fit_or_give_up(thinned.as_ref().unwrap_or(frf), &options, turn)?
         else {
             return Ok(None);
         };
@@ -232,6 +225,14 @@ impl Session {
                 (fitted.settled_turn, fitted.settled) = (turn, Some(model.clone()));
             }
         }
+        Ok(Some(model))
+    }
+
+    /// The command that makes the same fit; empty where a model was opened.
+    fn fit_command(&self, question: &FitQuestion) -> String {
+        if self.is_model {
+            return String::new();
+        }
         let band = question
             .band_hz
             .map(|[low, high]| format!(" --band {low}:{high}"))
@@ -240,21 +241,18 @@ impl Session {
             .modes
             .map(|modes| format!(" --modes {modes}"))
             .unwrap_or_default();
-        Ok(Some((
-            model,
-            format!("chladni fit {}{band}{modes} -o {MODEL}", self.words),
-        )))
+        format!("chladni fit {}{band}{modes} -o {MODEL}", self.input_words)
     }
 
-    /// Fits, and gives up at the next stage once a newer question has come; drafts, which
-    /// are over in a moment, go on.
-    fn unless_overtaken(
+    /// Fits, and gives up at the next stage once a newer question has come. Drafts, which take
+    /// a moment, are not given up.
+    fn fit_or_give_up(
         &self,
         frf: &FrfSet,
         options: &FitOptions,
         turn: Turn,
     ) -> Result<Option<Fit>> {
-        // a place that never holds anything half-written is sound whoever panicked with it
+        // after a panic the value is whole all the same: it is replaced at once
         let newest = || self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         {
             let mut newest = newest();
@@ -286,12 +284,11 @@ impl Session {
     }
 
     /// The reason that a fit was given up.
-    fn why_not(&self, turn: Turn) -> &'static str {
+    fn why_given_up(&self, turn: Turn) -> &'static str {
         let newest = *self.newest.lock().unwrap_or_else(PoisonError::into_inner);
-        if newest > turn {
-            "overtaken"
-        } else {
-            "cancelled"
+        match newest > turn {
+            true => "overtaken",
+            false => "cancelled",
         }
     }
 
@@ -299,8 +296,8 @@ impl Session {
         self.fitted.read().ok()?.settled.clone()
     }
 
-    /// Modes that the last full fit found in a band; `None` where the band goes beyond
-    /// it, and visible peaks must do.
+    /// Number of modes that the last full fit found in a band; `None` where the band goes
+    /// beyond that of the fit, so that a draft counts visible peaks.
     fn known_modes(&self, band_hz: Option<[f64; 2]>) -> Option<usize> {
         let settled = self.settled()?;
         let [low, high] = band_hz.unwrap_or(settled.band_hz);
@@ -316,13 +313,11 @@ impl Session {
         self.fitted.read().ok()?.latest.clone()
     }
 
-    /// True where a model was read, and nothing is fitted.
-    pub(super) fn is_of_model(&self) -> bool {
-        self.from_model
-    }
-
-    /// The files and options of reading, as on a command line.
-    pub(super) fn words(&self) -> &str {
-        &self.words
+    /// The file of the model in the commands on the page.
+    pub(super) fn model_file(&self) -> &str {
+        match self.is_model {
+            true => &self.input_words,
+            false => MODEL,
+        }
     }
 }

@@ -1,5 +1,5 @@
-//! The studio's token: who can show it may ask. Other users of the machine reach the port,
-//! too, and nothing but the token tells them from the owner.
+//! The studio's token. Other users of the machine reach the port too; only the token
+//! distinguishes the owner.
 
 use crate::limits::BYTES;
 use chladni_frf::{Error, ErrorKind, Result};
@@ -31,8 +31,8 @@ impl Token {
         Ok(Self(digits))
     }
 
-    /// True for the token itself. The time it takes depends on the length of `shown` alone,
-    /// which is no secret.
+    /// True for the token itself. The time of the comparison depends on the length of `shown`
+    /// alone.
     pub fn is(&self, shown: &str) -> bool {
         self.0.as_bytes().ct_eq(shown.as_bytes()).into()
     }
