@@ -1,8 +1,7 @@
-//! Both linear-algebra back ends give the same numbers: each flavour is held to one
-//! committed file.
+//! Both linear-algebra back ends give the same numbers, those of one committed file.
 //!
-//! The file holds no truth, only what the flavours must agree on; after a change of the
-//! numerics it is written anew by `CHLADNI_WRITE=1 cargo test --release --test
+//! The numbers are no truth; the back ends only have to agree. After a change of the numerics the
+//! file is written anew by `CHLADNI_WRITE=1 cargo test --release --test
 //! agreement`, in the default flavour.
 
 use crate::common::Folder;

@@ -1,4 +1,4 @@
-//! `bench` hands on to the program `chladni-bench` beside it.
+//! `bench` runs the program `chladni-bench` beside it.
 
 use crate::common::Folder;
 use std::io::ErrorKind;
@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Duration;
 
-/// Waits until a program just written can run. A process that another test starts while the
-/// file is being written holds it open for a moment.
+/// Waits until a new program can run. A process that another test starts while the file is
+/// written holds it open for a moment.
 fn wait_until_runnable(program: &Path) {
     let busy = || match Command::new(program).arg("--version").output() {
         Err(error) => error.kind() == ErrorKind::ExecutableFileBusy,

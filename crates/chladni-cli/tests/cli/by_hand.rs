@@ -55,7 +55,7 @@ fn with_few() -> (Folder, f64) {
 fn a_mode_that_was_left_out_comes_back_and_changes_the_model() {
     let (folder, hz) = with_few();
     let few = model(&folder, "few.json");
-    // the reader's eye is half a line off
+    // the reader reads the peak half a line off
     folder.write(
         "add.toml",
         format!("add = [{{frequency_hz = {:.1}}}]\n", hz + 0.4),
@@ -84,7 +84,7 @@ fn a_mode_that_was_left_out_comes_back_and_changes_the_model() {
     let both = model(&folder, "both.json");
     assert_eq!(counted(&both), counted(&few));
     assert!(near(&both, modes(&few)[0].0).is_none() && near(&both, hz).is_some());
-    // and with some kept: what is added is kept, too
+    // with some modes kept: the added mode is kept too
     let keep = format!("add = [{{frequency_hz = {hz:.1}}}]\nkeep = [2]\n");
     folder.write("keep.toml", keep);
     folder

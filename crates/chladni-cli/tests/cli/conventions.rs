@@ -29,7 +29,7 @@ fn the_standard_output_takes_a_result_and_nothing_else() {
         "chladni render truth.json scene.toml --method fast --wav - -q -o w.json",
     );
     assert!(table.stdout.contains("101:+Z"), "{}", table.stdout);
-    // nothing but what was asked for, and no file of that name
+    // only the result, and no file named `-`
     assert!(folder
         .names()
         .iter()
@@ -94,7 +94,7 @@ fn a_dry_run_says_what_would_be_done_and_does_nothing() {
         ),
         (&bytes.into(), 2)
     );
-    // what would be refused after the work is refused now
+    // an output that could not be written is refused now
     folder
         .run("simulate panel.toml -o panel.h5 --dry-run")
         .exits(73);

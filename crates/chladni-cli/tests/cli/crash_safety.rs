@@ -1,5 +1,4 @@
-//! Results are whole or not there: killed, out of space, or written by any number of
-//! threads.
+//! Results are complete or missing: after a kill, without space, and with any number of threads.
 
 use crate::common::Folder;
 use std::process::{Command, Stdio};
@@ -7,7 +6,7 @@ use std::time::{Duration, Instant};
 
 const KILLS: u32 = 200;
 
-/// The binary, in `folder`, silent.
+/// The program in `folder`, without output.
 fn chladni(folder: &Folder, line: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
     command
@@ -18,7 +17,7 @@ fn chladni(folder: &Folder, line: &str) -> Command {
     command
 }
 
-/// A folder with two panels, and each as universal file.
+/// A folder with two panels, each as HDF5 and as universal file.
 fn two_results() -> (Folder, [Vec<u8>; 2]) {
     let folder = Folder::with_panel();
     folder
@@ -50,7 +49,7 @@ fn a_killed_run_leaves_the_old_file_or_the_new_one() {
         let mut child = chladni(&folder, &format!("convert {name}.h5 -o out.unv --force"))
             .spawn()
             .unwrap();
-        // golden-ratio steps spread the kills evenly over a little more than a whole run
+        // golden-ratio steps spread the kills evenly over slightly more than a run
         let part = f64::from(k) * 0.618_033_988_75 % 1.0;
         std::thread::sleep(Duration::from_secs_f64(1.3 * part * whole.as_secs_f64()));
         finished += u32::from(child.try_wait().unwrap().is_some());
@@ -80,8 +79,8 @@ fn a_full_disk_leaves_the_old_file_and_nothing_else() {
         if let Some(old) = old {
             folder.write(name, old);
         }
-        // no file may grow beyond 64 blocks; the signal is ignored, so that writing fails
-        // as on a full disk
+        // files are limited to 64 blocks and the signal is ignored, so that writing fails as on a
+        // full disk
         let line = format!(
             "trap '' XFSZ; ulimit -f 64; exec {} --json convert panel.h5 -o {name} --force",
             env!("CARGO_BIN_EXE_chladni")
@@ -105,8 +104,8 @@ fn a_full_disk_leaves_the_old_file_and_nothing_else() {
     }
 }
 
-/// Moments of each signal and each way to start; `CHLADNI_ROUNDS=50 cargo test --release
-/// --test cli signal` tries more.
+/// Number of moments for each signal and each way to start; `CHLADNI_ROUNDS=50 cargo test
+/// --release --test cli signal` tries more.
 #[cfg(target_os = "linux")]
 fn rounds() -> u32 {
     std::env::var("CHLADNI_ROUNDS")
@@ -141,7 +140,7 @@ fn any_signal_leaves_the_old_file_or_the_new_one_and_nothing_beside_it() {
         .exits(0);
     let whole = started.elapsed();
     let mut left = 0;
-    // a job in the background ignores Ctrl-C, one under nohup the closed terminal
+    // a background job ignores Ctrl-C, and a job under nohup the closed terminal
     for start in ["trap '' INT QUIT; exec", "exec nohup", "exec"] {
         for signal in ["KILL", "TERM", "HUP", "XFSZ"] {
             let mut ends = Vec::new();
@@ -178,7 +177,7 @@ fn any_signal_leaves_the_old_file_or_the_new_one_and_nothing_beside_it() {
                     assert_eq!(folder.names(), names, "{told}");
                 }
             }
-            // the next run takes away what a killed one left
+            // the next run removes the temporary files of a killed one
             folder
                 .run("convert panel.h5 -o out.unv --force -q")
                 .exits(0);
@@ -223,7 +222,7 @@ fn an_output_that_is_an_input_or_cannot_be_made_is_refused() {
         folder.run(line).exits(73);
     }
     assert_eq!(folder.read("panel.h5"), before);
-    // a file where the folder should be, and a folder where the file should be
+    // a file in place of a folder, and a folder in place of a file
     folder
         .run("convert panel.h5 -o panel.toml/out.h5")
         .exits(73);

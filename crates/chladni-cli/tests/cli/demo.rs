@@ -33,7 +33,7 @@ fn the_demonstration_finds_its_known_truth() {
     }
     assert_eq!(json["files"].as_array().unwrap().len(), 14);
 
-    // a dead actuator is named by the field, and the weights are corrected by it
+    // the field names the dead actuator and corrects the weights
     let dead = &json["dead_actuator"];
     assert_eq!(dead["likeliest"]["kind"], "dead", "{dead}");
     assert_eq!(dead["likeliest"]["place"], dead["dead"], "{dead}");
@@ -61,7 +61,7 @@ fn the_demonstration_finds_its_known_truth() {
         let run = folder.run(line);
         let shown = format!("{}{}", run.stdout, run.stderr);
         assert!(shown.lines().count() < 24, "{shown}");
-        // a command to copy is as long as its names
+        // the length of a command to copy depends on its names
         let lines = shown.lines().filter(|line| !line.contains("chladni-demo/"));
         let widest = lines.map(|line| line.chars().count()).max();
         assert!(widest <= Some(80), "{shown}");

@@ -1,4 +1,4 @@
-//! The documents hold what they say: examples are read, commands are run.
+//! The documents are correct: their examples are read and their commands are run.
 
 use crate::common::{skipped, Folder};
 use std::env::consts::EXE_EXTENSION;
@@ -82,7 +82,7 @@ fn steps(page: &str) -> Vec<Step> {
     steps
 }
 
-/// A line of a shell as arguments of `chladni`; other programs are none of ours.
+/// Arguments of `chladni` in a line of a shell; `None` for other programs.
 fn command(line: &str) -> Option<String> {
     let line = line.split(" #").next().unwrap().trim();
     Some(line.strip_prefix("chladni ")?.trim().to_owned())
@@ -186,7 +186,7 @@ fn the_tutorial_does_what_it_says() {
     }
 }
 
-/// Part 4, after the tutorial has been followed: its figures are those of the page.
+/// Part 4, after the tutorial has been followed: its numbers are those of the page.
 fn the_loop_in_volts_closes(folder: &Folder) {
     let judged = |number: usize, scene: &str| {
         let line = format!(
@@ -400,7 +400,7 @@ fn every_help_page_says_its_purpose_and_examples_before_options() {
     }
 }
 
-/// A line or two on what it is for, then the examples, then the usage.
+/// Checks that a help page has its purpose in a line or two, then examples, then usage.
 fn purpose_comes_first(help: &str) -> bool {
     let place = |words: &str| help.find(words).unwrap_or(usize::MAX);
     (10..300).contains(&place("Examples:")) && place("Examples:") < place("Usage:")

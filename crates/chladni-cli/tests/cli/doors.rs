@@ -1,11 +1,11 @@
-//! Inputs and outputs: outputs that are inputs, places that cannot be written, names and
-//! limits that are nobody's fault.
+//! Inputs and outputs: outputs that are inputs, places that cannot be written, unusual names, and
+//! limits of the system.
 
 use crate::common::{Folder, SCENE};
 use std::process::Command;
 
-/// Runs a line that must be refused because an output is an input, whatever `--force`
-/// says; `kept` is not touched.
+/// Runs a command that must be refused because an output is an input, with `--force` too; `kept`
+/// is unchanged.
 fn refused(folder: &Folder, line: &str, kept: &str) {
     let before = folder.read(kept);
     let names = folder.names();
@@ -180,7 +180,7 @@ fn control_characters_of_a_name_do_not_reach_the_terminal() {
 #[test]
 fn threads_that_the_system_refuses_are_no_bug() {
     let folder = Folder::with_panel();
-    // the stack of one thread is larger than all the memory allowed
+    // the stack of one thread exceeds the memory allowed
     let line = format!(
         "export RUST_MIN_STACK=1073741824; ulimit -v 600000; \
          exec {} info panel.h5 --threads 8 --json",

@@ -1,4 +1,4 @@
-//! Wrong inputs: what is said, as text and as JSON, and the exit status.
+//! Wrong inputs: messages as text and as JSON, and the exit status.
 
 use crate::common::Folder;
 
@@ -10,8 +10,7 @@ struct Wrong {
     words: Vec<&'static str>,
 }
 
-/// Wrong inputs, one a line: the command, the exit status, the kind, and words that the
-/// message must hold.
+/// Wrong inputs, one in each line: command, exit status, kind, and words of the message.
 const WRONG: &str = "
 fit nowhere.uff|66|no_input|nowhere.uff|no such file|check the path
 fit pannel.h5|66|no_input|pannel.h5|did you mean panel.h5?
@@ -345,8 +344,7 @@ fn an_interruption_leaves_nothing_half_written() {
     use std::io::{BufRead, BufReader};
     use std::process::{Command, Stdio};
     let folder = Folder::new();
-    // jobs of the background are deaf to SIGINT, those under nohup to SIGHUP, and the
-    // tests among them would inherit it
+    // background jobs ignore SIGINT, those under nohup SIGHUP, and tests would inherit that
     let mut child = Command::new("env")
         .current_dir(folder.path())
         .args([

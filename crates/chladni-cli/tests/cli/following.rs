@@ -7,7 +7,7 @@ use serde_json::Value;
 fn a_warmer_panel_is_followed_by_a_few_frfs_and_said_in_kelvin() {
     let folder = Folder::with_panel();
     folder.run("fit panel.h5 -o model.json -q").exits(0);
-    // 0.2 % lower: Young's modulus 0.4 % less
+    // frequencies 0.2 % lower: Young's modulus 0.4 % less
     let later = PANEL.replace(
         "[frf]",
         "[plate]\nyoungs_modulus_pa = 71.214e9\n[frf]\nseed = 9\nsnr_db = 40\n",
@@ -44,7 +44,7 @@ fn a_warmer_panel_is_followed_by_a_few_frfs_and_said_in_kelvin() {
         [&sources[0]["file"], &sources[1]["file"]],
         ["later.h5", "model.json"]
     );
-    // what the fit of another day explained is no word on these data
+    // the explained part of the known model says nothing about these data
     let told = folder.run("fit later.h5 --poles-of model.json").stdout;
     assert!(
         told.contains("Poles of a model, followed: natural frequencies moved"),
@@ -55,7 +55,7 @@ fn a_warmer_panel_is_followed_by_a_few_frfs_and_said_in_kelvin() {
     assert!(refused.said().contains("--poles-of"), "{}", refused.said());
     folder.run("fit later.h5 --poles-of scene.toml").exits(65);
     folder.run("fit later.h5 --poles-of none.json").exits(66);
-    // what a known model says already
+    // options that the known model has decided already
     for asked in [
         "--band 30:300",
         "--exponential-window 2",
@@ -68,8 +68,8 @@ fn a_warmer_panel_is_followed_by_a_few_frfs_and_said_in_kelvin() {
     }
 }
 
-/// A field of a panel that is 1 % lower, under weights for the panel as it was: one of a
-/// single frequency tells what all modes share.
+/// A field of a panel with frequencies 1 % lower, under weights for the panel as it was. A field
+/// of one frequency determines the shift that all modes share.
 #[test]
 fn a_warmer_panel_is_followed_by_a_rendered_field() {
     let folder = Folder::with_panel();

@@ -37,7 +37,7 @@ fn a_model_becomes_shapes_for_other_programs() {
             assert_eq!(shape["nodes"], 24);
         }
     }
-    // and on to HDF5 and ParaView, with nothing lost on the way
+    // and on to HDF5 and ParaView, without loss
     folder.run("convert shapes.unv -o shapes.h5").exits(0);
     folder.run("convert shapes.h5 -o back.unv").exits(0);
     assert_eq!(folder.text("shapes.unv"), folder.text("back.unv"));
@@ -74,8 +74,7 @@ fn weights_become_the_field_that_they_make() {
         (shapes.len(), shapes[0]["frequency_hz"].as_f64()),
         (1, Some(300.0))
     );
-    // the field is louder where the scene asks for it: nodes 1 and 2 are the judged
-    // corner
+    // the field is stronger in the hot corner, at nodes 1 and 2
     let text = folder.text("field.unv");
     let body: Vec<&str> = text.split("  2414\n").nth(1).unwrap().lines().collect();
     let start = body.len() - 1 - 2 * 24;
@@ -90,7 +89,7 @@ fn weights_become_the_field_that_they_make() {
     let hot = [1, 2].map(speed).into_iter().fold(f64::INFINITY, f64::min);
     let cold = [17, 18, 23, 24].map(speed).into_iter().fold(0.0, f64::max);
     assert!(hot > cold, "{hot} {cold}");
-    // the other way round too
+    // files in the other order
     folder
         .run("convert weights.json truth.json -o field.vtu")
         .exits(0);

@@ -1,5 +1,4 @@
-//! `fixtures/hammer-test.uff`: a hammer test as an analyser leaves it, so that a clone fits
-//! what measured data are like, too. Simulated in time, with an exponential window that
+//! `fixtures/hammer-test.uff`: a hammer test as an analyser writes it. Simulated in time, with an exponential window that
 //! makes every mode seem more damped than it is; `CHLADNI_WRITE_FIXTURES=1` writes it anew.
 
 use crate::common::Folder;
@@ -97,14 +96,14 @@ fn a_clone_fits_what_a_hammer_test_leaves() {
     assert_eq!(modes.len(), NATURAL_HZ.len());
     for (mode, (natural_hz, ratio)) in modes.iter().zip(NATURAL_HZ.iter().zip(DAMPING_RATIO)) {
         let number = |name: &str| mode[name].as_f64().unwrap();
-        // four bars: twelve numbers, all of them within in all but one of a thousand sets
+        // four standard deviations: all twelve numbers are inside in 999 of 1000 sets
         let off_hz = (number("frequency_hz") - natural_hz).abs();
         assert!(off_hz < 4.0 * number("frequency_std_hz"), "{mode}");
         let off = (number("loss_factor") - 2.0 * ratio).abs();
         assert!(off < 4.0 * number("loss_factor_std"), "{mode}");
         assert!(off < 0.05 * 2.0 * ratio, "{mode}");
     }
-    // the file says its window, and the decay of that is no damping
+    // the file names its window, so that its decay is not taken for damping
     let findings = fit["quality"]["findings"].as_array().unwrap();
     let undone = |finding: &&Value| finding["code"] == "window-undone";
     let undone = findings.iter().find(undone).expect("said");

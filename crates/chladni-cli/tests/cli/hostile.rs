@@ -1,5 +1,5 @@
-//! `render` with models and scenes that nobody would make by measuring: whatever their
-//! numbers, they are rendered or refused in words, and never a bug.
+//! `render` with models and scenes that no measurement gives: they are rendered or refused in
+//! words, never an internal error.
 
 use crate::common::Folder;
 use serde_json::{json, Value};
@@ -9,7 +9,7 @@ const RESPONSES: usize = 12;
 const REFERENCES: usize = 3;
 /// The corner at the origin is hot.
 const SCENE: &str = "frequency_hz = 60.0\n[zones]\ngrid = [2, 1]\nhot = [1]\ntransition_m = 0.0\n";
-/// Numbers that files can hold and panels cannot have.
+/// Numbers that are possible in files and impossible for panels.
 const EXTREMES: [f64; 10] = [
     1e300, -1e300, 1e160, 1e100, 1e30, 1e10, 0.0, 1e-30, 1e-160, 1e-300,
 ];
@@ -54,7 +54,7 @@ fn model() -> Value {
     })
 }
 
-/// The outcome of `render` on them.
+/// The outcome of `render` on a model and a scene.
 struct Judged {
     code: i32,
     said: String,
@@ -72,7 +72,7 @@ fn render(folder: &Folder, model: &Value, scene: &str, method: &str) -> Judged {
     }
 }
 
-/// Every number behind `pointer`, of all modes where it holds `*`.
+/// Every number at `pointer`, in all modes where that contains `*`.
 fn set(model: &mut Value, pointer: &str, new: impl Fn(f64) -> f64 + Copy) {
     let each = if pointer.contains('*') { 3 } else { 1 };
     let pointers = (0..each).map(|n| pointer.replace('*', &n.to_string()));
@@ -110,7 +110,7 @@ fn no_number_of_a_model_is_a_bug() {
     for (k, pointer) in pointers.into_iter().enumerate() {
         for (n, extreme) in EXTREMES.into_iter().enumerate() {
             let mut hostile = model();
-            // every method meets every kind of number, each with some of the extremes
+            // each method gets every kind of number, with some of the extremes
             let method = METHODS[(k + n) % METHODS.len()];
             hostile["damping"] = ["structural", "viscous"][(k + n / 2) % 2].into();
             hostile["residual_terms"]["terms"] = json!([{"power": 4, "re": vec![[1e-9; REFERENCES]; RESPONSES], "im": vec![[0.0; REFERENCES]; RESPONSES]}]);
@@ -141,7 +141,7 @@ fn no_number_of_a_model_is_a_bug() {
     );
 }
 
-/// Refusals say which number, what stood there and what belongs there.
+/// Checks that a refusal names the number, its value and the expected one.
 #[test]
 fn what_no_panel_can_have_is_refused_by_name() {
     let folder = Folder::new();
@@ -272,7 +272,7 @@ fn millions_of_modes_are_refused_and_thousands_are_rendered() {
 #[test]
 fn panels_of_any_form_have_grids_of_bounded_size() {
     let folder = Folder::new();
-    // [metres per column, per row]: as wide as a province, a strip as long as one
+    // [m per column, m per row]: extremely wide, extremely narrow and long
     for spacing in [[3e5, 3e5], [3e5, 1e-5], [1e-5, 3e5], [1e-9, 1e-9]] {
         let mut hostile = model();
         for k in 0..RESPONSES {

@@ -1,4 +1,4 @@
-//! `info`: what is inside, and what is wrong with it.
+//! `info`: contents and faults of files.
 
 use crate::common::Folder;
 
@@ -80,7 +80,7 @@ fn what_physics_denies_at_a_driving_point_is_said() {
 fn a_file_larger_than_memory_is_listed_by_its_headers() {
     let folder = Folder::with_panel();
     folder.run("convert panel.h5 -o panel.uff -q").exits(0);
-    // the first function grows to 64 GiB: a hole in the file
+    // the first function grows to 64 GiB, as a hole in the file
     let count = 1_u64 << 32;
     let text = String::from_utf8_lossy(&folder.read("panel.uff")).into_owned();
     let start = text.find("    -1\n    58b").unwrap();

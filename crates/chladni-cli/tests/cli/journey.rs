@@ -133,8 +133,7 @@ fn stdout_carries_the_result_and_nothing_else() {
     assert!(folder.run("info copy.json --json").exits(0).json()["files"][0]["format"] == "model");
 }
 
-/// Lines of a terminal that nobody has made larger, twice: command and result on one
-/// screen of a large one.
+/// Most lines of a command and its result on a large terminal.
 const SCREEN: usize = 40;
 
 #[test]
@@ -171,7 +170,7 @@ fn the_options_of_reading_reach_the_result() {
     assert_eq!(model["band_hz"], serde_json::json!([40.0, 350.0]));
     assert_eq!(model["options"]["frf_kind"], "mobility");
     assert_eq!(model["options"]["damping"], "structural");
-    // the other time sign mirrors every pole: no model to be trusted
+    // the other time sign mirrors every pole, so that the model is not trusted
     let mirrored = folder.run("fit panel.h5 --time-sign - --json");
     assert_eq!(mirrored.code, 1, "{}", mirrored.stderr);
     assert_eq!(mirrored.json()["quality"]["trusted"], false);
@@ -314,7 +313,7 @@ fn the_seed_and_the_noise_can_be_chosen() {
 #[test]
 fn noise_alone_has_no_mode_and_says_so() {
     let folder = Folder::new();
-    // a linear congruential generator: noise that no library can change
+    // a linear congruential generator, so that the noise does not depend on a library
     let mut state = 1_u64;
     let mut draw = || {
         state = state

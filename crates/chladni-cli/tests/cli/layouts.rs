@@ -1,4 +1,4 @@
-//! Layouts that were misread once: the program reads them right, or refuses them by name.
+//! Layouts that an earlier version misread: they are read correctly, or refused by name.
 
 use crate::common::Folder;
 
@@ -104,7 +104,7 @@ fn a_model_is_written_for_other_programs() {
     assert_eq!(rows.len(), modes.len() + 1);
     let frequency: f64 = rows[1].split(',').nth(1).unwrap().parse().unwrap();
     assert_eq!(frequency, modes[0]["frequency_hz"].as_f64().unwrap());
-    // neither is taken for measured data
+    // neither is read as measured data
     for file in ["modes.csv", "model.mat"] {
         let run = folder.run(&format!("fit {file} --frf-kind mobility -o again.json"));
         assert_eq!(run.code, 65, "{file}: {}", run.stderr);
@@ -185,7 +185,7 @@ fn a_list_of_dofs_is_an_input_like_any_other() {
     let bad = folder.run("info p.csv --dofs bad.txt --json");
     assert_eq!(bad.code, 65, "{}", bad.stderr);
     assert_eq!(bad.json()["error"]["line"], 1);
-    // it is never written over
+    // it is never overwritten
     folder
         .run("convert p.csv --dofs dofs.txt -o dofs.txt --force")
         .exits(73);

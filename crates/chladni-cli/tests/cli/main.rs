@@ -1,4 +1,4 @@
-//! The command line, tried as its users try it.
+//! The command line, tested through the program itself.
 
 mod agreement;
 mod bench;

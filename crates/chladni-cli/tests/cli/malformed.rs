@@ -8,10 +8,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// At least so many files and classes.
+/// Least numbers of files and of classes.
 const FILES: usize = 200;
 const CLASSES: usize = 25;
-/// A reader that takes longer hangs; the machine may be busy.
+/// Time after which a reader counts as hanging, on a busy machine too.
 const SLOWEST: Duration = Duration::from_secs(10);
 
 fn corpus() -> PathBuf {
@@ -96,7 +96,7 @@ fn every_damaged_file_is_refused_with_its_message() {
     let folder = tempfile::tempdir().unwrap();
     let mut failed = Vec::new();
     for case in &cases {
-        // the C library words its errors its own way
+        // the C library has its own words for errors
         if cfg!(feature = "system") && case["file"].as_str().unwrap().starts_with("h5-cut") {
             continue;
         }

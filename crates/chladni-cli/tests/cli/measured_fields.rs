@@ -3,7 +3,7 @@
 use crate::common::Folder;
 use serde_json::Value;
 
-/// A mass-scaled model, its weights, and the field that they make in it, one channel dead.
+/// A mass-scaled model, its weights, and their field in it with a dead channel.
 fn prepared() -> Folder {
     let folder = Folder::with_glass();
     folder.write(
@@ -31,7 +31,7 @@ fn weights_in(folder: &Folder, file: &str) -> Value {
     serde_json::from_str(&folder.text(file)).unwrap()
 }
 
-/// The channel that moves nothing.
+/// The dead channel.
 fn dead_channel(folder: &Folder) -> String {
     let weights = weights_in(folder, "w0.json");
     let dead = &weights["weights"][strongest(&weights)]["reference"];
@@ -43,7 +43,7 @@ fn field(folder: &Folder, unit: &str) -> String {
     field_of(folder, "w0.json", unit)
 }
 
-/// The field that weights truly make, mm/s.
+/// The true field of weights, mm/s.
 fn field_of(folder: &Folder, file: &str, unit: &str) -> String {
     use chladni_frf::FrfKind;
     use num_complex::Complex64;
@@ -423,7 +423,7 @@ fn a_person_may_write_a_calibration() {
     folder
         .run("evaluate own.toml.json --scene own.toml --on model.json -q")
         .exits(0);
-    // outside of the table, and tables that are none
+    // a frequency outside the table, and invalid tables
     let narrow = GAINS.replace("400,", "320,");
     let wrong_name = GAINS.replace("gain_db", "level");
     let wrong_key = folder.text("gains.json").replace("phase_deg", "phase");
@@ -461,7 +461,7 @@ fn a_panel_in_volts_takes_weights_in_volts() {
         let line = format!("simulate {name}.toml -o {name}.h5 --truth {name}.json --snr-db inf -q");
         folder.run(&line).exits(0);
     }
-    // the FRFs are those of the model, a twentieth of those per newton
+    // the FRFs are those of the model: a twentieth of the FRFs per newton
     let models = ["newtons", "volts"]
         .map(|n| chladni_io::read_model(&folder.path().join(format!("{n}.json"))));
     let [newtons, volts] = models.map(Result::unwrap);

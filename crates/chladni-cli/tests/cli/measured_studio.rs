@@ -1,5 +1,5 @@
-//! A measured field in the studio, in a real headless Chromium: dropped in, explained,
-//! corrected, and taken along.
+//! A measured field in the studio, in a real headless Chromium: opened, explained, corrected and
+//! downloaded.
 
 use crate::common::browser::Page;
 use crate::common::Folder;
@@ -11,7 +11,7 @@ const SAVED: &str = "(() => { window.saved = {}; const make = URL.createObjectUR
     let last = null; URL.createObjectURL = (blob) => { last = blob.text(); return make.call(URL, blob); }; \
     HTMLAnchorElement.prototype.click = function () { const name = this.download; last.then((text) => { window.saved[name] = text; }); }; })()";
 
-/// Opens text as the measured field, as somebody who chose a file.
+/// Opens text as the measured field, as if a file was chosen.
 fn open_field(page: &mut Page, name: &str, csv: &str) {
     page.eval(&format!(
         "(() => {{ const files = new DataTransfer(); files.items.add(new File([{csv:?}], {name:?})); \
@@ -29,7 +29,7 @@ fn downloaded(page: &mut Page, name: &str) -> Value {
     serde_json::from_str(text.as_str().unwrap()).unwrap()
 }
 
-/// Amplitude of a channel in a weights file, N; nothing is a channel at rest.
+/// Amplitude of a channel in a weights file, N; 0 where the file lacks it.
 fn amplitude(weights: &Value, reference: &str) -> f64 {
     let list = weights["weights"].as_array().unwrap();
     let same = list.iter().find(|one| one["reference"] == reference);
@@ -138,7 +138,7 @@ fn a_measured_field_is_explained_corrected_and_taken_along() {
     assert!(page
         .text("#correct-command")
         .contains("--weights weights.json --field field-1.csv -o weights-1.json"));
-    // another drive is not the one that was measured
+    // after another drive the measured field is forgotten
     page.key("]");
     page.wait(AT_REST);
     assert!(!page.text(".sentence").contains("Corrected"));

@@ -1,12 +1,10 @@
-//! The report in a real headless Chromium: what clicks, drags and keys do, and what the
-//! page shows.
+//! The report in a real headless Chromium: clicks, drags, keys, and the content of the page.
 
 use crate::common::browser::Page;
 use crate::common::Folder;
 use serde_json::Value;
 
-/// A page opens with less work than so many seconds: without other programs beside it, in
-/// less time than that.
+/// Largest work for opening a page, s. Without other programs it is about the time.
 const OPENS_WITHIN_S: f64 = 2.0;
 
 /// A folder with panel, model, weights and report.
@@ -75,7 +73,7 @@ fn clicks_and_keys_pick_poles_and_the_selection_is_what_select_reads() {
         Value::Bool(false)
     );
 
-    // from the second pole two further, by keys
+    // two poles onwards from the second, by keys
     page.eval("document.querySelector('#stabilization-chart').focus()");
     for key in ["PageDown", "PageDown", "Enter"] {
         page.key(key);
@@ -95,7 +93,7 @@ fn clicks_and_keys_pick_poles_and_the_selection_is_what_select_reads() {
         .count();
     assert_eq!(kept, modes - 2);
 
-    // and back, by the table
+    // back, by the table
     let [x, y, width, height] = page.place("input[data-mode=\"2\"]");
     page.click([x + width / 2.0, y + height / 2.0]);
     assert!(page.text("#selection-toml").contains("drop = [4]"));
@@ -110,7 +108,7 @@ fn the_page_synthesises_and_measures_what_the_files_hold() {
     let model = model_of(&folder);
     let (frf, ..) =
         chladni_io::read_frf(&[folder.path().join("panel.h5")], &Default::default()).unwrap();
-    // a pair that the page carries as residuals, not in full
+    // a pair that the page has as residuals, not in full
     for (response, reference) in [(3, 4), (20, 9)] {
         page.eval(&format!(
             "(() => {{ for (const [id, k] of [['response', {response}], ['reference', {reference}]]) {{ const s = document.getElementById(id); \
@@ -134,7 +132,7 @@ fn the_page_synthesises_and_measures_what_the_files_hold() {
                     .unwrap_or_else(|| panic!("{name}: {words}")),
             )
         };
-        // the read-out tells the nearest line
+        // the read-out shows the nearest line
         let frequency = number(&words);
         let k = (0..frf.frequency_hz.len())
             .min_by_key(|&k| ((frf.frequency_hz[k] - frequency).abs() * 1e6) as u64)
@@ -203,7 +201,7 @@ fn a_scene_drawn_in_the_report_is_what_render_reads() {
     );
     let drawn = page.text("#scene-toml");
     assert_eq!(drawn.matches("kind = \"hot\"").count(), 1, "{drawn}");
-    // a cold one by keys
+    // a cold zone by keys
     page.eval(
         "document.querySelector('input[value=cold]').click(); \
                document.querySelector('#zone-board').focus()",
@@ -273,7 +271,7 @@ fn foreign_words_stay_words() {
     let folder = folder_with_report();
     let mut model: Value = serde_json::from_str(&folder.text("model.json")).unwrap();
     model["quality"]["warnings"] = serde_json::json!([EVIL]);
-    // a file that knows no codes
+    // a file of a version without codes
     model["quality"].as_object_mut().unwrap().remove("findings");
     model["method"] = EVIL.into();
     model["modes"][0]["reasons"] = serde_json::json!([EVIL]);
@@ -282,7 +280,7 @@ fn foreign_words_stay_words() {
     page.open_file(&folder.path().join("evil.html"));
     assert_eq!(page.eval("document.querySelectorAll('img').length"), 0);
     assert!(page.text(".findings").contains(EVIL) && page.text("#model").contains(EVIL));
-    // nor would a script that slipped in be run
+    // an injected script would not run either
     page.eval("document.body.append(Object.assign(document.createElement('script'), { textContent: 'document.title = \"ran\"' }))");
     assert_ne!(page.eval("document.title"), "ran");
 }
@@ -317,7 +315,7 @@ fn a_slider_shows_the_ground_of_a_burst_at_any_instant() {
     let shown = "[...document.querySelectorAll('#time-1')].map((svg) => svg.previousSibling.toDataURL())[0]";
     let lines = page.eval("document.querySelectorAll('#scene-1 .time .of-series-2').length");
     assert_eq!(lines, 34, "one line per actuator");
-    // 77 responses in 60 pictures, of which each row has its first one at least
+    // 77 responses in 60 pictures; each row has at least its first one
     let runs = page.eval("[...document.querySelectorAll('#scene-1 .time-places path[stroke]')].map((p) => p.getAttribute('d').split('M').length - 1).reduce((a, b) => a + b)");
     assert!(
         (77 * 5..=77 * 60).contains(&(runs.as_u64().unwrap() as usize)),
@@ -353,7 +351,7 @@ fn maps_leave_out_what_is_not_known_and_their_dashes_show() {
     folder.run("report model.json -o report.html -q").exits(0);
     page.open_file(&folder.path().join("report.html"));
     page.place("#shapes .map-holder");
-    // the corners of the panel lie beyond the responses
+    // the corners of the panel are outside the responses
     let bare = page.eval(BARE_PIXELS);
     assert!(bare.as_u64().unwrap() > 200, "{bare}");
     let d = page.eval("document.querySelector('#shapes path.dashed').getAttribute('d')");
@@ -399,7 +397,7 @@ fn every_view_is_drawn_in_any_window_and_either_theme() {
             "{width} px: the page is {overflow} px wider than the window"
         );
         for view in views {
-            // a view takes its height when it is drawn
+            // a view has its height once it is drawn
             page.wait(&format!(
                 "document.querySelector('{view}').getBoundingClientRect().height > 100"
             ));

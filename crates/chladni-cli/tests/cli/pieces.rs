@@ -50,7 +50,7 @@ fn verbs_lead_from_blocks_to_the_model_that_fit_finds() {
     folder
         .run("block merge first-1.part first-0.part first-2.part -o first.part")
         .exits(0);
-    // what only the second pass decides is refused in the first, not ignored
+    // an option of the second pass is refused in the first
     let refused = folder
         .run("block solve first.part -o found.poles --shapes real")
         .exits(2);
@@ -86,7 +86,7 @@ fn verbs_lead_from_blocks_to_the_model_that_fit_finds() {
     assert_near(&pieces, &whole, 1e-6);
     assert_eq!(pieces["source"], whole["source"]);
     assert_eq!(pieces["responses"], whole["responses"]);
-    // a model of pieces renders like any other; and its poles serve other FRFs
+    // a model of pieces can be rendered, and its poles serve other FRFs
     folder
         .run("render pieces.json scene.toml -o weights.json")
         .exits(0);
@@ -136,7 +136,7 @@ fn a_set_larger_than_memory_is_read_in_parts_and_gives_the_same_model() {
             1e-6,
         );
     }
-    // the same bytes at any number of threads; nothing is left beside the results
+    // the same bytes at any number of threads, and no other files
     for threads in [1, 2, 4] {
         folder
             .run(&format!(
@@ -191,7 +191,7 @@ fn a_killed_fit_goes_on_and_writes_the_same_bytes() {
     assert!(resumed > 0, "no kill came while it ran");
 }
 
-/// The error of a line that must be refused.
+/// The error of a command that must be refused.
 fn error(folder: &Folder, line: &str, code: i32) -> Value {
     let run = folder.run(&format!("{line} --json")).exits(code);
     run.json()["error"].clone()
@@ -214,7 +214,7 @@ fn a_fit_that_cannot_be_made_in_parts_is_refused_with_the_next_step() {
         "{table}"
     );
     assert!(said("help").contains("--memory"), "{table}");
-    // what another version of the program left
+    // the state of another version of the program
     folder.write("model.json.resume", b"{\"format\":\"chladni.resume\"}\nx");
     let line = format!("fit panel.h5 -o model.json --resume {LITTLE}");
     let resume = error(&folder, &line, 65);
@@ -293,11 +293,11 @@ fn blocks_that_were_read_otherwise_are_refused_by_name() {
     folder.run(&reduce(0, "")).exits(0);
     folder.run(&reduce(1, "--time-sign -")).exits(0);
     refused("block merge 0.part 1.part -o all.part");
-    // and the second pass reads as the first did
+    // the second pass reads as the first did
     folder.run("block reduce panel.h5 -o whole.part").exits(0);
     folder.run("block solve whole.part -o found.poles").exits(0);
     refused(&reduce(1, "--poles found.poles --time-sign -"));
-    // what is merged and solved says how it was read
+    // merged partials and models name the options of reading
     folder.run(&reduce(0, "--lenient")).exits(0);
     folder.run(&reduce(1, "--lenient")).exits(0);
     folder.run("block merge 0.part 1.part -o all.part").exits(0);
@@ -314,7 +314,7 @@ fn blocks_that_were_read_otherwise_are_refused_by_name() {
     assert_eq!(model(&folder, "model.json")["options"]["lenient"], true);
 }
 
-/// Kills a run as soon as it has written what `--resume` takes up.
+/// Kills a run as soon as it has saved the state for `--resume`.
 fn left_by_a_killed_run(folder: &Folder, line: &str, output: &str) {
     let resume = format!("{output}.resume");
     for _ in 0..60 {

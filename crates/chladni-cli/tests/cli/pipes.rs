@@ -18,7 +18,7 @@ pub fn bash(folder: &Folder, line: &str) -> Run {
     Run::of(output)
 }
 
-/// The ways to give a file that can be read once.
+/// The ways to pass a file that can be read only once.
 const WAYS: [&str; 5] = [
     "cat FILE | chladni fit - OPTIONS",
     "cat FILE | chladni fit /dev/stdin OPTIONS",
@@ -34,7 +34,7 @@ fn nameless(folder: &Folder, name: &str) -> String {
     let source = &model["source"][0];
     assert!(source["sha256"].is_string());
     let of = source["file"].as_str().unwrap();
-    // in the list of sources, and before a warning
+    // the name in the list of sources, and before a warning
     text.replace(&format!("\"{of}\""), "\"\"")
         .replace(&format!("\"{of}: "), "\"")
 }
@@ -50,7 +50,7 @@ fn every_format_is_read_whole_from_a_pipe() {
         folder
             .run(&format!("fit {file} --frf-kind mobility -o {file}.json -q"))
             .exits(0);
-        // a table every way, the others one way each
+        // a table in every way, the other files in one way each
         let ways = if k == 0 { &WAYS[..] } else { &WAYS[k..=k] };
         for way in ways {
             let options = "--frf-kind mobility -o piped.json -q --force";
@@ -61,7 +61,7 @@ fn every_format_is_read_whole_from_a_pipe() {
             assert!(piped == own, "{line}");
         }
     }
-    // nothing but the results: what was kept of the pipes is gone
+    // only results are left: the stored pipes are removed
     assert!(folder.names().iter().all(|name| !name.contains("tmp")));
 }
 
@@ -96,7 +96,7 @@ fn every_verb_reads_its_inputs_from_pipes() {
         bash(&folder, &format!("{piped} -q"));
         let own = folder.read(&name.replace('b', "a"));
         let [own, from_pipe] = [own, folder.read(name)].map(|bytes| bytes.len());
-        // names of sources differ, and are as long as they are
+        // names of sources differ, and so do their lengths
         assert!(own.abs_diff(from_pipe) < 200, "{line}: {own} {from_pipe}");
     }
     let said = bash(&folder, "cat panel.csv | chladni info - --json").exits(0);

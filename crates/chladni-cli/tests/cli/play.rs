@@ -1,4 +1,4 @@
-//! `play`: drive signals on the command line, and what they are worth on other data.
+//! `play`: drive signals on the command line, and their performance on other data.
 
 use crate::common::Folder;
 use serde_json::Value;
@@ -57,8 +57,7 @@ fn bursts_become_a_sound_file_that_is_judged_again_from_its_samples() {
         (&"chladni.signal".into(), &48_000.into(), &"134:+Z".into())
     );
     assert_eq!(sidecar["source"].as_array().unwrap().len(), 3);
-    // three cycles of the carrier in a ramp: of fewer the samples show no peak that is the
-    // envelope's
+    // three cycles of the carrier in a ramp; with fewer the peaks do not show the envelope
     folder.write("ten.toml", format!("{ZONES}{BURSTS}ramp_s = 0.01\n"));
     let ten = folder
         .run("play model.json ten.toml --weights weights.json -o ten.wav --format i24 --json")
@@ -156,11 +155,11 @@ fn signals_that_cannot_be_are_refused_before_anything_is_written() {
     for (line, code, words) in [
         ("burst.toml -o drive.mp3", 2, ".wav"),
         ("burst.toml -o drive.wav --rate 600", 2, "--rate"),
-        // above twice the tone, and not above its ramps of 9 ms
+        // above twice the tone, but too low for its ramps of 9 ms
         ("burst.toml -o drive.wav --rate 700", 2, "with its ramps"),
         ("burst.toml -o drive.wav --full-scale 1e-9", 2, "clips"),
         ("burst.toml -o drive.wav --full-scale -1", 2, "auto"),
-        // silence, or little more
+        // nearly silence
         (
             "burst.toml -o drive.wav --full-scale 100 --format i16",
             2,
@@ -297,7 +296,7 @@ fn volts_per_newton_of_each_channel_are_in_the_samples_and_beside_them() {
     for (k, channel) in sidecar["channels"].as_array().unwrap().iter().enumerate() {
         let of = |key: &str| channel[key].as_f64().unwrap();
         assert!((of("gain") - gain(k + 1)).abs() < 1e-12, "{channel}");
-        // full scale is 0.5 V, whatever force that is
+        // full scale is 0.5 V, for any force
         assert!(
             (of("full_scale") * of("gain") - 0.5).abs() < 1e-12,
             "{channel}"

@@ -194,7 +194,7 @@ fn a_fit_for_a_scene_takes_only_the_band_that_it_needs() {
         2,
         "the scene is named"
     );
-    // the drive of the part serves on the whole truth what it serves in its own model
+    // the drive serves as much in the whole truth as in the model of a part of the band
     folder.run("render part.json corner.toml -o weights.json -q");
     let on = |model: &str| {
         folder
@@ -295,7 +295,7 @@ fn several_tones_are_rendered_judged_and_reported_one_by_one() {
         .json();
     let limit =
         |tone: &serde_json::Value, name: &str| tone["limits_m_per_s"][name].as_f64().unwrap();
-    // two tones share what quiet ground may have; each is felt by itself
+    // two tones share the limit of cold ground; each is felt by itself
     for (tone, rendered) in [
         (&judged, &json),
         (&judged["other_tones"][0], &json["other_tones"][0]),

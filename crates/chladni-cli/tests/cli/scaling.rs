@@ -5,7 +5,7 @@ use serde_json::Value;
 
 /// The panel of the study, and a band that begins below its first mode.
 const MEASURED: &str = "[frf]\nstart_hz = 5.0\nstop_hz = 500.0\nstep_hz = 1.0\n";
-/// The panel as it is believed to be: Poisson's ratio 20 % off.
+/// The assumed panel, whose Poisson's ratio is 20 % off.
 const BELIEVED: &str = "[plate]\npoisson_ratio = 0.252\n";
 
 fn fitted(panel: &str, options: &str) -> (Folder, Run) {
@@ -97,7 +97,7 @@ fn coils_of_half_a_gram_are_found_and_the_scale_is_as_good_as_it_says() {
 
 #[test]
 fn a_scale_that_cannot_be_had_is_refused_or_said() {
-    // the band begins above the first modes: nothing tells of the coils
+    // the band begins above the first modes, so that the mass of the coils is not known
     let panel = "[references]\nmass_kg = 0.5e-3\n[frf]\nstart_hz = 150.0\nstop_hz = 450.0\n";
     let (folder, run) = fitted(panel, "--panel believed.toml");
     let said = run.exits(0).json();

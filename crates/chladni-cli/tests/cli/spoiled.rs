@@ -1,5 +1,5 @@
-//! Twelve usual mistakes, each made by hand from a clean simulated set: `info` or `fit`
-//! names it in words of the trade, and says nothing of it about the clean set.
+//! Twelve usual mistakes, each made from a clean simulated set: `info` or `fit` names the mistake,
+//! and says nothing about the clean set.
 
 use crate::common::Folder;
 use chladni_frf::{Dof, FrfKind, FrfSet, FrfValues};
@@ -46,7 +46,7 @@ fn each_value(frf: &mut FrfSet, change: impl Fn(Complex64) -> Complex64) {
     values.mapv_inplace(change);
 }
 
-/// All that a command says on stderr.
+/// The text of a command on stderr.
 fn says(folder: &Folder, line: &str) -> String {
     folder.run(line).said()
 }
@@ -122,7 +122,7 @@ fn wrong_time_sign() {
     let folder = clean();
     spoil(&folder, |frf| each_value(frf, |value| value.conj()));
     named(&folder, "fit", "spoiled.h5", "clean.h5", "--time-sign");
-    // the option that spoilt the data is not the one that helps
+    // the advice is not the option that spoiled the data
     let said = folder.run("fit clean.h5 --time-sign -").exits(1).said();
     assert!(said.contains("(--time-sign +)"), "{said}");
 }

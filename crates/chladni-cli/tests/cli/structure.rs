@@ -1,10 +1,7 @@
-//! The lines and faces of a measurement on their way through fit, files and report; and
-//! what libraries do not know.
+//! The lines and faces of a measurement on their way through fit, files and report.
 
 use crate::common::Folder;
 use serde_json::Value;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 /// The usual grid of 11 × 7 points, which 60 elements join; few lines and actuators.
 const PANEL: &str = "[references]\nedge_count = [3, 2]\nspacing_m = 0.06\n[frf]\nstart_hz = 20.0\n\
@@ -64,51 +61,4 @@ fn sixty_elements_reach_model_vtu_uff_and_report() {
     let data = data_of(&folder.text("report.html"));
     assert_eq!(data["structure"]["faces"].as_array().unwrap().len(), 60);
     assert!(folder.read("figures/mode-01.gif").starts_with(b"GIF89a"));
-}
-
-/// Crates that front ends of any kind call.
-const LIBRARIES: [&str; 9] = [
-    "frf", "text", "io", "signal", "linalg", "rfp", "render", "plate", "report",
-];
-
-/// Rust files below a folder.
-fn rust_files(folder: &Path, into: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => rust_files(&path, into),
-            false if path.extension().is_some_and(|end| end == "rs") => into.push(path),
-            false => {}
-        }
-    }
-}
-
-/// True where two dashes and a letter begin a word, as options do and variables of style
-/// sheets, which stand behind `var(` or a quote, do not.
-fn names_an_option(line: &str) -> bool {
-    line.match_indices("--").any(|(at, _)| {
-        let before = line[..at].chars().next_back();
-        let after = line[at + 2..].chars().next();
-        after.is_some_and(|c| c.is_ascii_lowercase())
-            && before.is_none_or(|c| c == ' ' || c == '`' || c == '(')
-            && !line[..at].ends_with("var(")
-    })
-}
-
-#[test]
-fn no_library_names_an_option_of_the_command_line() {
-    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-    let mut files = Vec::new();
-    for name in LIBRARIES {
-        rust_files(&crates.join(format!("chladni-{name}/src")), &mut files);
-    }
-    let mut named = Vec::new();
-    for file in files {
-        let text = fs::read_to_string(&file).unwrap();
-        let lines = text.lines().zip(1..);
-        let found = lines.filter(|(line, _)| names_an_option(line));
-        named.extend(found.map(|(line, number)| format!("{}:{number}: {line}", file.display())));
-    }
-    assert_eq!(named, Vec::<String>::new());
-    assert!(names_an_option("/// `--band`: the band.") && !names_an_option("var(--ink) \"--x\""));
 }

@@ -1,4 +1,4 @@
-//! The studio's door: who is let in, and what who is let in may ask.
+//! The studio's server: access, and the questions that it answers.
 
 use crate::common::studio::Studio;
 use crate::common::Folder;
@@ -81,8 +81,8 @@ fn without_the_token_everything_is_refused() {
     assert_ne!(again.token, *token, "every run has a token of its own");
 }
 
-/// Page and questions carry the token each in their own place; another host or origin is
-/// refused with it, too.
+/// Page and questions carry the token, each in its own place. Another host or origin is refused
+/// even with the token.
 #[test]
 fn with_the_token_only_the_page_and_its_own_questions_are_let_in() {
     let folder = Folder::with_panel();
@@ -102,7 +102,7 @@ fn with_the_token_only_the_page_and_its_own_questions_are_let_in() {
     ] {
         assert_eq!(status(&studio.asked(&head, "")), "403", "{head}");
     }
-    // only the page's own kind of question
+    // only questions in the form of the page
     let form = studio
         .head("fit", "")
         .replace("application/json", "text/plain");
@@ -142,7 +142,7 @@ fn no_question_reads_a_file() {
             assert!(!said.contains("secret"), "{said}");
         }
     }
-    // a profile by its name, and a table by its content
+    // a built-in profile by its name, and a table by its content
     assert!(scene("classic", Value::Null)["scene"].is_object());
     let table = json!({"name": "mine.csv", "csv": "100,1e-4\n400,1e-4\n"});
     let answer = scene("mine.csv", table);
@@ -187,7 +187,7 @@ fn numbers_out_of_bounds_are_refused_by_name_and_the_next_question_is_answered()
         let answer = studio.asked(&studio.head("fit", question), question);
         assert!(["400", "422"].contains(&status(&answer)), "{answer}");
     }
-    // bounds that are kept but ask too much are refused in words, too
+    // numbers within their bounds that ask too much are refused in words too
     for question in [
         r#"{"number": 1, "modes": 1000}"#,
         r#"{"number": 2, "modes": 1000, "draft": true}"#,
@@ -231,7 +231,7 @@ fn a_fit_that_a_newer_question_has_overtaken_is_given_up() {
         studio.asked_about("fit", r#"{"number": 3}"#),
         serde_json::json!({"overtaken": true})
     );
-    // and what asks last is answered
+    // the last question is answered
     assert!(studio.asked_about("fit", r#"{"number": 6}"#)["data"].is_object());
 }
 
@@ -249,7 +249,7 @@ fn the_data_are_shown_before_any_fit_and_a_fit_tells_its_stages() {
     assert!(studio.asked_about("fit", r#"{"number": 1}"#)["data"].is_object());
     let stages = over(&studio);
     assert!(stages.as_array().unwrap().len() >= 3, "{stages}");
-    // what takes longer than a fit is drawn afterwards, while that fit is the last one
+    // the other data are drawn afterwards, while that fit is the last one
     let light = studio.asked_about("fit", r#"{"number": 2, "light": true}"#);
     assert!(light["draft"]["model"].is_object() && light["data"].is_null());
     assert!(light["head"]["sentence"]
@@ -260,7 +260,7 @@ fn the_data_are_shown_before_any_fit_and_a_fit_tells_its_stages() {
     assert!(drawn["data"]["frfs"]["residuals"].is_object());
     let overtaken = json!({"overtaken": true});
     assert_eq!(studio.asked_about("data", r#"{"number": 1}"#), overtaken);
-    // what is over cannot be cancelled, and the next fit is not
+    // cancelling after the end of a fit does not cancel the next one
     studio.asked_about("cancel", "{}");
     assert!(studio.asked_about("fit", r#"{"number": 3}"#)["data"].is_object());
 }
@@ -344,7 +344,7 @@ fn a_sweep_has_bounds() {
     assert!(complaint(&sweep(json!([1.0, 1e300]))).contains("range_hz"));
 }
 
-/// Connections that say half of a request and no more.
+/// Connections that send half of a request.
 fn slow_connections(studio: &Studio, count: usize) -> Vec<TcpStream> {
     (0..count)
         .map(|_| {
@@ -375,7 +375,7 @@ fn slow_connections_cost_no_threads_and_hold_nobody_up() {
         "{} threads, {before} before",
         threads()
     );
-    // and not for long: each is closed after its time
+    // each is closed after the deadline
     let mut answer = Vec::new();
     for mut stream in held {
         stream
@@ -401,8 +401,8 @@ fn more_connections_than_the_system_allows_do_not_end_the_studio() {
     assert_eq!(status(&answer), "200", "{answer}");
 }
 
-/// The commands that the page offers for copying mean the files that they name, whatever
-/// stands in the names.
+/// The commands that the page offers for copying name the right files, whatever characters the
+/// names contain.
 #[cfg(unix)]
 #[test]
 fn commands_that_are_copied_quote_file_names() {

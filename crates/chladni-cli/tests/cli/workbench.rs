@@ -1,5 +1,5 @@
-//! The studio in a real headless Chromium: one screen on which zones, band and poles are
-//! worked, and everything follows.
+//! The studio in a real headless Chromium: changes of zones, band and poles, and the results that
+//! follow.
 
 use crate::common::browser::Page;
 use crate::common::studio::Studio;
@@ -11,8 +11,8 @@ pub const AT_REST: &str = "document.querySelector('#result')?.dataset.method ===
                        document.querySelector('#scene-status').textContent === ''";
 const CTRL: u32 = 2;
 
-/// A studio of the small panel in a window of 1280 × 800 px, at rest; `None` where there
-/// is no browser.
+/// A studio of the small panel in a window of 1280 × 800 px, after the first drive; `None`
+/// without a browser.
 pub fn workbench(input: &str) -> Option<(Folder, Studio, Page)> {
     let mut page = Page::new(1280, 800, false)?;
     let folder = Folder::with_panel();
@@ -91,7 +91,7 @@ fn zones_are_drawn_moved_resized_and_deleted_and_the_weights_follow() {
         page.eval("document.querySelector('#zone-delete').click()");
     });
     assert_eq!(zones_in(&deleted), 1);
-    // back and forth, and the same after the page is opened again
+    // undo and redo; the same after the page is opened again
     for wanted in [&louder, &resized] {
         page.eval("document.querySelector('#undo').click()");
         assert_eq!(&page.text("#scene-toml"), wanted);
@@ -206,7 +206,7 @@ fn a_threshold_is_chosen_by_name_or_sent_along_as_a_table() {
     page.wait(AT_REST);
     let toml = page.text("#scene-toml");
     assert!(toml.contains(r#"profile = "it\"s mine.csv""#), "{toml}");
-    // what is shown is what the command makes of the scene beside that table
+    // the shown drive is that of the command for the scene beside that table
     folder.write("scene.toml", &toml);
     folder.write("it\"s mine.csv", "100,1e-5\n900,1e-5\n");
     let command = page.text("#scene-command");
@@ -215,7 +215,7 @@ fn a_threshold_is_chosen_by_name_or_sent_along_as_a_table() {
         command.strip_prefix("chladni ").unwrap()
     ));
     assert!(rendered.code <= 1, "{}", rendered.stderr);
-    // the page is opened again, and goes on
+    // opened again, the page continues
     page.open(&studio.url);
     page.wait(AT_REST);
     assert_eq!(page.complaints(), Vec::<String>::new());
@@ -235,7 +235,7 @@ fn fit_weights_and_field_follow_the_band_while_it_is_dragged() {
     let all = shown_frequencies(&mut page);
     let measured = "document.querySelector('#frf-magnitude path[data-name=measured]')";
 
-    // the hand moves the lower end of the band and holds it
+    // the lower end of the band is dragged and held
     let [x, y, width, height] = page.place("#band-from");
     let (from, to) = (
         [x + width / 2.0, y + height / 2.0],
@@ -264,7 +264,7 @@ fn fit_weights_and_field_follow_the_band_while_it_is_dragged() {
     assert!(points.as_u64().unwrap() > 1000, "measured FRFs stay");
     assert!(!page.text("#fit-command").contains("--band"));
 
-    // and lets go
+    // and released
     page.release(to);
     page.wait("document.documentElement.dataset.fits === '2'");
     page.wait(AT_REST);
@@ -299,7 +299,7 @@ fn a_pole_added_by_hand_changes_the_model() {
         return;
     };
     let all = shown_frequencies(&mut page);
-    // fewer modes than there are
+    // fewer modes than in the band
     page.eval(&format!(
         "(() => {{ const i = document.querySelector('#modes'); i.value = {}; i.dispatchEvent(new Event('change')); }})()",
         all.len() - 4
@@ -331,10 +331,10 @@ fn a_pole_added_by_hand_changes_the_model() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
-/// Moves of a hand.
+/// Number of pointer moves.
 const MOVES: usize = 50;
-/// 2·10⁷ square roots in the page, whose work is the measure of this machine, and how
-/// often they are taken: the first time warms up.
+/// 2·10⁷ square roots in the page, whose time measures the speed of the machine, and the number
+/// of repetitions; the first warms up.
 const ROOTS: &str =
     "(() => { let sum = 0; for (let k = 0; k < 2e7; k++) sum += Math.sqrt(k); return sum; })()";
 const ROOTS_TAKEN: usize = 3;
@@ -407,7 +407,7 @@ fn a_drag_shows_the_field_at_once_on_the_demonstration_panel() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
-/// Elements that are drawn and stand beyond the window, or whose text is cut off.
+/// Drawn elements outside the window, and those whose text is cut off.
 const BEYOND: &str = "[...document.querySelectorAll('body *')].filter((e) => { \
     const r = e.getBoundingClientRect(); \
     if (!r.width || !r.height || e.closest('svg, .table-scroll, .spoken, option, .menu-body, .drawer-body')) return false; \

@@ -1,4 +1,4 @@
-//! A real headless Chromium, spoken to over its DevTools socket.
+//! A real headless Chromium, driven over its DevTools socket.
 
 use base64::engine::general_purpose::STANDARD;
 use base64::Engine;
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use tungstenite::{client, Message, WebSocket};
 
-/// The browser's answer to a question that a navigation has overtaken.
+/// The browser's error where a navigation interrupts an evaluation.
 const NAVIGATES: &str = "Inspected target navigated or closed";
 
 const NAMES: [&str; 4] = [
@@ -33,8 +33,8 @@ pub struct Page {
 }
 
 impl Page {
-    /// A tab of so many px, light or dark; `None`, said on stderr, where there is no
-    /// browser.
+    /// A tab of the given size in px, light or dark. Without a browser `None`, and a line on
+    /// stderr.
     pub fn new(width: u32, height: u32, dark: bool) -> Option<Self> {
         let profile = tempfile::tempdir().unwrap();
         let Some(mut browser) = NAMES.iter().find_map(|name| launch(name, profile.path())) else {
@@ -98,8 +98,7 @@ impl Page {
         self.eval("dispatchEvent(new Event('beforeprint'))");
     }
 
-    /// Opens an address and waits until the page has drawn itself; milliseconds from its
-    /// start to then.
+    /// Opens an address and waits until the page is drawn; returns the time that this takes, ms.
     pub fn open(&mut self, url: &str) -> u64 {
         self.eval("delete document.documentElement?.dataset.drawn");
         self.send("Page.navigate", json!({ "url": url }));
@@ -110,8 +109,7 @@ impl Page {
             .unwrap()
     }
 
-    /// Seconds that the page's thread has worked so far: unlike a clock they do not count
-    /// what other programs do meanwhile.
+    /// Seconds of work of the page's thread so far, which other programs do not change.
     pub fn worked_s(&mut self) -> f64 {
         let metrics = self.send("Performance.getMetrics", json!({}))["metrics"].clone();
         let task = metrics
@@ -145,7 +143,7 @@ impl Page {
             .unwrap_or_else(|error| panic!("{expression}: {error}"))
     }
 
-    /// The same, or what the browser says instead.
+    /// The value of an expression, or the error of the browser.
     fn evaluated(&mut self, expression: &str) -> Result<Value, Value> {
         let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
         let answer = self.ask("Runtime.evaluate", asked)?;
@@ -156,8 +154,8 @@ impl Page {
         Ok(answer["result"]["value"].clone())
     }
 
-    /// Waits until an expression is true, and gives its value. A page that is being left
-    /// has none.
+    /// Waits until an expression is true, and returns its value. During a navigation there is
+    /// none.
     pub fn wait(&mut self, expression: &str) -> Value {
         let start = Instant::now();
         loop {
@@ -177,16 +175,14 @@ impl Page {
         }
     }
 
-    /// Text of an element, or the value of an input; a button has a value, too, and its text
-    /// is meant.
+    /// Text of an element, or the value of an input; of a button its text.
     pub fn text(&mut self, selector: &str) -> String {
         let value =
             self.eval(&format!("(() => {{ const e = document.querySelector({}); return e.matches('button') ? e.textContent : e.value ?? e.textContent; }})()", json!(selector)));
         value.as_str().unwrap().to_owned()
     }
 
-    /// Brings an element into view and gives a place of it in the window: its left upper
-    /// corner and size.
+    /// Brings an element into view; returns its left upper corner in the window and its size.
     pub fn place(&mut self, selector: &str) -> [f64; 4] {
         let found = format!("(() => {{ const e = document.querySelector({}); e.scrollIntoView({{block: 'center'}}); const r = e.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; }})()", json!(selector));
         serde_json::from_value(self.eval(&found)).unwrap()
@@ -205,7 +201,7 @@ impl Page {
         self.drag(at, at);
     }
 
-    /// Presses at one place, moves to another, lets go.
+    /// Presses at one place, moves to another, and releases.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
         self.drag_and_hold(from, to);
         self.release(to);
@@ -224,12 +220,12 @@ impl Page {
         }
     }
 
-    /// Moves on, the button held down.
+    /// Moves on while the button is pressed.
     pub fn move_to(&mut self, to: [f64; 2]) {
         self.mouse("mouseMoved", to, 1);
     }
 
-    /// Lets go.
+    /// Releases the button.
     pub fn release(&mut self, at: [f64; 2]) {
         self.mouse("mouseReleased", at, 0);
     }
@@ -238,7 +234,7 @@ impl Page {
         self.keys(key, 1);
     }
 
-    /// Presses a key so many times.
+    /// Presses a key several times.
     pub fn keys(&mut self, key: &str, times: usize) {
         for _ in 0..times {
             self.key_with(key, 0);
@@ -333,7 +329,7 @@ fn launch(name: &str, profile: &Path) -> Option<Child> {
         .ok()
 }
 
-/// The browser writes port and path of its socket into its profile.
+/// Port and path of the browser's socket, from its profile.
 fn devtools_url(profile: &Path) -> Option<String> {
     let start = Instant::now();
     while start.elapsed() < PATIENCE {

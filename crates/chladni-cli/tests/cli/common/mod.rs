@@ -24,8 +24,7 @@ pub const SCENE: &str =
 /// A folder that is gone after the test.
 pub struct Folder(pub TempDir);
 
-/// Says what a test leaves out. Written past the test harness, which would keep it to
-/// itself.
+/// Tells that a test is skipped. The line bypasses the test harness, which would hide it.
 pub fn skipped(what: &str) {
     use std::io::Write;
     drop(writeln!(std::io::stderr(), "skipped: {what}"));

@@ -1,4 +1,4 @@
-//! How a run of a program ended; the programs of `benches` are tested with it too.
+//! The outcome of a run of a program; the tests of `benches` use it too.
 
 #![allow(dead_code)] // every test program uses its own part
 
@@ -28,7 +28,7 @@ impl Run {
             panic!("{error} in {:?}; stderr {:?}", self.stdout, self.stderr)
         })
     }
-    /// The text of stderr, in one line: the terminal's line breaks are no words.
+    /// The text of stderr in one line, without the line breaks for a terminal.
     pub fn said(&self) -> String {
         self.stderr.split_whitespace().collect::<Vec<_>>().join(" ")
     }

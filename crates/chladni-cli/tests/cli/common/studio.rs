@@ -1,4 +1,4 @@
-//! A studio, and what anybody on the machine may send to it.
+//! A running studio, and requests to it.
 
 use super::Folder;
 use serde_json::Value;
@@ -18,14 +18,14 @@ pub struct Studio {
 }
 
 impl Studio {
-    /// Starts one in `folder`, with these words behind `chladni studio`.
+    /// Starts a studio in `folder` with these arguments.
     pub fn start(folder: &Folder, args: &[&str]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
         command.arg("studio").args(args);
         Self::of_command(folder, command)
     }
 
-    /// The same by a command that ends as `chladni studio`.
+    /// Starts it by any command.
     pub fn of_command(folder: &Folder, mut command: Command) -> Self {
         command
             .current_dir(folder.path())
@@ -54,13 +54,12 @@ impl Studio {
         self.process.id()
     }
 
-    /// The answer to a request of these lines, in which HERE stands for the address and
-    /// TOKEN for the token.
+    /// The answer to a request; its lines contain HERE for the address and TOKEN for the token.
     pub fn asked(&self, head: &str, body: &str) -> String {
         String::from_utf8(self.asked_bytes(head, body)).unwrap()
     }
 
-    /// The same where it is no text.
+    /// The answer to a request, as bytes.
     pub fn asked_bytes(&self, head: &str, body: &str) -> Vec<u8> {
         let mut stream = TcpStream::connect(&self.address).unwrap();
         let head = head
