@@ -136,6 +136,36 @@ fn bars_of_every_method_hold_its_bias() {
 }
 
 #[test]
+fn every_method_lets_the_data_choose_the_law() {
+    for law in [Damping::Structural, Damping::Viscous] {
+        let set = Synthetic {
+            damping: law,
+            snr_db: 60.0,
+            ..easy()
+        }
+        .build()
+        .expect("a set");
+        for method in Method::ALL {
+            let model = run(&set.frf, method, Some(6)).expect("a fit");
+            assert_eq!(model.damping, law, "{method}");
+            let asked = FitOptions {
+                method,
+                modes: Some(6),
+                damping: Some(law.other()),
+                ..FitOptions::default()
+            };
+            let model = fit(&set.frf, &asked).expect("a fit").model;
+            assert_eq!(model.damping, law.other(), "{method}");
+            let mut findings = model.quality.findings.iter();
+            assert!(
+                findings.any(|finding| finding.code == "law-contradicted"),
+                "{method}, {law:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_hundred_poles_without_noise_are_exact() {
     let set = hundred().build().unwrap();
     for method in [Method::Lean, Method::Vf, Method::Aaa] {
