@@ -133,8 +133,9 @@ impl FreeFit {
             let held = (work, data.pairs.len());
             shapes.rise > most_by_chance(constraints, variance, rounding, held)
         };
-        if misfits(&shapes) {
-            // modes at one frequency, which no search for one shape each has parted
+        // modes at one frequency, which no search for one shape each has parted: all that is left is
+        // what one shape leaves
+        if misfits(&shapes) && shapes.rise > self.linear.sse * self.noise {
             for n in (0..given.len()).filter(|&n| !outside(n) && given[n].is_none()) {
                 let values = significant_values(&free, n, variance)?;
                 let clear = |value: &&f64| **value > limits::SECOND_SHAPE * values[0];
