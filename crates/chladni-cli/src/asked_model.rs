@@ -4,8 +4,8 @@ use chladni_frf::Damping;
 use chladni_rfp::{FitOptions, ShapeModel};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-/// The arguments. One that is left out is decided by evidence; without a decay no window is
-/// taken off.
+/// The arguments. One that is left out is decided by evidence; without a decay no
+/// exponential window is taken off.
 #[derive(Debug, clap::Args)]
 pub struct AskedModel {
     /// Number of modes in the band; auto: decided by evidence [default: auto]

@@ -92,7 +92,7 @@ pub struct Args {
     /// [default: auto]
     #[arg(long, value_name = "auto|N", value_parser = parse_bands, allow_negative_numbers = true)]
     rfp_bands: Option<BandCount>,
-    /// The form of 1982 of rfp: each FRF by itself, linear, viscous damping; modes are the
+    /// The form of 1982 of rfp: each FRF by itself, linear, poles in s; modes are the
     /// poles that FRFs agree on
     #[arg(long, conflicts_with_all = ["rfp_weight", "rfp_bands"])]
     rfp_local: bool,

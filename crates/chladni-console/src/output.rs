@@ -51,6 +51,7 @@ pub const HTML: &[&str] = &["html", "htm"];
 pub const TABLE: &[&str] = &["csv"];
 /// Extensions of pictures.
 pub const PICTURE: &[&str] = &["svg", "png", "gif"];
+
 /// Extension of a file in lower case; empty where it has none.
 pub fn extension_of(path: &Path) -> String {
     path.extension()

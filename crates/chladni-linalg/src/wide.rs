@@ -4,8 +4,8 @@
 /// once, as many as the processor has lanes for. The bits are those of plain loops: no sum is
 /// taken in another order, no product joined with a sum.
 ///
-/// Only what the compiler inlines into `work` is compiled so: the closure, those that it calls and
-/// their functions need `#[inline(always)]`.
+/// Only inlined code is compiled so: `work` and every function that it calls need
+/// `#[inline(always)]`.
 #[inline]
 pub fn wide<R>(work: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(work)

@@ -76,3 +76,82 @@ fn written<const BOTH: bool>(
     }
     sums.map(|lanes| lanes.sum())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damping::columns::resonance;
+    use crate::data::window::kinds::Window;
+    use crate::data::window::leakage::{Leakage, LeakingLines};
+    use chladni_frf::Damping;
+    use ndarray::Array2;
+    use std::sync::Arc;
+
+    /// Lines 1/500 of ω_max apart, as many as eight does not divide.
+    fn lines(law: Damping, window: Option<Window>) -> Columns {
+        let y: Vec<f64> = (280..301).map(|line| f64::from(line) / 500.0).collect();
+        let x: Vec<f64> = y.iter().map(|y| y * y).collect();
+        let leaking = window.and_then(Window::kernel).map(|kernel| {
+            let leakage = Leakage::new(kernel, 500.0 * std::f64::consts::TAU, 1);
+            LeakingLines::new(Arc::new(leakage), &x)
+        });
+        Columns {
+            b: Array2::zeros((x.len(), 0)),
+            g: y,
+            x,
+            law,
+            leakage: leaking,
+        }
+    }
+
+    #[test]
+    fn lines_together_are_each_by_itself() {
+        let windows = [
+            None,
+            Some(Window::Transient),
+            Some(Window::Hann),
+            Some(Window::Kaiser { beta: 8.6 }),
+            Some(Window::Burst { part: 1.0 }),
+            Some(Window::HannBurst { part: 0.5 }),
+        ];
+        // beside a line, between two, below the axis
+        let poles = [
+            (0.58 * 0.58, 1e-6),
+            (0.581 * 0.581, 4e-3),
+            (0.57 * 0.57, -2e-3),
+        ];
+        for (window, law) in windows
+            .iter()
+            .flat_map(|window| [(window, Damping::Structural), (window, Damping::Viscous)])
+        {
+            let work = lines(law, *window);
+            for pole in poles.map(|(re, im)| Complex64::new(re, im)) {
+                let (mut column, mut slope) =
+                    (vec![Complex64::ZERO; 21], vec![Complex64::ZERO; 21]);
+                fill(&work, pole, &mut column, None);
+                let alone = column.clone();
+                fill(&work, pole, &mut column, Some(&mut slope));
+                assert_eq!(alone, column, "{window:?} {law:?} {pole}");
+                for k in 0..work.lines() {
+                    let (x, g) = ([work.x[k]], [work.g[k]]);
+                    let single = match &work.leakage {
+                        Some(leaking) => LeakingColumn::new(law, leaking, pole).at(k, &x, &g),
+                        None => PlainColumn::new(law, pole).at(k, &x, &g),
+                    };
+                    let both = single.map(|lanes| lanes.get(0));
+                    if window.is_none() {
+                        let plain = resonance(law, pole, work.x[k]) * work.g[k];
+                        assert!((both[0] - plain).norm() < 1e-14 * plain.norm());
+                    }
+                    for (one, many) in both.iter().zip([column[k], slope[k]]) {
+                        assert!(one.is_finite(), "{window:?} {law:?} {pole} {k}");
+                        assert!(
+                            (one - many).norm() <= 1e-14 * one.norm(),
+                            "{window:?} {law:?} {pole} {k}: {one} {many}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,5 +1,5 @@
-//! From the poles of one method of the family to a model: error bars, residues of every
-//! FRF, grades.
+//! From the poles of one method of the family to a model: damping law, error bars, residues
+//! of every FRF, grades.
 //!
 //! A method other than maximum likelihood has a bias that its own scatter does not show. The
 //! bars here hold two parts (theory.md, eq. 43): the scatter of an efficient estimator at this

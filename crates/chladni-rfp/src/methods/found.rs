@@ -17,7 +17,7 @@ pub(crate) struct MethodPoles {
     pub poles: Vec<Complex64>,
     /// One sigma of |s|/ω_max and of η per pole where the method knows its own scatter.
     pub deviation: Option<Vec<[f64; 2]>>,
-    /// Damping law to report in where none was asked for.
+    /// Damping law of the result where none was asked for and the data do not tell.
     pub law: Damping,
     /// Warnings to the user.
     pub warnings: Vec<Finding>,

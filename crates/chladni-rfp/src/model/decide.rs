@@ -102,8 +102,8 @@ pub(crate) fn with_free_residues(
     Ok(identified)
 }
 
-/// Marks the law as open where it is. Returns the finding on it: the data contradict the law, or
-/// hardly determine it.
+/// Marks a law that the data leave open. Returns the finding on the law: the data contradict it,
+/// or hardly determine it.
 ///
 /// * `verdict`: of the data
 /// * `real`: shapes are real in the law taken

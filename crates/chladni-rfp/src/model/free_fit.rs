@@ -133,15 +133,17 @@ impl FreeFit {
             let held = (work, data.pairs.len());
             shapes.rise > most_by_chance(constraints, variance, rounding, held)
         };
-        // modes at one frequency, which no search for one shape each has parted: all that is left is
-        // what one shape leaves
-        if misfits(&shapes) && shapes.rise > self.linear.sse * self.noise {
+        let ranks_of_one = ranks.clone();
+        // what free residues leave of all FRFs
+        let left = variance * (work.lines() * data.pairs.len()) as f64;
+        // one shape each leaves more than that again: probably several modes at one frequency
+        if misfits(&shapes) && shapes.rise > left {
             for n in (0..given.len()).filter(|&n| !outside(n) && given[n].is_none()) {
                 let values = significant_values(&free, n, variance)?;
                 let clear = |value: &&f64| **value > limits::SECOND_SHAPE * values[0];
                 ranks[n] = values.iter().filter(clear).count().max(1);
             }
-            if ranks.iter().sum::<usize>() > shapes.owner.len() {
+            if ranks != ranks_of_one {
                 shapes = low_rank_around(&free, &ranks, &given)?;
             }
         }
@@ -214,7 +216,7 @@ impl FreeFit {
 fn shared_frequency(modes: usize) -> Reason {
     Reason::new(
         "shared-frequency",
-        "several modes at one frequency: their frequencies are too close to be told apart",
+        "several modes share this frequency: their shapes may be mixed with one another",
     )
     .detail(format!("{modes} shapes"))
 }

@@ -39,7 +39,7 @@ pub(crate) struct Identified {
     pub law_open: LawOpen,
     /// False where the poles were given, and not fitted to these columns.
     pub fitted: bool,
-    /// True if errors are not white noise, and deviations come from the residual itself.
+    /// True if errors were found not to be white noise, and deviations come from the residual itself.
     pub measured: bool,
 }
 
@@ -50,7 +50,8 @@ pub(crate) enum LawOpen {
     No,
     /// Not decided: damping is light and the residual is not white.
     Light,
-    /// Not decided: the residual is white, and the laws differ by more than an error bar.
+    /// Not decided: the laws differ by more than an error bar, and the residual is white or was not
+    /// tested.
     White,
 }
 

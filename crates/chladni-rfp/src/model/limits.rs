@@ -28,8 +28,8 @@ pub(super) const CLEARLY_SLOWER: f64 = 5.0;
 /// all of them hardly are, and are tried at once. Judgement: no model of
 /// `scripts/record_results.sh` changes by it.
 pub(super) const RANK_ROUNDS: usize = 8;
-/// Singular value of the residues of a pole of the band over the largest from which it belongs to
-/// another mode: 1 % of the energy. Judgement: a delay or a moved pole of one reference makes none.
+/// Least singular value of a pole's residues, over the largest, that counts as another mode: 1 % of
+/// the energy. Judgement: a delay or a moved pole of one reference makes none.
 pub(super) const SECOND_SHAPE: f64 = 0.1;
 /// Natural frequency over that of the last line below which a pole has none.
 pub(super) const NO_FREQUENCY: f64 = 1e-6;

@@ -137,9 +137,15 @@ fn a_repeated_pole_is_two_modes_of_one_frequency() {
 /// Free residues know no second mode at a pole: their rank does.
 #[test]
 fn two_modes_at_one_pole_are_both_kept_where_no_search_parts_them() {
+    for responses in [8, 40] {
+        two_modes_at_one_pole(responses);
+    }
+}
+
+fn two_modes_at_one_pole(responses: usize) {
     let set = Synthetic {
         natural_frequency_hz: vec![40.0, 70.0, 70.0, 110.0],
-        responses: 8,
+        responses,
         references: 2,
         snr_db: 40.0,
         ..Synthetic::default()
@@ -157,6 +163,34 @@ fn two_modes_at_one_pole_are_both_kept_where_no_search_parts_them() {
     assert!(model.quality.chi2_per_dof < 1.1, "{:?}", model.quality);
     let sure = model.in_band_modes().filter(|m| m.trust == Trust::Sure);
     assert_eq!(sure.count(), 2);
+    // a delayed reference turns a shape, and makes no second one
+    let set = Synthetic {
+        natural_frequency_hz: vec![40.0, 70.0, 110.0],
+        responses,
+        references: 2,
+        snr_db: 40.0,
+        ..Synthetic::default()
+    };
+    let mut delayed = set.build().expect("a set").frf;
+    delay(&mut delayed, 1, 500e-6);
+    for shapes in [ShapeModel::Free, ShapeModel::Auto] {
+        let model = fitted(&delayed, shapes);
+        assert_eq!(model.in_band_modes().count(), 3, "{:?}", model.quality);
+    }
+}
+
+/// Delays a reference.
+fn delay(frf: &mut FrfSet, reference: usize, delay_s: f64) {
+    let axis = frf.frequency_hz.clone();
+    if let FrfValues::F64(values) = &mut frf.values {
+        for (k, f) in axis.iter().enumerate() {
+            let angle = -std::f64::consts::TAU * f * delay_s;
+            let turn = num_complex::Complex64::from_polar(1.0, angle);
+            values
+                .slice_mut(ndarray::s![.., reference, k])
+                .mapv_inplace(|v| v * turn);
+        }
+    }
 }
 
 #[test]
@@ -191,15 +225,7 @@ fn shapes_are_real_only_where_the_data_admit_it() {
     );
     // a delayed reference keeps one shape, but its phase is no longer that of a real mode
     let mut delayed = set(SyntheticShapes::Real);
-    let axis = delayed.frf.frequency_hz.clone();
-    if let FrfValues::F64(values) = &mut delayed.frf.values {
-        for (k, f) in axis.iter().enumerate() {
-            let turn = num_complex::Complex64::from_polar(1.0, -std::f64::consts::TAU * f * 500e-6);
-            values
-                .slice_mut(ndarray::s![.., 2, k])
-                .mapv_inplace(|v| v * turn);
-        }
-    }
+    delay(&mut delayed.frf, 2, 500e-6);
     let delayed = path(&delayed);
     assert!(!delayed.contains("real ("), "{delayed}");
 }

@@ -74,7 +74,7 @@ fn axis_to_hz(freq: &Entry, facts: &FrfFacts<'_>, warnings: &mut Vec<Finding>) -
     let own = attribute(freq, &["unit"]);
     let by_own = own.as_ref().and_then(|fact| factor_of(&fact.text));
     let by_name = unit_in_name(freq.name());
-    let stated = said_to_hz(facts)?;
+    let stated = stated_to_hz(facts)?;
     let factors = [by_own, by_name, stated];
     let Some(to_hz) = factors.into_iter().flatten().next() else {
         let label = own.map(|fact| fact.text);
@@ -117,7 +117,7 @@ fn axis_to_hz(freq: &Entry, facts: &FrfFacts<'_>, warnings: &mut Vec<Finding>) -
 ///
 /// # Errors
 /// A label that is no unit of a frequency.
-pub(super) fn said_to_hz(facts: &FrfFacts<'_>) -> Result<Option<f64>> {
+pub(super) fn stated_to_hz(facts: &FrfFacts<'_>) -> Result<Option<f64>> {
     let factor = |fact: &super::facts::Fact<'_>| {
         factor_of(&fact.text).ok_or_else(|| {
             fact.not_understood("no unit of a frequency; write Hz, kHz, rad/s or 1/min")

@@ -3,7 +3,7 @@
 
 use super::choose::{joined_axis, Source};
 use super::facts::FrfFacts;
-use super::frequency::said_to_hz;
+use super::frequency::stated_to_hz;
 use super::{is_matlab, Reader};
 use crate::arrays::tree::Entry;
 use crate::arrays::values::{real_array, wrong_type, ComplexArray};
@@ -183,7 +183,7 @@ impl<'a> Reader<'a> {
                 entry.path
             ),
         ));
-        let to_hz = said_to_hz(facts)?.unwrap_or(1.0);
+        let to_hz = stated_to_hz(facts)?.unwrap_or(1.0);
         frequency_hz.iter_mut().for_each(|f| *f *= to_hz);
         Ok((frequency_hz, ComplexArray::Double(values)))
     }

@@ -95,7 +95,7 @@ export function shapeView(model, geometry, structure) {
   return [modeChoice(model), title, h("div", { class: "pair" }, views)];
 }
 
-/** + and − at the extremes, which are not distinct in grey. */
+/** + and − at the extremes: grey does not tell them apart. */
 function signs({ x, y, re }) {
   const extreme = (sense) => re.reduce((best, value, k) => (sense * value > sense * (re[best] ?? -sense * Infinity) ? k : best), -1);
   return ({ px, s }) => [["+", 1], ["−", -1]].filter(([, sense]) => sense * re[extreme(sense)] > 0.1).map(([text, sense]) => {

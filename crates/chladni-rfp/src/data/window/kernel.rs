@@ -183,8 +183,8 @@ impl WindowKernel {
         force.power(decay, g)
     }
 
-    /// e^{−za} of the parts a of the record that g(z) has corners at: before and of a burst, or
-    /// all of it. That of a sum is the product.
+    /// e^{−za} at the corners of ρ: a = 1 − part and a = part of a burst, otherwise a = 1 (and 0).
+    /// The factors of a sum of z multiply.
     pub(crate) fn decays(&self, z: Complex64) -> [Complex64; 2] {
         match self {
             Self::Burst { part, .. } => [1.0 - part, *part].map(|a| (-z * a).exp()),

@@ -3,7 +3,8 @@
 use num_complex::Complex64;
 use std::ops::{Add, Mul, Sub};
 
-/// One number by its lane. Closures of arrays are not inlined as surely as this loop.
+/// An array by the value of each lane: a loop, which the compiler turns into wide operations more
+/// surely than a closure over the array.
 macro_rules! lanes {
     ($l:ident => $value:expr) => {{
         let mut out = [0.0; L];
@@ -27,7 +28,7 @@ impl<const L: usize> Lanes<L> {
         im: [0.0; L],
     };
 
-    /// One number by its lane.
+    /// The numbers of all lanes.
     #[inline(always)]
     pub fn of(number: impl Fn(usize) -> Complex64) -> Self {
         let mut lanes = Self::ZERO;
@@ -65,7 +66,7 @@ impl<const L: usize> Lanes<L> {
         lanes!(l => self.re[l] * self.re[l] + self.im[l] * self.im[l])
     }
 
-    /// 1/z; squares of distances on normalised axes are far inside the range of f64.
+    /// 1/z; not a number at 0.
     #[inline(always)]
     pub fn inverse(self) -> Self {
         let square = self.norm_sqr();

@@ -334,8 +334,8 @@ fn in_halves(frf: &FrfSet, options: &FitOptions) -> ModalModel {
 
 #[test]
 fn many_responses_are_fitted_on_weighted_lines() {
-    // a seed where the broad poles that stand for what the force leaves end alike in pieces: in half
-    // of them they do not, and bars are others
+    // in half of all seeds the broad poles that stand for leakage end differently in pieces, and bars
+    // differ; in this seed they end alike
     let frf = mixed(&random_test(Window::Hann, 1.0, 47), 30);
     let options = FitOptions {
         band_hz: Some([20.0, 250.0]),
