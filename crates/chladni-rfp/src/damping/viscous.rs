@@ -39,18 +39,18 @@ pub(crate) fn viscous_basis(work: &Columns, poles: &[Complex64], powers: &[i32])
     for (n, &pole) in poles.iter().enumerate() {
         let leaks = work.leakage.as_ref().filter(|_| pole.re < 0.0);
         let leaks = leaks.map(|of| (of.leakage.of_pole(pole), &of.lines));
-        let uv = || {
-            work.x.iter().zip(&work.g).enumerate().map(|(k, (&x, &g))| {
-                let jy = Complex64::new(0.0, x.sqrt());
-                let (own, other) = (inverse(jy - pole) * g, inverse(jy - pole.conj()) * g);
-                match &leaks {
-                    Some((leaks, lines)) => (own * leaks.factor(&lines[k]), other),
-                    None => (own, other),
-                }
-            })
+        let halves_of = |(k, (&x, &g)): (usize, (&f64, &f64))| {
+            let jy = Complex64::new(0.0, x.sqrt());
+            let (own, other) = (inverse(jy - pole) * g, inverse(jy - pole.conj()) * g);
+            match &leaks {
+                Some((leaks, lines)) => (own * leaks.factor(&lines[k]), other),
+                None => (own, other),
+            }
         };
-        in_halves_into(&mut a, 2 * n, uv().map(|(u, v)| u + v));
-        in_halves_into(&mut a, 2 * n + 1, uv().map(|(u, v)| j * (u - v)));
+        let lines = work.x.iter().zip(&work.g).enumerate();
+        let uv: Vec<(Complex64, Complex64)> = lines.map(halves_of).collect();
+        in_halves_into(&mut a, 2 * n, uv.iter().map(|(u, v)| u + v));
+        in_halves_into(&mut a, 2 * n + 1, uv.iter().map(|(u, v)| j * (u - v)));
     }
     for (p, &power) in powers.iter().enumerate() {
         let column = 2 * (poles.len() + p);

@@ -201,10 +201,6 @@ pub(super) const GATE_WHOLE: f64 = 0.99;
 
 // window/kernel.rs
 
-/// Below this |z| quotients lose digits and series are used.
-pub(super) const SERIES_BELOW: f64 = 1.0;
-/// Terms of a series: the last is below 1/22! of the sum.
-pub(super) const SERIES_TERMS: u32 = 20;
 /// Harmonics at the end of a series with less than this share of it are left out.
 pub(super) const CUT_SHARE: f64 = 1e-9;
 
@@ -225,6 +221,13 @@ pub(super) const BY_VALUES: (usize, usize) = (1024, 256);
 pub(super) const LEAST_DECAY_LEFT: f64 = 0.3;
 /// Halvings of an interval that ends at what is known: to 1e-9 of it.
 pub(super) const HALVINGS: usize = 30;
+
+// window/ramps.rs
+
+/// Below this |z| quotients lose digits and series are used.
+pub(super) const SERIES_BELOW: f64 = 1.0;
+/// Terms of a series: the last is below 1/22! of the sum.
+pub(super) const SERIES_TERMS: u32 = 20;
 
 // window/of_set.rs
 

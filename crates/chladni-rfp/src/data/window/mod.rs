@@ -8,3 +8,4 @@ pub(crate) mod kinds;
 pub(crate) mod lanes;
 pub(crate) mod leakage;
 pub(crate) mod of_set;
+mod ramps;
