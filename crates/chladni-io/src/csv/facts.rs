@@ -14,7 +14,8 @@ pub(super) struct TableFacts {
     /// True where a column states `unit`, not a remark.
     pub(super) is_unit_of_column: bool,
     pub(super) time_sign: Option<TimeSign>,
-    pub(super) reference_unit: Option<ReferenceUnit>,
+    /// Unit of the reference, and the line of its remark.
+    pub(super) reference_unit: Option<(ReferenceUnit, u64)>,
     pub(super) response: Option<Dof>,
     pub(super) reference: Option<Dof>,
     pub(super) phase_unit: Option<PhaseUnit>,
@@ -53,7 +54,7 @@ impl TableFacts {
                     facts.frequency_unit = Some((remark.value.clone(), factor));
                 }
                 "reference_unit" => {
-                    facts.reference_unit = Some(match remark.value.as_str() {
+                    let unit = match remark.value.as_str() {
                         "N" => ReferenceUnit::Newton,
                         "V" => ReferenceUnit::Volt,
                         _ => {
@@ -61,7 +62,8 @@ impl TableFacts {
                                 wrong("unknown unit of the reference".into()).expected("N or V")
                             )
                         }
-                    })
+                    };
+                    facts.reference_unit = Some((unit, remark.line));
                 }
                 key if key.ends_with("unit") || key.ends_with("units") => {
                     warnings.push(Finding::note(

@@ -202,8 +202,12 @@ impl FrfUnits {
         if let (Some(kind), Some((unit, label)), None) = (facts.kind, found, caller_kind) {
             unit.check_kind(kind, label)?;
         }
-        let reference = facts
-            .reference_unit
+        if let (Some((stated, line)), Some((unit, label))) = (facts.reference_unit, found) {
+            unit.check_reference(stated, label)
+                .map_err(|error| error.at_line(line))?;
+        }
+        let stated = facts.reference_unit.map(|(unit, _)| unit);
+        let reference = stated
             .or(found.map(|(unit, _)| unit.reference))
             .unwrap_or_default();
         Ok(Self {

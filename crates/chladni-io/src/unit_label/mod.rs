@@ -57,6 +57,24 @@ impl FrfUnit {
             .expected(format!("{} for that unit", self.kind))
             .help("say which is right with `frf_kind`"))
     }
+
+    /// Refuses another unit of the reference that the file states beside this unit with the
+    /// label `label`.
+    ///
+    /// # Errors
+    /// Bad data in the field `reference_unit`.
+    pub(super) fn check_reference(self, stated: ReferenceUnit, label: &str) -> Result<()> {
+        if stated == self.reference {
+            return Ok(());
+        }
+        Err(
+            Error::bad_data("reference_unit and unit contradict each other")
+                .field("reference_unit")
+                .found(format!("{stated} with unit {label}"))
+                .expected(format!("{} for that unit", self.reference))
+                .help("correct the one that is wrong"),
+        )
+    }
 }
 
 /// Kind, reference and scale of an FRF's unit label; `None` where it is no motion per

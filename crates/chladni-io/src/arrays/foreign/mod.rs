@@ -314,14 +314,8 @@ impl<'a> Reader<'a> {
         if let (Some(kind), None) = (facts.kind, self.options.frf_kind) {
             unit.check_kind(kind, label)?;
         }
-        if let Some(reference) = (facts.reference_unit).filter(|stated| *stated != unit.reference) {
-            return Err(
-                Error::bad_data("reference_unit and unit contradict each other")
-                    .field("reference_unit")
-                    .found(format!("{reference} with unit {label}"))
-                    .expected(format!("{} for that unit", unit.reference))
-                    .help("correct the one that is wrong"),
-            );
+        if let Some(reference) = facts.reference_unit {
+            unit.check_reference(reference, label)?;
         }
         scale(values, unit.to_si);
         Ok((facts.kind.or(Some(unit.kind)), unit.reference))

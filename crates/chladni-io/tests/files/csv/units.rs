@@ -1,7 +1,7 @@
 //! Units of values, phases and frequencies: read, asked for, or refused.
 
 use super::reading::{c, read, read_with, refusal, values};
-use chladni_frf::{FrfKind, TimeSign};
+use chladni_frf::{FrfKind, ReferenceUnit, TimeSign};
 use chladni_io::{PhaseUnit, ReadOptions};
 
 #[test]
@@ -86,6 +86,28 @@ fn units_decide_kind_and_scale_and_contradictions_are_refused() {
         "f,Re(a) [m/N],Im(a) [m/N],Re(b) [m/s/N],Im(b) [m/s/N]\n1,2,0,1,1\n2,1,0,1,1\n"
     )
     .contains("different kinds"));
+}
+
+#[test]
+fn a_reference_unit_other_than_that_of_the_unit_is_refused_with_its_line() {
+    let of_remark = "# unit = m/s/N\n# reference_unit = V\nf,re,im\n1,2,0\n2,1,0\n";
+    let of_column = "# frf_kind = mobility\n# reference_unit = V\nf,Re(a) [m/s/N],Im(a) [m/s/N]\n1,2,0\n2,1,0\n";
+    for text in [of_remark, of_column] {
+        let said = refusal(text);
+        for words in [
+            "line 2",
+            "reference_unit and unit contradict",
+            "V with unit m/s/N",
+            "N for that unit",
+            "correct the one that is wrong",
+        ] {
+            assert!(said.contains(words), "{words}: {said}");
+        }
+    }
+    let agreed = of_remark.replace("m/s/N", "m/s/V");
+    let (set, _) = read(&agreed).unwrap();
+    assert_eq!(set.reference_unit, ReferenceUnit::Volt);
+    assert_eq!(set.kind, Some(FrfKind::Mobility));
 }
 
 #[test]
