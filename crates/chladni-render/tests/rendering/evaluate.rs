@@ -221,6 +221,55 @@ fn limits_and_tones_of_the_scene_that_weights_do_not_keep_are_named() {
 }
 
 #[test]
+fn limits_of_volts_current_and_effort_are_held_against_a_drive() {
+    let mut model = truth().clone();
+    model.reference_unit = chladni_frf::ReferenceUnit::Volt;
+    let weights = render(&model, &cell_scene([2, 2], 1, ""), &Default::default())
+        .unwrap()
+        .weights;
+    let largest = weights.indices.points.max_voltage_v.unwrap();
+    let squares = weights.weights.iter().map(|w| w.re.powi(2) + w.im.powi(2));
+    let effort = squares.sum::<f64>().sqrt();
+    let found = |actuators: &str| {
+        let scene = cell_scene([2, 2], 1, &format!("[actuators]\n{actuators}\n"));
+        let evaluation = evaluate(&weights, &scene, On::Model(&model)).unwrap();
+        let mut findings = evaluation.findings.into_iter();
+        findings.find(|finding| finding.code == "drive-beyond-limit")
+    };
+    let volts = |times: f64| format!("max_voltage_v = {}", largest / times);
+    let current = |times: f64| {
+        format!(
+            "max_current_a = {}\nresistance_ohm = 8",
+            largest / times / 8.0
+        )
+    };
+    let all = |times: f64| format!("max_effort = {}", effort / times);
+    let [each, of_all] = ["per actuator (V)", "on the root of the sum of squares (V)"];
+    for (actuators, times, limit) in [
+        (volts(4.0), "4.000 times", each),
+        (current(4.0), "4.000 times", each),
+        (all(4.0), "4.000 times", of_all),
+        (volts(8.0) + "\n" + &all(4.0), "8.000 times", each),
+        (volts(4.0) + "\n" + &all(8.0), "8.000 times", of_all),
+        (volts(0.5) + "\n" + &all(4.0), "4.000 times", of_all),
+    ] {
+        let said = found(&actuators).expect(&actuators).text;
+        assert!(
+            said.contains(times) && said.ends_with(limit),
+            "{actuators}: {said}"
+        );
+    }
+    for actuators in [
+        volts(0.5),
+        current(0.5),
+        all(0.5),
+        volts(1.0) + "\n" + &all(1.0),
+    ] {
+        assert!(found(&actuators).is_none(), "{actuators}");
+    }
+}
+
+#[test]
 fn a_hot_polygon_without_a_response_is_named() {
     let square = |x: f64| {
         let far = x + 0.1;

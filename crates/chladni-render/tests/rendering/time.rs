@@ -188,6 +188,32 @@ fn two_tones_have_a_matrix_each_and_their_signal_is_judged_tone_by_tone() {
 }
 
 #[test]
+fn a_tone_of_the_weights_that_the_scene_lacks_is_named() {
+    let of = |frequencies_hz: &str| {
+        scene(&format!(
+            "frequency_hz = {frequencies_hz}\n[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, \
+             0.0, 0.268, 0.170]\n[time]\n[[time.burst]]\nduration_s = 0.2\nramp_s = 0.05\n"
+        ))
+    };
+    let both = of("[260.0, 335.0]");
+    let weights = render(truth(), &both, &RenderOptions::default())
+        .unwrap()
+        .weights;
+    let not_played = |scene: &Scene| {
+        let options = PlayOptions {
+            area: false,
+            ..PlayOptions::default()
+        };
+        let played = play(truth(), scene, Some(&weights), &options).unwrap();
+        let mut findings = played.findings.into_iter();
+        findings.find(|finding| finding.code == "tone-not-played")
+    };
+    let said = not_played(&of("260.0")).unwrap().text;
+    assert!(said.contains("335 Hz") && !said.contains("260"), "{said}");
+    assert!(not_played(&both).is_none());
+}
+
+#[test]
 fn a_ramp_is_found_that_keeps_every_limit() {
     for cell in [1, 4] {
         let scene = cell_scene([2, 2], cell, "[time]\n[[time.burst]]\nduration_s = 0.1\n");
