@@ -1,10 +1,45 @@
-//! Commands and options for the next step after a finding. Libraries know none.
+//! Commands and options for the next step after a finding or an error. Libraries know none.
 
-use chladni_frf::{Finding, Values};
+use chladni_frf::{Error, Finding, Values};
 use std::path::Path;
 
 /// File of the proposed report.
 const PAGE: &str = "report.html";
+
+/// Advice of libraries, and the command that follows it.
+const COMMANDS: [(&str, &str); 8] = [
+    ("look at the contents of the file", "`chladni info FILE`"),
+    (
+        "in the order of the FRFs in the file",
+        "`chladni info -v FILE` lists them",
+    ),
+    ("estimate FRFs first", "`chladni estimate`"),
+    ("fit a model first", "`chladni fit FRF -o MODEL.json`"),
+    (
+        "in the order of the model",
+        "`chladni fit` prints the numbers",
+    ),
+    ("drop this mode", "`chladni select`"),
+    (
+        "a calibration file of Chladni",
+        "`chladni correct` writes one",
+    ),
+    ("a weights file of Chladni", "`chladni render` writes one"),
+];
+
+/// The error with the commands that follow its advice.
+pub fn error_with_commands(error: Error) -> Error {
+    let help = error.help.as_deref().map(with_commands);
+    Error { help, ..error }
+}
+
+fn with_commands(advice: &str) -> String {
+    COMMANDS
+        .iter()
+        .fold(advice.to_owned(), |advice, (words, command)| {
+            advice.replace(words, &format!("{words} ({command})"))
+        })
+}
 
 /// The command that makes a report of `files`, which are quoted for a shell.
 pub fn report(files: &[String]) -> String {
@@ -48,6 +83,26 @@ pub fn option_for(finding: &Finding) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn advice_gets_its_commands_and_other_words_stay() {
+        for (advice, expected) in [
+            (
+                "look at the contents of the file; estimate FRFs first",
+                "look at the contents of the file (`chladni info FILE`); estimate FRFs first \
+                 (`chladni estimate`)",
+            ),
+            (
+                "fit a model first, or export the modes",
+                "fit a model first (`chladni fit FRF -o MODEL.json`), or export the modes",
+            ),
+            ("split the file by kind", "split the file by kind"),
+        ] {
+            let error = Error::bad_data("no such data").help(advice);
+            let told = error_with_commands(error).help;
+            assert_eq!(told.as_deref(), Some(expected));
+        }
+    }
 
     #[test]
     fn gains_that_endanger_a_drive_are_corrected_and_the_panel_is_swept() {

@@ -1,6 +1,7 @@
 //! The end of a run: the result on stdout or the error, and the exit status.
 
 use crate::console::{for_terminal, Console};
+use crate::next_step::error_with_commands;
 use crate::settings::error_with_options;
 use crate::stdout::{is_claimed, print_error, print_line, to_stdout};
 use chladni_frf::{Error, ErrorKind, Result};
@@ -113,7 +114,7 @@ pub fn report(result: Result<Outcome>, console: &Console) -> ExitCode {
             ExitCode::from(DOUBTED)
         }
         Err(error) => {
-            let error = error_with_options(with_advice(error));
+            let error = error_with_options(error_with_commands(with_advice(error)));
             console.error(&error.to_string());
             if console.json {
                 print_error(&error);

@@ -125,7 +125,7 @@ impl DeclaredDofs {
                 .field("dofs")
                 .found(format!("{} rows for {file}", found.len()))
                 .expected(format!("{count}, one for each FRF"))
-                .help("`chladni info -v` lists the FRFs in their order"),
+                .help("give one row for each FRF, in the order of the FRFs in the file"),
         )
     }
 

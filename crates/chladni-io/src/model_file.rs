@@ -40,10 +40,7 @@ pub fn not_a_model(path: &Path, format: FileFormat) -> Error {
             "TOML, as of a scene or a panel",
             "give the model here, and the TOML file in its own place",
         ),
-        _ => (
-            "measured data",
-            "fit a model first: chladni fit FRF -o MODEL.json",
-        ),
+        _ => ("measured data", "fit a model first"),
     };
     Error::bad_data(format!("{what}, not a model"))
         .file(path)

@@ -147,16 +147,16 @@ pub fn read_frf(
                     function_name(function.function_type)
                 ))
                 .help(
-                    "`chladni info` lists what is inside; `chladni estimate` makes FRFs of time \
-                       records",
+                    "look at the contents of the file; where they are time records, estimate \
+                     FRFs first",
                 ),
             (None, Some(result)) => error.found(result).help(
                 "give the measured FRFs that it was \
                 made from",
             ),
             (None, None) => error.found(listed).help(
-                "`chladni info` lists what is inside; in HDF5 name the \
-                                          arrays with `map frf=PATH,freq=PATH`",
+                "look at the contents of the file; in HDF5 name the arrays with \
+                 `map frf=PATH,freq=PATH`",
             ),
         }
     })?;

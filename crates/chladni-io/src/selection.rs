@@ -82,11 +82,12 @@ pub fn selection_from_toml(text: &str) -> Result<Selection> {
     }
     if picks.is_empty() {
         return Err(Error::bad_data("the selection names no mode")
+            .found("no number and no frequency")
             .expected(
                 "keep = [1, 2, ...], drop = [3, ...], [[mode]] tables with near_hz and \
                  within_hz, or add = [{frequency_hz = ...}]",
             )
-            .help("numbers are those of the table that `chladni fit` prints"));
+            .help("the modes in the band are numbered from 1, in the order of the model"));
     }
     Ok(Selection::new(kept, picks).adding(added_hz))
 }

@@ -114,8 +114,8 @@ fn no_mode_shape(contents: &Contents) -> Error {
     };
     Error::bad_data("no mode shape in the file")
         .found(found)
-        .expected("a model of `chladni fit`, or mode shapes in datasets 55 or 2414")
-        .help("fit FRFs first, or export the modes of the finite-element program")
+        .expected("a model, or mode shapes in datasets 55 or 2414")
+        .help("fit a model first, or export the modes of the finite-element program")
 }
 
 /// η = 2ζ; programs write 0 for modes without damping.

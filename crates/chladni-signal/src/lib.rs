@@ -180,7 +180,7 @@ fn common_rate(runs: &[Run]) -> Result<f64> {
             Error::bad_data("no time record in the input").found("no function of type 1 (time)");
         error
             .expected("time records of references and responses")
-            .help("`chladni info` lists what is inside")
+            .help("look at the contents of the file")
     })?;
     let rate = first.sample_rate_hz;
     match runs

@@ -23,10 +23,11 @@ fit *.xyz|66|no_input|*.xyz|no file fits
 fit truncated.unv|65|bad_data|truncated.unv|dataset 58|line
 fit letters.unv|65|bad_data|letters.unv|dataset 58|line|abcdefg
 fit header.unv|65|bad_data|header.unv|dataset 58|record 1|cut short
-fit unknown.unv|65|bad_data|no FRF|dataset 999
+fit unknown.unv|65|bad_data|no FRF|dataset 999|(`chladni info FILE`)
 fit binary.dat|65|bad_data|binary.dat|binary file|UFF 58
 fit empty.csv|65|bad_data|empty.csv|0 bytes
 fit notes.txt|65|bad_data|notes.txt|line 1|measured on Monday|f,re,im
+fit timely.csv|65|bad_data|timely.csv|a time|(`chladni estimate`)
 fit twice.csv|65|bad_data|twice.csv|line 3|occurs twice
 fit decibel.csv|65|bad_data|decibel.csv|column 2|mag [dB]|dB re 1
 fit headless.csv|65|bad_data|headless.csv|no row
@@ -57,6 +58,7 @@ fit panel.h5 --reference 7|2|usage|panel.h5|--reference|more than one reference
 fit panel.h5 --reference 1,2,3|2|usage|--reference|found 3|one for all
 fit panel.h5 --map frf=/nope,freq=/freq|65|bad_data|map frf|/nope|/frf
 fit panel.h5 --map frf|2|usage|--map|NAME=PATH
+fit panel.h5 --dofs one.csv|65|bad_data|dofs|1 rows|(`chladni info -v FILE` lists them)
 fit panel.h5 --map foo=/frf|2|usage|--map|foo|freq
 fit panel.h5 -q -v|2|usage|exclude each other
 fit panel.h5 -o new.json -o newer.json|2|usage|--output|given twice|expected it once
@@ -87,10 +89,11 @@ simulate text.toml -o new.h5|65|bad_data|line 2|plate.width_m|found string
 simulate unclosed.toml -o new.h5|65|bad_data|unclosed.toml|line 1|TOML
 select truth.json typo.toml -o new.json|65|bad_data|typo.toml|line 1|frf|drop
 select truth.json many.toml -o new.json|65|bad_data|many.toml|line 1|drop[1]|999|the nearest is mode
-select panel.h5 many.toml -o new.json|65|bad_data|panel.h5|no model
+select panel.h5 many.toml -o new.json|65|bad_data|panel.h5|no model|(`chladni fit FRF -o MODEL.json`)
+select truth.json modeless.toml -o new.json|65|bad_data|modeless.toml|names no mode|(`chladni fit` prints the numbers)
 select truth.json many.toml -o truth.json --force|73|cannot_create|one of the inputs
 compare truth.json|2|usage|MODEL|SHAPES
-compare truth.json panel.h5|65|bad_data|panel.h5|FRFs|datasets 55 or 2414
+compare truth.json panel.h5|65|bad_data|panel.h5|FRFs|datasets 55 or 2414|fit a model first (`chladni fit
 compare truth.json weights.json|65|bad_data|weights.json
 compare truth.json truth.json --least-mac 2|2|usage|--least-mac|0 to 1
 render truth.json typo.toml|65|bad_data|typo.toml|line
@@ -103,6 +106,8 @@ render truth.json deaf.toml|65|bad_data|deaf.toml|3000 Hz|4 to 400 Hz
 render truth.json profile.toml|65|bad_data|profile.toml|line 3|did you mean `classic`?
 render truth.json actuator.toml|65|bad_data|actuator.toml|999:+Z|101:+Z
 render panel.h5 scene.toml|65|bad_data|panel.h5|no model
+render kindless.csv scene.toml|65|bad_data|kindless.csv|not a model|(`chladni fit FRF -o MODEL.json`)
+render truth.json uncorrected.toml|65|bad_data|uncorrected.toml|none.json|no such file|(`chladni correct` writes one)
 render versionless.json scene.toml|65|bad_data|versionless.json|missing field|version
 render short.json scene.toml|65|bad_data|short.json|modes[0].shape_std|found 23|expected 24
 render weights.json scene.toml|65|bad_data|weights.json|not a model
@@ -115,11 +120,12 @@ render scene.toml truth.json|65|bad_data|scene.toml|TOML|its own place
 play truth.json scene.toml --rate 0|2|usage|--rate|0 Hz
 play truth.json scene.toml --full-scale 1e-9|2|usage|--full-scale|nothing clips
 play truth.json scene.toml --seed -5|2|usage|--seed|found -5
+estimate panel.h5 -o new.h5|65|bad_data|no time record|(`chladni info FILE`)
 estimate headless.csv -o new.h5 --scales nan,1|2|usage|--scales|found nan|finite
 estimate headless.csv -o new.h5 --exponential-window 0|2|usage|--exponential-window|found 0|above 0
 evaluate truth.json --scene scene.toml --on panel.h5|65|bad_data|truth.json|weights
 evaluate binary.dat --scene scene.toml --on panel.h5|65|bad_data|binary.dat|a binary file|weights
-evaluate hollow.json --scene scene.toml --on panel.h5|65|bad_data|hollow.json|missing field|version|render
+evaluate hollow.json --scene scene.toml --on panel.h5|65|bad_data|hollow.json|missing field|version|(`chladni render` writes one)
 evaluate stranger.json --scene scene.toml --on panel.h5|65|bad_data|999:+Z|101:+Z
 evaluate weights.json --on panel.h5|2|usage|--scene
 report panel.toml -o new.html|65|bad_data|panel.toml|model
@@ -168,6 +174,7 @@ fn prepared() -> Folder {
     for (name, text) in [
         ("empty.csv", ""),
         ("notes.txt", "measured on Monday\n"),
+        ("timely.csv", "time,re,im\n1,2,3\n2,2,3\n"),
         ("twice.csv", "f,re,im\n1,2,3\n1,2,3\n"),
         ("decibel.csv", "f,mag [dB],phase\n1,2,3\n2,3,4\n"),
         ("headless.csv", "node,dir,ref_node,ref_dir,f,re,im\n"),
@@ -190,6 +197,13 @@ fn prepared() -> Folder {
             "frequency_hz = 300\n[zones]\ngrid = [2, 2]\nhot = [9]\n",
         ),
         ("zoneless.toml", "frequency_hz = 300\n"),
+        ("modeless.toml", "keep = []\n"),
+        ("one.csv", "1:+Z,101:+Z\n"),
+        (
+            "uncorrected.toml",
+            "frequency_hz = 300\n[actuators]\ncalibration = \"none.json\"\n[zones]\ngrid = \
+             [2, 2]\nhot = [1]\n",
+        ),
         (
             "deaf.toml",
             "frequency_hz = 3000\n[threshold]\nprofile = \"classic\"\n[zones]\ngrid = \

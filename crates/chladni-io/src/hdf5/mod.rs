@@ -216,7 +216,7 @@ pub(super) fn read_model(path: &Path) -> Result<ModalModel> {
             .field("/model")
             .found("no such group")
             .expected("a model under /model")
-            .help("fit one first: chladni fit FRF -o MODEL"));
+            .help("fit a model first"));
     }
     own.check_version()
         .and_then(|()| model::read_model(&own))

@@ -432,7 +432,7 @@ fn check_model(model: &ModalModel) -> Result<()> {
                 .field(format!("modes[{}]", k + 1))
                 .found(format!("mode at {} Hz", mode.frequency_hz))
                 .expected("finite numbers")
-                .help("fit the model again, or drop this mode with `chladni select`"));
+                .help("fit the model again, or drop this mode"));
         }
     }
     for (k, term) in model.residual_terms.terms.iter().enumerate() {

@@ -243,7 +243,7 @@ impl Weights {
     /// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing field,
     /// another format, an actuator twice, no weight.
     pub fn parse(text: &str) -> Result<Self> {
-        const AGAIN: &str = "give a file that `chladni render` wrote, or render the scene again";
+        const AGAIN: &str = "give a weights file of Chladni, or render the scene again";
         let weights: Self = serde_json::from_str(text)
             .map_err(|error| json_error("not a weights file", &error).help(AGAIN))?;
         weights.checked()

@@ -157,7 +157,7 @@ impl Calibration {
     /// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing field, another
     /// format, sizes that disagree, gains that cannot be used.
     pub fn parse(text: &str) -> Result<Self> {
-        const AGAIN: &str = "give a file that `chladni correct` wrote, or a table of gains";
+        const AGAIN: &str = "give a calibration file of Chladni, or a table of gains (CSV)";
         if !text
             .trim_start_matches('\u{feff}')
             .trim_start()

@@ -98,7 +98,7 @@ impl Header {
         for name in cells {
             let Some(column) = COLUMNS.iter().position(|known| known == name) else {
                 return Err(wrong("not a calibration file", name)
-                    .help("a calibration is JSON that `chladni correct` wrote, or a table CSV"));
+                    .help("give a calibration file of Chladni, or a table of gains (CSV)"));
             };
             if columns.contains(&column) {
                 return Err(wrong("a column occurs twice", name));

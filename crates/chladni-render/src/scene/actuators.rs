@@ -86,7 +86,9 @@ fn calibration_file(value: &Value, beside: Beside) -> Result<PathBuf> {
                 "no such file",
                 "the path of a calibration, from the scene file's folder",
             )
-            .help("`chladni correct` writes calibrations; a table of gains, CSV, is one too"));
+            .help(
+                "correct the path; give a calibration file of Chladni, or a table of gains (CSV)",
+            ));
     }
     Ok(file)
 }

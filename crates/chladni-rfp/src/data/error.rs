@@ -170,7 +170,7 @@ impl FitError {
                     .field("FRF values")
                     .found("zeros or NaN only")
                     .expected("measured values"),
-                "look at the file with `chladni info`".into(),
+                "look at the contents of the file".into(),
             ),
             Self::UnevenAxis {
                 method: asked,

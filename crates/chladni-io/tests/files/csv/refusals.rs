@@ -28,7 +28,7 @@ fn every_refusal_names_the_row_and_what_to_do() {
         ("f,mag\n1,2\n2,2\n", &["phase"]),
         (
             "time,re,im\n1,2,3\n2,2,3\n",
-            &["no FRF", "a time", "chladni estimate"],
+            &["no FRF", "a time", "estimate FRFs first"],
         ),
         ("no numbers\nat all\n", &["line 1", "no row of numbers"]),
         ("# only = remarks\n", &["only comments"]),
