@@ -1,6 +1,6 @@
 //! Arrays and words of a caller: FRFs, nodes, DOFs, kinds and units.
 
-use crate::error::{raised, wrong_word};
+use crate::error::{raised, wrong_option, wrong_word};
 use chladni_frf::{Direction, Dof, Error, ErrorKind, FrfKind, FrfValues, Node, ReferenceUnit};
 use ndarray::{Array1, Array3};
 use num_complex::{Complex32, Complex64};
@@ -193,9 +193,31 @@ pub fn dofs(
     }
 }
 
+/// A word of a caller. Another value is held as Python writes it (`None`), so that it is
+/// refused as a wrong word is.
+pub struct Word(String);
+
+impl From<&str> for Word {
+    fn from(text: &str) -> Self {
+        Self(text.into())
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Word {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let text = match value.extract::<String>() {
+            Ok(text) => text,
+            Err(_) => value.repr()?.to_string(),
+        };
+        Ok(Self(text))
+    }
+}
+
 /// Unit of the references by its name.
-pub fn unit(py: Python<'_>, text: &str) -> PyResult<ReferenceUnit> {
-    match text {
+pub fn unit(py: Python<'_>, Word(text): &Word) -> PyResult<ReferenceUnit> {
+    match text.as_str() {
         "N" => Ok(ReferenceUnit::Newton),
         "V" => Ok(ReferenceUnit::Volt),
         _ => Err(wrong_word(
@@ -208,7 +230,26 @@ pub fn unit(py: Python<'_>, text: &str) -> PyResult<ReferenceUnit> {
 }
 
 /// FRF kind by its name.
-pub fn kind_of(py: Python<'_>, text: &str) -> PyResult<FrfKind> {
+pub fn kind_of(py: Python<'_>, Word(text): &Word) -> PyResult<FrfKind> {
     text.parse::<FrfKind>()
         .map_err(|message| wrong_word(py, "kind", text, &message.to_string()))
+}
+
+/// A whole number that is not negative; `None` stays `None`.
+///
+/// * `field`: the argument that errors name
+/// * `message`, `expected`: the words of the error about another value
+pub fn whole_number(
+    field: &str,
+    value: Option<&Bound<'_, PyAny>>,
+    [message, expected]: [&str; 2],
+) -> PyResult<Option<usize>> {
+    let Some(value) = value else {
+        return Ok(None);
+    };
+    let Ok(number) = value.extract::<usize>() else {
+        let error = Error::new(ErrorKind::Usage, message).found(value.repr()?);
+        return Err(wrong_option(value.py(), field, error.expected(expected)));
+    };
+    Ok(Some(number))
 }

@@ -1,5 +1,6 @@
 //! `fit`, and the words of its options.
 
+use crate::arrays::whole_number;
 use crate::error::{unfitted, wrong_option, wrong_word};
 use crate::frf::FrfSet;
 use crate::model::Model;
@@ -25,7 +26,7 @@ pub fn fit(
     py: Python<'_>,
     frf: &FrfSet,
     band: Option<(f64, f64)>,
-    modes: Option<usize>,
+    modes: Option<Bound<'_, PyAny>>,
     damping: Option<&str>,
     method: &str,
     shapes: &str,
@@ -47,7 +48,7 @@ pub fn fit(
     }
     let options = FitOptions {
         band_hz: band_of(py, band)?,
-        modes: count_of(py, modes)?,
+        modes: count_of(modes.as_ref())?,
         damping: law(py, damping)?,
         method: named,
         rfp: RfpOptions {
@@ -92,14 +93,16 @@ pub fn band_of(py: Python<'_>, band: Option<(f64, f64)>) -> PyResult<Option<[f64
 }
 
 /// A number of modes.
-pub fn count_of(py: Python<'_>, modes: Option<usize>) -> PyResult<Option<usize>> {
-    if modes == Some(0) {
-        let error = Error::new(ErrorKind::Usage, "no mode is asked for")
-            .found(0)
-            .expected("a whole number above 0, or None: as many as there is evidence for");
-        return Err(wrong_option(py, "modes", error));
+pub fn count_of(modes: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
+    let expected = "a whole number above 0, or None: as many as there is evidence for";
+    let count = whole_number("modes", modes, ["no number of modes", expected])?;
+    match (count, modes) {
+        (Some(0), Some(modes)) => {
+            let error = Error::new(ErrorKind::Usage, "no mode is asked for").found(0);
+            Err(wrong_option(modes.py(), "modes", error.expected(expected)))
+        }
+        _ => Ok(count),
     }
-    Ok(modes)
 }
 
 /// A damping law by its name.

@@ -1,6 +1,6 @@
 //! FRF sets: read, simulated, or made of NumPy arrays.
 
-use crate::arrays::{axis_of, dofs, kind_of, nodes_of, unit, values_of};
+use crate::arrays::{axis_of, dofs, kind_of, nodes_of, unit, values_of, Word};
 use crate::error::{raised, wrong_word};
 use crate::findings::{findings_json, sentences};
 use chladni_frf::{Finding, FrfKind, FrfValues, Geometry};
@@ -40,7 +40,10 @@ pub struct FrfSet {
 #[pymethods]
 impl FrfSet {
     #[new]
-    #[pyo3(signature = (frequency_hz, values, *, responses=None, references=None, kind="mobility", reference_unit="N", nodes_m=None))]
+    #[pyo3(
+        signature = (frequency_hz, values, *, responses=None, references=None, kind=Word::from("mobility"), reference_unit=Word::from("N"), nodes_m=None),
+        text_signature = "(frequency_hz, values, *, responses=None, references=None, kind='mobility', reference_unit='N', nodes_m=None)"
+    )]
     #[allow(clippy::too_many_arguments)] // keywords on the Python side
     fn new(
         py: Python<'_>,
@@ -48,8 +51,8 @@ impl FrfSet {
         values: &Bound<'_, PyAny>,
         responses: Option<Vec<String>>,
         references: Option<Vec<String>>,
-        kind: &str,
-        reference_unit: &str,
+        kind: Word,
+        reference_unit: Word,
         nodes_m: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let values = values_of(py, values)?;
@@ -60,8 +63,8 @@ impl FrfSet {
             values,
             responses: dofs(py, "responses", responses, 1, rows)?,
             references: dofs(py, "references", references, rows as u64 + 1, columns)?,
-            kind: Some(kind_of(py, kind)?),
-            reference_unit: unit(py, reference_unit)?,
+            kind: Some(kind_of(py, &kind)?),
+            reference_unit: unit(py, &reference_unit)?,
             coherence: None,
             variance: None,
             estimation: None,

@@ -254,14 +254,14 @@ pub fn merge(py: Python<'_>, partials: &Bound<'_, PyAny>) -> PyResult<Partial> {
 pub fn solve_poles(
     py: Python<'_>,
     partial: &Partial,
-    modes: Option<usize>,
+    modes: Option<Bound<'_, PyAny>>,
     damping: Option<&str>,
     shapes: &str,
     exponential_window_per_s: Option<f64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Py<PyAny>> {
     let options = FitOptions {
-        modes: count_of(py, modes)?,
+        modes: count_of(modes.as_ref())?,
         damping: law(py, damping)?,
         shapes: shape_model(py, shapes)?,
         exponential_window_per_s,

@@ -1,6 +1,6 @@
 //! FRFs of time records, and what is read off FRFs before a fit.
 
-use crate::arrays::{dofs, kind_of, unit};
+use crate::arrays::{dofs, kind_of, unit, whole_number, Word};
 use crate::error::{raised, unfitted, wrong_word};
 use crate::fit::band_of;
 use crate::frf::FrfSet;
@@ -13,6 +13,12 @@ use ndarray::{Array1, ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+/// Words of the error about a block that is no number of samples.
+const BLOCK: [&str; 2] = [
+    "no possible block",
+    "a whole number of samples, or None: the length is chosen",
+];
+
 /// FRFs of time records; the Python half documents it.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)] // keywords on the Python side
@@ -23,15 +29,15 @@ pub fn estimate(
     sample_rate_hz: f64,
     reference_names: Option<Vec<String>>,
     response_names: Option<Vec<String>>,
-    kind: &str,
-    reference_unit: &str,
+    kind: Word,
+    reference_unit: Word,
     estimator: Option<&str>,
     window: Option<&str>,
     exponential_window_per_s: Option<f64>,
-    block: Option<usize>,
+    block: Option<Bound<'_, PyAny>>,
     overlap: Option<f64>,
 ) -> PyResult<FrfSet> {
-    let [drive, motion] = units_of(py, reference_unit, kind)?;
+    let [drive, motion] = units_of(py, &reference_unit, &kind)?;
     check_rate(py, sample_rate_hz)?;
     let rows = |arrays: &[PyReadonlyArray2<'_, f64>]| {
         arrays.first().map_or(0, |array| array.as_array().nrows())
@@ -65,7 +71,7 @@ pub fn estimate(
     let options = EstimateOptions {
         estimator: estimator_of(py, estimator)?,
         window: window_of(py, window, exponential_window_per_s)?,
-        block,
+        block: whole_number("block", block.as_ref(), BLOCK)?,
         overlap,
     };
     let estimated = py
@@ -78,7 +84,7 @@ pub fn estimate(
 }
 
 /// What references and responses measure.
-fn units_of(py: Python<'_>, reference_unit: &str, kind: &str) -> PyResult<[SignalUnit; 2]> {
+fn units_of(py: Python<'_>, reference_unit: &Word, kind: &Word) -> PyResult<[SignalUnit; 2]> {
     let motion = match kind_of(py, kind)? {
         FrfKind::Receptance => SignalUnit::Displacement,
         FrfKind::Mobility => SignalUnit::Velocity,

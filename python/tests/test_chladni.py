@@ -116,6 +116,14 @@ def test_errors_carry_the_fields_of_the_contract(frf, tmp_path):
     with pytest.raises(chladni.ChladniError) as word:
         chladni.fit(frf, method="magic")
     assert word.value.field == "method" and word.value.found == "magic" and "auto" in word.value.expected
+    for modes in (-1, 0, 2.5):
+        with pytest.raises(chladni.ChladniError) as number:
+            chladni.fit(frf, modes=modes)
+        assert (number.value.field, number.value.found) == ("modes", str(modes)) and "above 0" in number.value.expected
+    for field in ("kind", "reference_unit"):
+        with pytest.raises(chladni.ChladniError) as none:
+            chladni.FrfSet(FREQUENCY_HZ, frf.values, **{field: None})
+        assert none.value.field == field and none.value.found == "None" and none.value.expected
     with pytest.raises(chladni.ChladniError, match="no line of the data lies in the band") as outside:
         chladni.fit(frf, band=(1e4, 2e4))
     assert (outside.value.field, outside.value.found) == ("band", "10000:20000 Hz")

@@ -99,6 +99,10 @@ def test_frfs_of_records_are_those_of_the_filter():
     assert uneven.value.field == "samples"
     with pytest.raises(chladni.ChladniError, match="h1"):
         chladni.estimate(noise, answer, 1000.0, estimator="magic")
+    for field, value in (("block", -1), ("block", 256.5), ("block", "256"), ("block", 2), ("kind", None), ("kind", 3), ("reference_unit", None)):
+        with pytest.raises(chladni.ChladniError) as wrong:
+            chladni.estimate(noise, answer, 1000.0, **{field: value})
+        assert wrong.value.field == field and str(value) in wrong.value.found and wrong.value.expected, field
 
 
 def test_cmif_is_the_singular_values_of_each_line(frf):
