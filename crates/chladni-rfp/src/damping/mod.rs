@@ -8,6 +8,7 @@ pub(crate) mod gram;
 pub(crate) mod law;
 mod limits;
 pub(crate) mod measured_model;
+mod mixing;
 pub(crate) mod phased;
 pub(crate) mod places;
 pub(crate) mod plane;

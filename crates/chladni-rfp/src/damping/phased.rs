@@ -9,6 +9,7 @@
 use crate::damping::columns::loss;
 use crate::damping::gram::Cauchy;
 use crate::damping::limits;
+use crate::damping::mixing::Mixing;
 use crate::damping::places::in_plane_of;
 use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
@@ -98,6 +99,7 @@ impl Common {
         let mut here = Point::new(self, work, &lambda, &turn)?;
         let mut damping = tol::LM_START;
         let mut system = here.system();
+        let mut mixing = Mixing::default();
         let (mut looked_at, mut made) = (here.sse, 0);
         for _ in 0..limits::STEPS {
             let (information, gradient) = &system;
@@ -110,10 +112,18 @@ impl Common {
             if promised.is_some_and(|promised| promised < limits::PROMISED * variance) {
                 break;
             }
-            let next = step.and_then(|step| {
+            let taken = |step: Array2<f64>| {
                 let moved = moved(&lambda, &turn, &step);
                 let point = Point::new(self, work, &moved.0, &moved.1).ok()?;
                 (point.sse <= here.sse).then_some((moved, point))
+            };
+            let next = step.and_then(|step| {
+                // much damped steps follow another map each
+                let mixed = match damping <= tol::LM_START {
+                    true => mixing.step(unknowns(&lambda, &turn), &step, information.diag()),
+                    false => None,
+                };
+                mixed.and_then(taken).or_else(|| taken(step))
             });
             match next {
                 Some((moved, point)) => {
@@ -151,6 +161,16 @@ impl Common {
             information: &of_turns - &matmul(across.t(), follow.view()),
         })
     }
+}
+
+/// (Re λ, Im λ, θ) of all modes, one below the other.
+fn unknowns(lambda: &[Complex64], turn: &[f64]) -> Array2<f64> {
+    let n = lambda.len();
+    Array2::from_shape_fn((3 * n, 1), |(u, _)| match u / n {
+        0 => lambda[u % n].re,
+        1 => lambda[u % n].im,
+        _ => turn[u % n],
+    })
 }
 
 /// Poles and angles after a step of (Re λ, Im λ, θ), at most half a half-bandwidth.

@@ -32,6 +32,7 @@ use crate::tolerances as tol;
 use chladni_frf::{Damping, Finding, ModalModel, Reason, Trust};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
+use std::iter::zip;
 
 /// The model of poles by `method`, residues of every FRF by least squares at these poles;
 /// poles by order where the method looks at several.
@@ -71,9 +72,14 @@ pub(crate) fn fit_by_method(
     }
     let law = columns.work.law;
     let of_law: Vec<Complex64> = found.poles.iter().map(|&s| lambda_of_s(law, s)).collect();
-    let verdict = columns.law_verdict(data, &of_law)?;
+    let beyond_noise = beyond_noise(&survey, law, &of_law)?;
+    // poles of noise would lengthen the search of both laws and tell nothing
+    let telling: Vec<Complex64> = zip(&of_law, &beyond_noise)
+        .filter_map(|(&pole, &beyond)| beyond.then_some(pole))
+        .collect();
+    let verdict = columns.law_verdict(data, &telling)?;
     let damping = options.damping.or(verdict.law()).unwrap_or(found.law);
-    let (poles, variance) = graded(&survey, &columns, &found, damping)?;
+    let (poles, variance) = graded(&survey, &columns, &found, damping, &beyond_noise)?;
     let mut identified = Identified {
         damping,
         poles,
@@ -140,15 +146,29 @@ fn merge_equal(found: &mut MethodPoles) {
     found.poles = kept.iter().map(|&n| found.poles[n]).collect();
 }
 
+/// For each pole of the plane of `law`: whether it explains more of the data than noise would.
+/// Poles at or below 0 Hz are background, which is not judged.
+fn beyond_noise(
+    survey: &Survey,
+    law: Damping,
+    lambda: &[Complex64],
+) -> Result<Vec<bool>, LinalgError> {
+    let sketch = &survey.sketch.clone().in_law(law);
+    let rises = rises(sketch, lambda)?;
+    let limit = threshold(sketch.columns(), sketch.lines()) * variance_left(sketch, lambda)?;
+    let beyond = |(pole, &rise): (&Complex64, &f64)| rise >= limit || pole.re <= 0.0;
+    Ok(zip(lambda, &rises).map(beyond).collect())
+}
+
 /// Poles with bars and grades, and the noise variance of one value that they leave.
 fn graded(
     survey: &Survey,
     columns: &Compressed,
     found: &MethodPoles,
     damping: Damping,
+    beyond_noise: &[bool],
 ) -> Result<(Vec<Pole>, f64), LinalgError> {
     let work = &columns.work.clone().in_law(damping);
-    let sketch = &survey.sketch.clone().in_law(damping);
     let lambda: Vec<Complex64> = found
         .poles
         .iter()
@@ -158,8 +178,6 @@ fn graded(
     let variance = columns.variance(survey.data, sse, lambda.len() + POWERS.len());
     let ahead = refine(work, &lambda, &POWERS, tol::ROUGH.within(tol::STEPS_AHEAD))?;
     let spread = spread(work, &ahead, &lambda, variance);
-    let rises = rises(sketch, &lambda)?;
-    let limit = threshold(sketch.columns(), sketch.lines()) * variance_left(sketch, &lambda)?;
     let poles = (0..lambda.len())
         .map(|n| {
             let pole = UncertainPole::alike(damping, found.poles[n], lambda[n], spread[n]);
@@ -168,20 +186,20 @@ fn graded(
                 pole.omega_std = pole.omega_std.max(own[n][0]);
                 pole.loss_factor_std = pole.loss_factor_std.max(own[n][1]);
             }
-            pole.grade = grade(&pole, rises[n] < limit && lambda[n].re > 0.0);
+            pole.grade = grade(&pole, beyond_noise[n]);
             pole
         })
         .collect();
     Ok((poles, variance))
 }
 
-fn grade(pole: &Pole, insignificant: bool) -> Grade {
+fn grade(pole: &Pole, beyond_noise: bool) -> Grade {
     let mut reasons = Vec::new();
     let uncertain = 2.0 * pole.omega_std / (pole.omega * pole.loss_factor);
     if uncertain > UNCERTAIN {
         reasons.push(estimate::uncertain(uncertain));
     }
-    if insignificant {
+    if !beyond_noise {
         reasons.push(Reason::new(
             "no-gain",
             "explains no more of the data than noise would",
