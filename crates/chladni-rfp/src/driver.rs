@@ -261,7 +261,14 @@ fn checked<S: Source>(
 ) {
     model.quality.findings.extend(outliers::words(fitted));
     let noise = noise_variance(fitted, seen, model.quality.relative_error);
-    examine(fitted, fitted.values(), options, residual, noise, model);
+    examine(
+        fitted,
+        fitted.values(),
+        options,
+        residual,
+        (noise, seen),
+        model,
+    );
     if fitted.values().is_none() {
         model.quality.findings.push(not_checked());
     }

@@ -20,6 +20,8 @@ pub(crate) struct Case<'a> {
     pub white: bool,
     /// Noise variance of one work value, where the residual is noise.
     pub noise_variance: f64,
+    /// Residual energy of each FRF as it was fitted, weights included; empty where not known.
+    pub left_of_frfs: &'a [f64],
 }
 
 /// The outcome of a check. A fault: the data as a whole contradict the model.
@@ -54,6 +56,7 @@ impl<'a> Case<'a> {
             options,
             white: false,
             noise_variance: 0.0,
+            left_of_frfs: &[],
         }
     }
 

@@ -36,12 +36,13 @@ const CHECKS: [fn(&Case) -> Option<Checked>; 13] = [
 /// Runs all checks; what they find joins the model's findings.
 ///
 /// * `noise_variance`: of one work value, where the residual is white
+/// * `left_of_frfs`: residual energy of each FRF as fitted; empty where not known
 pub(crate) fn examine(
     data: &DataLayout,
     values: Option<&Screened>,
     options: &FitOptions,
     residual: Residual,
-    noise_variance: f64,
+    (noise_variance, left_of_frfs): (f64, &[f64]),
     model: &mut ModalModel,
 ) {
     let case = Case {
@@ -51,6 +52,7 @@ pub(crate) fn examine(
         options,
         white: residual == Residual::White,
         noise_variance,
+        left_of_frfs,
     };
     let found: Vec<Checked> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();
     for checked in found {

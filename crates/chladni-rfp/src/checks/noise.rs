@@ -49,11 +49,14 @@ pub(crate) fn few_values(case: &Case) -> Option<Checked> {
     })
 }
 
-/// Modes that stand out of the mean noise of all FRFs, but not of the noise of each FRF. In
-/// data that are mostly noise the loudest FRFs feign modes.
+/// Modes that stand out of the mean noise of all FRFs, but not of the noise of each FRF. The
+/// loudest FRFs feign modes in data that are mostly noise, and where the weights of responses and
+/// references do not make the noise of FRFs equal.
 pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
     let sure = sure(case);
-    if case.model.quality.relative_error < limits::MOSTLY_NOISE || sure.is_empty() {
+    let mostly_noise = case.model.quality.relative_error >= limits::MOSTLY_NOISE;
+    let uneven = case.white && spread_of_noise(case.left_of_frfs) > limits::UNEVEN_NOISE;
+    if sure.is_empty() || !(mostly_noise || uneven) {
         return None;
     }
     let stand_out = stand_out(case, case.values?, &sure)?;
@@ -63,10 +66,13 @@ pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
         return None;
     }
     let hz = weak.iter().map(|&n| case.model.modes[n].frequency_hz);
+    let words = match mostly_noise {
+        true => "most of the data is noise, stronger in some FRFs than in others",
+        false => "noise is stronger in some FRFs than their responses and references explain",
+    };
     let finding = Finding::caution(
         "noise-alone",
-        "most of the data is noise, stronger in some FRFs than in others: over the noise of each \
-         FRF modes do not stand out",
+        format!("{words}: over the noise of each FRF modes do not stand out"),
     )
     .modes_hz(hz)
     .help("average more, or leave the noisiest points out");
@@ -76,6 +82,17 @@ pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
     );
     let weak = weak.into_iter().map(|n| (n, reason.clone())).collect();
     Some(Checked { finding, weak })
+}
+
+/// Variance of the noise energies of FRFs over the square of their mean: of chance alone, one over
+/// the number of lines. 0 where they are not known.
+fn spread_of_noise(left_of_frfs: &[f64]) -> f64 {
+    let frfs = left_of_frfs.len() as f64;
+    let sum: f64 = left_of_frfs.iter().sum();
+    let squares: f64 = left_of_frfs.iter().map(|left| left * left).sum();
+    (sum > 0.0)
+        .then(|| squares * frfs / (sum * sum) - 1.0)
+        .unwrap_or(0.0)
 }
 
 /// For each mode, true if it explains more of one FRF, of some or of all than chance does, each

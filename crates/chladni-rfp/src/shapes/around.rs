@@ -25,12 +25,6 @@ pub(crate) fn fused(poles: &[Complex64], n: usize) -> bool {
     poles[..n].iter().any(close)
 }
 
-/// The one that leaves least; of equal ones the first.
-fn least(tried: impl ParallelIterator<Item = Around>) -> Option<Around> {
-    let tried: Vec<Around> = tried.collect();
-    tried.into_iter().min_by(|a, b| a.sse.total_cmp(&b.sse))
-}
-
 /// The poles beside those that have their shapes, with free residues.
 pub(crate) struct Around {
     /// Poles in the x plane.
@@ -137,21 +131,43 @@ impl<'a> Rest<'a> {
         let places: Vec<Complex64> = places_beyond(&self.work).collect();
         let moves = (0..best.poles.len()).flat_map(|n| places.iter().map(move |to| (n, *to)));
         let moves: Vec<(usize, Complex64)> = moves.collect();
-        least(moves.into_par_iter().filter_map(|(n, to)| {
+        let with_moved = |(n, to): (usize, Complex64)| {
             let mut poles = best.poles.clone();
             poles[n] = to;
-            self.settled(&poles)
-        }))
+            poles
+        };
+        self.least(moves.into_iter().map(with_moved).collect(), |_| true)
     }
 
     /// One pole more.
     fn one_more(&self, best: &Around) -> Option<Around> {
-        least(self.starts(best).into_par_iter().filter_map(|start| {
-            let more = self.settled(&[&best.poles[..], &[start]].concat())?;
+        let with_one_more = |start| [&best.poles[..], &[start]].concat();
+        let starts = self.starts(best).into_iter().map(with_one_more);
+        self.least(starts.collect(), |more| {
             let added = more.poles[more.poles.len() - 1];
-            let loss = added.im / added.re;
-            limits::LOSS_ADDED.contains(&loss).then_some(more)
-        }))
+            limits::LOSS_ADDED.contains(&(added.im / added.re))
+        })
+    }
+
+    /// The one of these `starts` that leaves least in the end; of equal ones the first. Only those
+    /// that leave least after a few steps are followed to it.
+    fn least(
+        &self,
+        starts: Vec<Vec<Complex64>>,
+        allowed: impl Fn(&Around) -> bool + Sync,
+    ) -> Option<Around> {
+        let after_few_steps = |start: &Vec<Complex64>| {
+            let few = tol::FINE.within(limits::AROUND_FIRST_STEPS);
+            let found = refined_sum(&self.work, start, self.powers, few);
+            found.map_or(f64::INFINITY, |(_, sse)| sse)
+        };
+        let left: Vec<f64> = starts.par_iter().map(after_few_steps).collect();
+        let mut order: Vec<usize> = (0..starts.len()).collect();
+        order.sort_by(|&a, &b| left[a].total_cmp(&left[b]));
+        order.truncate(limits::AROUND_FOLLOWED);
+        let settled = |&n: &usize| self.settled(&starts[n]).filter(&allowed);
+        let ends: Vec<Around> = order.par_iter().filter_map(settled).collect();
+        ends.into_iter().min_by(|a, b| a.sse.total_cmp(&b.sse))
     }
 
     /// Places from which a pole is added. Beside a pole that is there, the two stand for it

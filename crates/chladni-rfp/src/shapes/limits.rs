@@ -32,6 +32,11 @@ pub(super) const FUSED: f64 = 0.02;
 pub(super) const LOSS_ADDED: std::ops::Range<f64> = 1e-4..2.0;
 /// Most poles outside the band that are added beside structured ones.
 pub(super) const AROUND_MOST: usize = 3;
+/// Steps from each place where a pole outside the band is tried, and how many of them are then
+/// followed to their ends.
+pub(super) const AROUND_FIRST_STEPS: usize = 3;
+/// See above.
+pub(super) const AROUND_FOLLOWED: usize = 4;
 
 // attempt.rs
 

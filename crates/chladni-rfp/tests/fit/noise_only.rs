@@ -1,5 +1,6 @@
 //! Data without modes: nothing may be made of them.
 
+use crate::common::missed_and_spurious;
 use chladni_frf::{FrfSet, FrfValues, Trust};
 use chladni_plate::{add_noise_of_variance, Synthetic};
 use chladni_rfp::{fit, FitOptions};
@@ -172,4 +173,49 @@ fn ten_lines_of_noise_are_not_trusted() {
         let quality = fit(&frf, &FitOptions::default()).unwrap().model.quality;
         assert!(!quality.trusted, "seed {seed}: {quality:?}");
     }
+}
+
+/// Four modes with noise whose level each FRF draws by itself: no weights of responses and
+/// references make it equal.
+#[test]
+fn loud_frfs_feign_no_sure_mode_beside_true_ones() {
+    let clean = Synthetic {
+        natural_frequency_hz: vec![31.0, 78.0, 133.0, 187.0],
+        loss_factor: vec![0.01, 0.008, 0.015, 0.009],
+        responses: 10,
+        references: 3,
+        frequency_hz: Array1::range(20.0, 240.0, 0.2),
+        snr_db: f64::INFINITY,
+        ..Synthetic::default()
+    };
+    let clean = clean.build().unwrap();
+    let mut told = 0;
+    for seed in 0..60 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut frf = clean.frf.clone();
+        let FrfValues::F64(values) = &mut frf.values else {
+            panic!("synthetic sets are in double precision")
+        };
+        let rms = values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
+        let mut noise = Array3::zeros(values.dim());
+        add_noise_of_variance(&mut noise, 1e-5 * rms, 1000 + seed);
+        for (mut row, noise) in values.rows_mut().into_iter().zip(noise.rows()) {
+            let level = Complex64::from(10f64.powf(rng.random_range(-1.0..1.0)));
+            row.scaled_add(level, &noise);
+        }
+        let model = fit(&frf, &FitOptions::default()).unwrap().model;
+        let (missed, spurious) = missed_and_spurious(&clean.truth, &model);
+        let sure: Vec<f64> = spurious
+            .iter()
+            .filter(|mode| mode.trust == Trust::Sure)
+            .map(|mode| mode.frequency_hz)
+            .collect();
+        assert!(
+            missed.is_empty() && sure.is_empty(),
+            "seed {seed}: {sure:?}"
+        );
+        let findings = &model.quality.findings;
+        told += usize::from(findings.iter().any(|one| one.code == "noise-alone"));
+    }
+    assert!(told > 0, "no seed shows what the check is for");
 }
