@@ -171,9 +171,9 @@ fn needed(
     frfs: usize,
 ) -> Result<Vec<Complex64>, LinalgError> {
     let all = removable(work, lambda, &POWERS)?;
-    let limit = noise_takes(work, all.sse, all.alone.len(), frfs);
-    Ok(all.thin_out(lambda, |_, q, rise, _| {
-        !work.in_band(lambda[q]) && rise < limit
+    let limit = noise_takes(work, all.sse, all.unknowns(), frfs);
+    Ok(all.thin_out(lambda, |candidate| {
+        !work.in_band(lambda[candidate.pole]) && candidate.rise < limit
     }))
 }
 

@@ -176,14 +176,18 @@ impl<'a> Search<'a> {
         let whole = work.lines() == self.work.lines();
         let asked = self.options.modes;
         let all = removable(work, poles, &POWERS)?;
-        let variance = (self.chosen * self.noise).max(left_by(work, all.sse, all.alone.len()));
+        let variance = (self.chosen * self.noise).max(left_by(work, all.sse, all.unknowns()));
         let limit = threshold(work.columns(), work.lines()) * variance;
-        *poles = all.thin_out(poles, |kept, q, rise, inflation| {
-            let within = kept.iter().filter(|&&k| work.in_band(poles[k])).count();
-            match (work.in_band(poles[q]), asked) {
-                _ if inflation > MOST_INFLATION => true,
+        *poles = all.thin_out(poles, |candidate| {
+            let within = candidate
+                .kept
+                .iter()
+                .filter(|&&k| work.in_band(poles[k]))
+                .count();
+            match (work.in_band(poles[candidate.pole]), asked) {
+                _ if candidate.inflation > MOST_INFLATION => true,
                 (true, Some(asked)) => whole && within > asked,
-                _ => rise < limit,
+                _ => candidate.rise < limit,
             }
         });
         Ok(())

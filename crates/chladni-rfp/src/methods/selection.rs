@@ -44,7 +44,7 @@ pub(crate) fn select(
     modes: RangeInclusive<usize>,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
     let all = removable(work, lambda, &POWERS)?;
-    let variance = left_by(work, all.sse, all.alone.len());
+    let variance = left_by(work, all.sse, all.unknowns());
     let limit = threshold(work.columns(), work.lines()) * variance;
     let physical: Vec<Complex64> = lambda
         .iter()
@@ -56,10 +56,15 @@ pub(crate) fn select(
     } else {
         removable(work, &physical, &POWERS)?
     };
-    let kept = all.thin_out(&physical, |kept, q, rise, inflation| {
-        let inside = kept.iter().filter(|&&k| work.in_band(physical[k])).count();
-        match work.in_band(physical[q]) {
-            _ if inflation > SELECTION_MOST_INFLATION => true,
+    let kept = all.thin_out(&physical, |candidate| {
+        let rise = candidate.rise;
+        let inside = candidate
+            .kept
+            .iter()
+            .filter(|&&k| work.in_band(physical[k]))
+            .count();
+        match work.in_band(physical[candidate.pole]) {
+            _ if candidate.inflation > SELECTION_MOST_INFLATION => true,
             true => inside > *modes.end() || (inside > *modes.start() && rise < limit),
             false => rise < limit,
         }

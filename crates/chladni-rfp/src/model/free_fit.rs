@@ -192,10 +192,10 @@ impl FreeFit {
         let Linear {
             residues,
             terms,
-            answer,
+            terms_per_residue,
             ..
         } = &mut self.linear;
-        answer.apply(terms, residues);
+        terms_per_residue.apply(terms, residues);
     }
 
     /// χ² of the model as saved: free residues leave the noise variance per degree of

@@ -1,12 +1,12 @@
-//! The linear unknowns at given poles: residues, residual terms, and how the one answers
-//! a change of the other.
+//! The linear unknowns at given poles: residues, residual terms, and the change of the terms that
+//! a change of the residues brings.
 
 use crate::damping::law::is_rational;
 use crate::damping::structural::basis;
 use crate::damping::viscous::{halves, viscous_basis};
 use crate::data::columns::Columns;
 use crate::data::information;
-use crate::poles::normal::{Parted, Plain};
+use crate::poles::normal::{NormalFit, Partitioned};
 use crate::poles::refine::Projection;
 use crate::shapes::residues::schur_weight;
 use chladni_frf::Damping;
@@ -21,20 +21,22 @@ pub(crate) struct Linear {
     pub terms: Array2<Complex64>,
     /// Weight of residues with the residual terms eliminated, (mode, mode).
     pub weight: Array2<Complex64>,
-    /// Response of the residual terms to a change of residues.
-    pub answer: Answer,
-    /// Sum of squares of the compressed columns at these poles.
+    /// Change of the residual terms with the residues.
+    pub terms_per_residue: TermsPerResidue,
+    /// Residual sum of squares of the compressed columns.
     pub sse: f64,
 }
 
-/// A response of the residual terms to residues.
-pub(crate) enum Answer {
+/// Residual terms per unit of residue that they give way to in the least-squares fit.
+pub(crate) enum TermsPerResidue {
     /// Axes (term, mode).
     Complex(Array2<Complex64>),
     /// The same over the reals, real and imaginary part in turn on both axes.
     Real(Array2<f64>),
 }
 
+/// The linear fit at the poles: over complex residues where the law is rational in x, else over
+/// pairs of reals.
 pub(crate) fn linear(
     work: &Columns,
     damping: Damping,
@@ -50,27 +52,27 @@ pub(crate) fn linear(
 /// Over complex residues.
 fn complex(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
     let n = poles.len();
-    let Parted {
+    let Partitioned {
         coefficients,
         weight,
-        answer,
+        terms_per_residue,
         sse,
-    } = match Plain::at(work, work.energy(), poles, powers) {
-        Some(plain) => plain.parted(n)?,
+    } = match NormalFit::at(work, work.energy(), poles, powers) {
+        Some(fit) => fit.partitioned(n)?,
         None => on_orthonormal_basis(work, poles, powers)?,
     };
     Ok(Linear {
         residues: coefficients.slice(s![..n, ..]).to_owned(),
         terms: coefficients.slice(s![n.., ..]).to_owned(),
         weight,
-        answer: Answer::Complex(answer),
+        terms_per_residue: TermsPerResidue::Complex(terms_per_residue),
         sse,
     })
 }
 
 /// Over residues as pairs of reals.
 fn real(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, LinalgError> {
-    let (n, p) = (poles.len(), powers.len());
+    let (n, terms) = (poles.len(), powers.len());
     let a = viscous_basis(work, poles, powers);
     let lines = work.lines();
     let b = halves(&work.b);
@@ -83,53 +85,55 @@ fn real(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear, L
         .iter()
         .map(|v| v * v)
         .sum();
-    let pairs = |from: usize, count: usize| {
+    let complex_rows = |from: usize, count: usize| {
         Array2::from_shape_fn((count, work.columns()), |(i, c)| {
             Complex64::new(solution[[from + 2 * i, c]], solution[[from + 2 * i + 1, c]])
         })
     };
-    // near-pole columns weigh the residues: the far pole adds a smooth part of
+    // the weight of residues comes from the near pole alone: the far one adds a smooth part of
     // order η
-    let near = Array2::from_shape_fn((lines, n).f(), |(k, i)| {
+    let near_pole = Array2::from_shape_fn((lines, n).f(), |(k, i)| {
         work.g[k] / (Complex64::new(0.0, work.x[k].sqrt()) - poles[i])
     });
-    let others = basis(work, &[], powers);
+    let residual_terms = basis(work, &[], powers);
     Ok(Linear {
-        residues: pairs(0, n),
-        terms: pairs(2 * n, p),
-        weight: schur_weight(&near, &others)?,
-        answer: Answer::Real(lstsq(a.slice(s![.., 2 * n..]), a.slice(s![.., ..2 * n]))?),
+        residues: complex_rows(0, n),
+        terms: complex_rows(2 * n, terms),
+        weight: schur_weight(&near_pole, &residual_terms)?,
+        terms_per_residue: TermsPerResidue::Real(lstsq(
+            a.slice(s![.., 2 * n..]),
+            a.slice(s![.., ..2 * n]),
+        )?),
         sse,
     })
 }
 
-/// The solution where the normal equations lose too many digits.
+/// The linear fit where normal equations lose too many digits.
 fn on_orthonormal_basis(
     work: &Columns,
     poles: &[Complex64],
     powers: &[i32],
-) -> Result<Parted, LinalgError> {
+) -> Result<Partitioned, LinalgError> {
     let projection = Projection::new(work, poles, powers)?;
     let all = basis(work, poles, powers);
-    let (modes, others) = (
-        all.slice(s![.., ..poles.len()]).to_owned(),
-        all.slice(s![.., poles.len()..]).to_owned(),
-    );
-    Ok(Parted {
+    let modes = all.slice(s![.., ..poles.len()]).to_owned();
+    let terms = all.slice(s![.., poles.len()..]).to_owned();
+    Ok(Partitioned {
         coefficients: projection.coefficients()?,
-        weight: schur_weight(&modes, &others)?,
-        answer: lstsq(others.view(), modes.view())?,
+        weight: schur_weight(&modes, &terms)?,
+        terms_per_residue: lstsq(terms.view(), modes.view())?,
         sse: projection.sse,
     })
 }
 
-impl Answer {
-    /// Residual terms after residues changed by `change`: c − answer·δr, both (·, FRF).
+impl TermsPerResidue {
+    /// Changes the residual terms c after a `change` δr of the residues: c − (terms per residue)·δr,
+    /// both (·, FRF).
     pub fn apply(&self, terms: &mut Array2<Complex64>, change: &Array2<Complex64>) {
         match self {
-            Self::Complex(answer) => *terms -= &blocked_matmul(answer.view(), change.view()),
-            Self::Real(answer) => {
-                let shift = blocked_matmul(answer.view(), interleaved(change).view());
+            Self::Complex(ratio) => *terms -= &blocked_matmul(ratio.view(), change.view()),
+            Self::Real(ratio) => {
+                let shift = blocked_matmul(ratio.view(), interleaved(change).view());
                 for ((i, c), value) in terms.indexed_iter_mut() {
                     *value -= Complex64::new(shift[[2 * i, c]], shift[[2 * i + 1, c]]);
                 }

@@ -1,9 +1,9 @@
 //! The fast chain: sketch, pool, prune, refine, project, refine, and the loop that
-//! settles the order.
+//! settles the number of poles.
 //!
-//! A mode here is what white noise cannot make; whether the residual *is* white is judged
-//! at the end ([`crate::poles::whiteness`]), and where it is not the measured-data path takes
-//! over.
+//! It takes for a mode all that white noise cannot make. At the end
+//! [`crate::poles::whiteness`] judges if the residual is white. If it is not, the measured-data path
+//! takes over.
 
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
@@ -16,9 +16,9 @@ use crate::data::watch::Watch;
 use crate::poles::by_hand::{self, held};
 use crate::poles::passes::{on_all_lines, MissedPoles, Pass, PassStart};
 use crate::poles::refine::{refine, removable, Refined};
-use crate::poles::settle::keep_strongest;
+use crate::poles::settle::{keep_strongest, OrderHistory};
 use crate::poles::significance::threshold;
-use crate::poles::sketched::{of_sketch, Doubt, First};
+use crate::poles::sketched::{poles_of_sketch, Doubt, SketchOutcome};
 use crate::poles::whiteness::{judge, Whiteness};
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
@@ -30,7 +30,7 @@ use num_complex::Complex64;
 pub(crate) enum Outcome {
     /// The residual is white: poles at the statistical limit.
     White(Box<Chain>),
-    /// It did not come to that.
+    /// The chain ended before, or the residual is not white.
     Ended(Doubt),
 }
 
@@ -43,20 +43,20 @@ pub(crate) struct Chain {
     pub projected: Projected,
     /// Noise variance of one work value.
     pub variance: f64,
-    /// The test of the residual for whiteness.
+    /// Verdict on the whiteness of the residual.
     pub whiteness: Whiteness,
     /// Modes that the data show beyond the number asked for.
     pub dropped: Vec<Complex64>,
     /// Poles added by hand that explain nothing.
     pub idle: Vec<Complex64>,
-    /// Orders tried: (poles, residual variance), in order.
-    pub history: Vec<(usize, f64)>,
+    /// Orders tried, in order.
+    pub history: OrderHistory,
 }
 
-/// Runs the chain, or goes on where it stopped for a pass that was made since. `asked`
-/// may fix the number of in-band modes, and add some.
+/// Runs the chain, or resumes it where it stopped for a pass that was made since.
 ///
-/// * `doubt`: what speaks against the other law, where that was tried before
+/// * `asked`: it may fix the number of in-band modes, and add some
+/// * `doubt`: evidence against the other damping law, if that was tried before
 ///
 /// # Errors
 /// A kernel that fails; a pass that others must make; a watch that ends it.
@@ -70,13 +70,13 @@ pub(crate) fn fast_chain<S: Source>(
     watch.stage("sketch")?;
     let (sketch, energy) = data.sketch(seed);
     let start = match data.way() {
-        Some(way) if way.law == data.law => went_on(data, sketch, way)?,
-        _ => match of_sketch(data, sketch, seed, asked.modes, watch)? {
-            First::Poles(start) => PassStart {
+        Some(way) if way.law == data.law => resumed(data, sketch, way)?,
+        _ => match poles_of_sketch(data, sketch, seed, asked.modes, watch)? {
+            SketchOutcome::Poles(start) => PassStart {
                 doubt: doubt.map(str::to_owned),
                 ..*start
             },
-            First::Ended(doubt) => return Ok(Outcome::Ended(doubt)),
+            SketchOutcome::Ended(doubt) => return Ok(Outcome::Ended(doubt)),
         },
     };
     watch.stage("projection")?;
@@ -86,11 +86,11 @@ pub(crate) fn fast_chain<S: Source>(
         Some(_) => MissedPoles::Leave,
     };
     let (pass, history) = start.compressed(data, &energy, missed)?;
-    Ok(of_columns(data, pass, &energy, asked, history)?)
+    Ok(judged(data, pass, &energy, asked, history)?)
 }
 
-/// The point where the chain stopped on its `way`.
-fn went_on(data: &DataLayout, sketch: Columns, way: &Way) -> Result<PassStart, LinalgError> {
+/// The start of the passes as the chain had it when it stopped on its `way`.
+fn resumed(data: &DataLayout, sketch: Columns, way: &Way) -> Result<PassStart, LinalgError> {
     let (history, extra_passes, doubt) = match &way.by {
         By::Fast {
             history,
@@ -109,21 +109,23 @@ fn went_on(data: &DataLayout, sketch: Columns, way: &Way) -> Result<PassStart, L
     })
 }
 
-/// The chain from the second pass on; `energy`: of each line over all FRFs.
-fn of_columns(
+/// Takes the order and the additions asked for into account, and judges the residual.
+///
+/// * `energy`: of each line over all FRFs
+fn judged(
     data: &DataLayout,
     mut pass: Pass,
     energy: &Array1<f64>,
     asked: Asked,
-    history: Vec<(usize, f64)>,
+    history: OrderHistory,
 ) -> Result<Outcome, LinalgError> {
     let mut dropped = asked.modes.map_or(Ok(Vec::new()), |modes| {
         keep_strongest(&pass.projected.work, &mut pass.refined, modes)
     })?;
-    let idle = add(data, &mut pass, asked)?;
-    // what was added is not left out
-    let there = &pass.refined.lambda;
-    dropped.retain(|gone| there.iter().all(|pole| (pole - gone).norm() > gone.im));
+    let idle = add_by_hand(data, &mut pass, asked)?;
+    // a dropped pole that was added by hand is there again
+    let lambda = &pass.refined.lambda;
+    dropped.retain(|gone| lambda.iter().all(|pole| (pole - gone).norm() > gone.im));
     let Pass {
         refined,
         projected,
@@ -140,13 +142,13 @@ fn of_columns(
         data.hz(),
     );
     if !whiteness.white {
-        let left = line_residual.to_vec();
+        let residual = line_residual.to_vec();
         let fitted: Vec<f64> = energy
             .iter()
-            .zip(&left)
-            .map(|(all, left)| (all - left).max(0.0))
+            .zip(&residual)
+            .map(|(all, residual)| (all - residual).max(0.0))
             .collect();
-        let outliers = single_lines(&left, &fitted);
+        let outliers = single_lines(&residual, &fitted);
         return Ok(Outcome::Ended(if outliers.is_empty() {
             Doubt::NotWhite(whiteness.evidence)
         } else {
@@ -164,9 +166,13 @@ fn of_columns(
     })))
 }
 
-/// Refines the poles with those added by hand; returns the added ones that explain no more
-/// than noise would, which are left out.
-fn add(data: &DataLayout, pass: &mut Pass, asked: Asked) -> Result<Vec<Complex64>, LinalgError> {
+/// Refines the poles with those added by hand. Returns the added ones that explain no more
+/// than noise would; they are left out of the fit.
+fn add_by_hand(
+    data: &DataLayout,
+    pass: &mut Pass,
+    asked: Asked,
+) -> Result<Vec<Complex64>, LinalgError> {
     let work = &pass.projected.work;
     let known = pass.refined.lambda.clone();
     let starts = by_hand::starts(asked.added_hz, work, &known, data.hz());
@@ -183,15 +189,16 @@ fn add(data: &DataLayout, pass: &mut Pass, asked: Asked) -> Result<Vec<Complex64
         )
     };
     let with = refined(&starts)?;
-    let least = threshold(work.columns(), work.lines()) * pass.variance;
-    let without = removable(work, &with.lambda, &POWERS)?;
-    let serves = |n: usize| {
+    let least_rise = threshold(work.columns(), work.lines()) * pass.variance;
+    let fit = removable(work, &with.lambda, &POWERS)?;
+    let is_significant = |n: usize| {
         let pole = with.lambda[known.len() + n];
-        held(work, starts[n], pole) == pole && without.rise(known.len() + n) >= least
+        held(work, starts[n], pole) == pole && fit.rise(known.len() + n) >= least_rise
     };
-    let (kept, idle): (Vec<usize>, Vec<usize>) = (0..starts.len()).partition(|&n| serves(n));
-    let at = |places: Vec<usize>| places.into_iter().map(|n| starts[n]).collect::<Vec<_>>();
-    let kept = at(kept);
+    let (kept, idle): (Vec<usize>, Vec<usize>) =
+        (0..starts.len()).partition(|&n| is_significant(n));
+    let starts_of = |added: Vec<usize>| added.into_iter().map(|n| starts[n]).collect::<Vec<_>>();
+    let kept = starts_of(kept);
     if !kept.is_empty() {
         pass.refined = if idle.is_empty() {
             with
@@ -199,5 +206,5 @@ fn add(data: &DataLayout, pass: &mut Pass, asked: Asked) -> Result<Vec<Complex64
             refined(&kept)?
         };
     }
-    Ok(at(idle))
+    Ok(starts_of(idle))
 }

@@ -1,5 +1,5 @@
 //! The search for the likeliest poles: Gauss–Newton steps with Levenberg–Marquardt
-//! damping (theory.md, eq. 12), whatever makes the matrix and the gradient.
+//! damping (theory.md, eq. 12), for any way of computing the matrix and the gradient.
 
 use crate::damping::law::{is_rational, oscillating};
 use crate::data::columns::Columns;
@@ -9,23 +9,44 @@ use chladni_linalg::solve_hermitian;
 use ndarray::{Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 
-/// One set of poles as the search sees it.
+/// Gauss–Newton matrix, (n, n), and gradient, (n, 1), of the poles.
+pub(crate) struct NewtonSystem {
+    pub information: Array2<Complex64>,
+    pub gradient: Array2<Complex64>,
+}
+
+impl NewtonSystem {
+    /// The step with the diagonal of the matrix raised by the part `damping` of itself; `None`
+    /// where that cannot be solved.
+    fn damped_step(&self, damping: f64) -> Option<Array2<Complex64>> {
+        let mut damped = self.information.clone();
+        for value in damped.diag_mut() {
+            *value = Complex64::new(value.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0);
+        }
+        solve_hermitian(damped.view(), self.gradient.view()).ok()
+    }
+
+    /// Re stepᴴ·gradient: fall of the sum of squares by a step, if the model were linear.
+    fn promised_fall(&self, step: &Array2<Complex64>) -> f64 {
+        let parts = step.iter().zip(&self.gradient);
+        parts.map(|(step, value)| (step.conj() * value).re).sum()
+    }
+}
+
+/// One set of poles, with all that a step from them needs.
 pub(crate) trait Point: Sized {
-    /// False if another kind of point goes on where this one cannot be computed any more.
-    const LAST: bool;
-    /// Everything linear at the poles `lambda`; `energy`: of the data. `None` if it cannot be
-    /// computed.
+    /// True if another kind of point can take over the search where this kind cannot be computed.
+    const HAS_FALLBACK: bool;
+    /// Everything linear at the poles `lambda`; `None` if it cannot be computed.
+    ///
+    /// * `energy`: sum of squares of the data
     fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self>;
-    /// Sum of squares left.
+    /// Residual sum of squares.
     fn sse(&self) -> f64;
-    /// The part that rounding may add to it.
+    /// Rounding error of [`Self::sse`].
     fn rounding(&self, energy: f64) -> f64;
-    /// Gauss–Newton matrix and gradient.
-    fn system(
-        &self,
-        work: &Columns,
-        lambda: &[Complex64],
-    ) -> (Array2<Complex64>, Array2<Complex64>);
+    /// Matrix and gradient of the next step.
+    fn system(&self, work: &Columns, lambda: &[Complex64]) -> NewtonSystem;
 }
 
 /// Largest step a pole may take at once: half a bandwidth, and more the farther it lies
@@ -36,9 +57,9 @@ fn step_cap(work: &Columns, lambda: Complex64) -> f64 {
     limits::STEP_INSIDE * lambda.im + limits::STEP_OUTSIDE * outside
 }
 
-/// A pole after a step, held where a model file can store it: with a loss and a natural
-/// frequency above zero, and in the viscous law less than critical damping. Otherwise a pole
-/// that stands for the world outside the band would be left out of the file, with all that it
+/// A pole after a step to `next`, held where a model file can store it: with a loss and a natural
+/// frequency above zero, and in the viscous law less than critical damping. A pole outside the
+/// band, which stands for residual terms, would otherwise be left out of the file with all that it
 /// explains. A structural pole in the band is not held: its lines determine it.
 fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64 {
     if is_rational(work.law) && work.in_band(next) {
@@ -57,12 +78,6 @@ fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64
     oscillating(work.law, Complex64::new(re, im), pole)
 }
 
-/// Re stepᴴ·gradient.
-fn along(step: &Array2<Complex64>, gradient: &Array2<Complex64>) -> f64 {
-    let parts = step.iter().zip(gradient);
-    parts.map(|(step, value)| (step.conj() * value).re).sum()
-}
-
 /// A search under way.
 pub(crate) struct Descent<'a> {
     /// Data.
@@ -71,15 +86,15 @@ pub(crate) struct Descent<'a> {
     pub powers: &'a [i32],
     /// Sum of squares of the data.
     energy: f64,
-    /// Poles as they stand.
+    /// Current poles.
     pub lambda: Vec<Complex64>,
     damping: f64,
-    /// Steps left.
+    /// Steps that may still be made.
     pub steps: usize,
 }
 
 impl<'a> Descent<'a> {
-    /// From the poles `start`, for so many steps.
+    /// A search from the poles `start`, for so many steps.
     pub fn new(work: &'a Columns, start: &[Complex64], powers: &'a [i32], steps: usize) -> Self {
         let steps = if start.is_empty() { 0 } else { steps };
         Self {
@@ -92,46 +107,39 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// The point where the search stands; `None` if it cannot be computed.
-    pub fn here<P: Point>(&self) -> Option<P> {
+    /// The point at the current poles; `None` if it cannot be computed.
+    pub fn point<P: Point>(&self) -> Option<P> {
         P::at(self.work, self.energy, &self.lambda, self.powers)
     }
 
     /// Fall of the sum of squares by a whole Gauss–Newton step, if the model were linear.
-    pub fn promised<P: Point>(&self, point: &P) -> f64 {
-        let (information, gradient) = point.system(self.work, &self.lambda);
-        let step = solve_hermitian(information.view(), gradient.view());
-        step.map_or(f64::INFINITY, |step| along(&step, &gradient))
+    pub fn promised_fall<P: Point>(&self, point: &P) -> f64 {
+        let newton = point.system(self.work, &self.lambda);
+        let step = solve_hermitian(newton.information.view(), newton.gradient.view());
+        step.map_or(f64::INFINITY, |step| newton.promised_fall(&step))
     }
 
-    /// Steps until the largest is `tolerance` of a half-bandwidth, or until one promises far
-    /// less than the noise of one value: a pole that the data hardly determine would move for
-    /// ever. True at such an end, or if no step helps any more.
-    pub fn go<P: Point>(&mut self, point: &mut P, tolerance: f64) -> bool {
-        let mut system = None;
+    /// Makes steps until the largest is below `tolerance` half-bandwidths, or until one promises
+    /// far less than the noise of one value: a pole that the data hardly determine would move for
+    /// ever. Returns true at such an end, or if no step helps any more; false if the steps were
+    /// too few, or if a fallback has to go on.
+    pub fn run<P: Point>(&mut self, point: &mut P, tolerance: f64) -> bool {
+        let mut refused = None;
         while self.steps > 0 {
             self.steps -= 1;
-            let (information, gradient) = system
+            let newton = refused
                 .take()
                 .unwrap_or_else(|| point.system(self.work, &self.lambda));
-            let mut damped = information.clone();
-            for i in 0..self.lambda.len() {
-                let diagonal = information[[i, i]].re;
-                damped[[i, i]] =
-                    Complex64::new(diagonal * (1.0 + self.damping) + f64::MIN_POSITIVE, 0.0);
-            }
-            let Ok(step) = solve_hermitian(damped.view(), gradient.view()) else {
-                self.damping = (self.damping * tol::LM_UP).max(limits::LM_LEAST_UNSOLVED);
-                system = Some((information, gradient));
-                if self.damping > tol::LM_GIVE_UP {
+            let Some(step) = newton.damped_step(self.damping) else {
+                if self.damp_more(limits::LM_LEAST_UNSOLVED) {
                     return true;
                 }
+                refused = Some(newton);
                 continue;
             };
             let (trial, largest) = self.moved(step.index_axis(Axis(1), 0));
-            let promised = along(&step, &gradient);
-            let enough = largest < tolerance
-                || promised < limits::PROMISED * point.sse() / self.work.b.len() as f64;
+            let negligible = limits::PROMISED * point.sse() / self.work.b.len() as f64;
+            let is_last = largest < tolerance || newton.promised_fall(&step) < negligible;
             match P::at(self.work, self.energy, &trial, self.powers) {
                 // near the end rounding decides which sum of squares is the smaller: it
                 // must not refuse good steps
@@ -139,22 +147,21 @@ impl<'a> Descent<'a> {
                     self.lambda = trial;
                     *point = next;
                     self.damping *= tol::LM_DOWN;
-                    if enough {
-                        return true;
-                    }
                 }
-                None if !P::LAST => return false,
-                _ if enough => return true,
-                _ => {
-                    self.damping = (self.damping * tol::LM_UP).max(tol::LM_LEAST);
-                    system = Some((information, gradient));
-                    if self.damping > tol::LM_GIVE_UP {
-                        return true;
-                    }
-                }
+                None if P::HAS_FALLBACK => return false,
+                _ => refused = Some(newton),
+            }
+            if is_last || (refused.is_some() && self.damp_more(tol::LM_LEAST)) {
+                return true;
             }
         }
         false
+    }
+
+    /// Raises the damping, to `least` at least. True where it is so high that no step can help.
+    fn damp_more(&mut self, least: f64) -> bool {
+        self.damping = (self.damping * tol::LM_UP).max(least);
+        self.damping > tol::LM_GIVE_UP
     }
 
     /// Poles after a step, and its largest part in half-bandwidths.

@@ -1,15 +1,16 @@
-//! A point of the search for poles by normal equations: everything a step needs follows
+//! Points of the search for poles by normal equations: everything a step needs follows
 //! from one product CᴴB, where C holds the pole columns, the residual terms and the
 //! derivatives (theory.md, eq. 9–11 with QQᴴ = A(AᴴA)⁻¹Aᴴ).
 //!
-//! A third of the flops of [`crate::poles::refine`]'s orthonormal basis, all of them in one
-//! large product. It squares the condition of the basis, and so is left where rounding
-//! comes near the residual: for data of some 100 dB, and for poles that nearly coincide.
+//! They take a third of the flops of the orthonormal basis of [`crate::poles::refine`], all of
+//! them in one large product. They square the condition of the basis, so the orthonormal basis
+//! takes over where rounding comes near the residual: for data of some 100 dB, and for poles that
+//! nearly coincide.
 
 use crate::damping::gram::Cauchy;
 use crate::data::columns::Columns;
 use crate::data::inner_products::sum_of_squares;
-use crate::poles::descent::Point;
+use crate::poles::descent::{NewtonSystem, Point};
 use crate::poles::limits;
 use crate::poles::removal::Removable;
 use chladni_linalg::blocked::blocked_matmul_h;
@@ -17,72 +18,83 @@ use chladni_linalg::{
     cholesky, inverse_hermitian, matmul, matmul_h, solve_hermitian, solve_lower,
     solve_lower_adjoint, LinalgError,
 };
-use ndarray::{s, Array2, ArrayViewMut2};
+use ndarray::{s, Array1, Array2, ArrayView1, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 
-/// The result of the normal equations for all that is linear at one set of poles.
-pub(crate) struct Plain {
-    /// Gram matrix of the columns brought to unit norm, (m, m), and their norms.
+/// The linear fit at given poles, by normal equations.
+pub(crate) struct NormalFit {
+    /// Gram matrix of the columns brought to unit norm, (m, m).
     gram: Array2<Complex64>,
+    /// Norms of these columns.
     norms: Vec<f64>,
     /// Residues and residual coefficients, (m, column).
     coefficients: Array2<Complex64>,
+    /// Residual sum of squares, and its rounding error.
     sse: f64,
     rounding: f64,
 }
 
-/// The same with what a step of the poles needs to know.
-pub(crate) struct Normal {
-    /// All that is linear.
-    pub plain: Plain,
-    /// DᴴP⊥D, (n, n), and Dᴴ(residual), (n, column).
-    outside: Array2<Complex64>,
-    along: Array2<Complex64>,
+/// A linear fit with its triangular factor.
+struct Factored {
+    fit: NormalFit,
+    /// L of the Gram matrix of unit columns, (m, m).
+    lower: Array2<Complex64>,
+    /// L⁻¹ times the products of the unit columns with the data, (m, column).
+    half_solved: Array2<Complex64>,
 }
 
-/// The linear unknowns at given poles.
-pub(crate) struct Parted {
+/// The linear fit with the derivatives that a step of the poles needs.
+pub(crate) struct NormalPoint {
+    pub fit: NormalFit,
+    /// DᴴP⊥D, (n, n).
+    derivative_gram: Array2<Complex64>,
+    /// Dᴴ(residual), (n, column).
+    derivative_residual: Array2<Complex64>,
+}
+
+/// The linear unknowns at given poles, residues apart from residual terms.
+pub(crate) struct Partitioned {
     /// Residues and residual coefficients, (m, column).
     pub coefficients: Array2<Complex64>,
     /// Weight of the residues with the residual terms eliminated, (n, n).
     pub weight: Array2<Complex64>,
-    /// Response of the residual terms to a change of the residues, (term, n).
-    pub answer: Array2<Complex64>,
-    /// Sum of squares left.
+    /// Residual terms per unit of residue that they give way to, (term, n).
+    pub terms_per_residue: Array2<Complex64>,
+    /// Residual sum of squares.
     pub sse: f64,
 }
 
-/// Rows over the norms of their columns.
-fn unit(mut rows: ArrayViewMut2<Complex64>, norms: &[f64]) {
+/// Divides each row by its norm.
+fn divide_rows(mut rows: ArrayViewMut2<Complex64>, norms: &[f64]) {
     rows.rows_mut()
         .into_iter()
         .zip(norms)
         .for_each(|(mut row, norm)| row.mapv_inplace(|v| v / norm));
 }
 
-impl Plain {
-    /// `None` as for [`Normal`].
-    pub fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
-        let cauchy = Cauchy::without_derivatives(work, lambda, powers);
-        let against = blocked_matmul_h(cauchy.columns.view(), work.b.view());
-        Some(Self::solved(cauchy.gram(), against, energy)?.0)
-    }
+/// Gradient of the poles, (n, 1): Σ over columns of Dᴴ(residual) times conjugate residues.
+pub(crate) fn gradient(
+    derivative_residual: ArrayView2<Complex64>,
+    residues: ArrayView2<Complex64>,
+) -> Array2<Complex64> {
+    let row = |(d, r): (ArrayView1<Complex64>, ArrayView1<Complex64>)| -> Complex64 {
+        d.iter().zip(r).map(|(d, r)| d * r.conj()).sum()
+    };
+    let rows = derivative_residual.rows().into_iter().zip(residues.rows());
+    Array1::from_iter(rows.map(row)).insert_axis(Axis(1))
+}
 
-    /// From AᴴA and AᴴB; with L of the Gram matrix of unit columns, and L⁻¹ times their
-    /// products with B.
-    fn solved(
-        mut gram: Array2<Complex64>,
-        mut right: Array2<Complex64>,
-        energy: f64,
-    ) -> Option<(Self, Array2<Complex64>, Array2<Complex64>)> {
+impl Factored {
+    /// Solves the normal equations with AᴴA and AᴴB.
+    fn new(mut gram: Array2<Complex64>, mut right: Array2<Complex64>, energy: f64) -> Option<Self> {
         let norms: Vec<f64> = gram.diag().iter().map(|v| v.re.sqrt()).collect();
-        unit(gram.view_mut(), &norms);
-        unit(gram.view_mut().reversed_axes(), &norms);
-        unit(right.view_mut(), &norms);
+        divide_rows(gram.view_mut(), &norms);
+        divide_rows(gram.view_mut().reversed_axes(), &norms);
+        divide_rows(right.view_mut(), &norms);
         let lower = cholesky(gram.view()).ok()?;
-        let half = solve_lower(lower.view(), right.view()).ok()?;
-        let mut coefficients = solve_lower_adjoint(lower.view(), half.view()).ok()?;
-        let sse = energy - sum_of_squares(&half);
+        let half_solved = solve_lower(lower.view(), right.view()).ok()?;
+        let mut coefficients = solve_lower_adjoint(lower.view(), half_solved.view()).ok()?;
+        let sse = energy - sum_of_squares(&half_solved);
         // an error of the Gram matrix in its last digit
         let rounding = f64::EPSILON
             * coefficients
@@ -94,9 +106,9 @@ impl Plain {
         if !sound {
             return None;
         }
-        unit(coefficients.view_mut(), &norms);
-        Some((
-            Self {
+        divide_rows(coefficients.view_mut(), &norms);
+        Some(Self {
+            fit: NormalFit {
                 gram,
                 norms,
                 coefficients,
@@ -104,12 +116,21 @@ impl Plain {
                 rounding,
             },
             lower,
-            half,
-        ))
+            half_solved,
+        })
+    }
+}
+
+impl NormalFit {
+    /// The fit with the poles `lambda`; `None` as for [`NormalPoint`].
+    pub fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
+        let cauchy = Cauchy::without_derivatives(work, lambda, powers);
+        let against = blocked_matmul_h(cauchy.columns.view(), work.b.view());
+        Some(Factored::new(cauchy.gram(), against, energy)?.fit)
     }
 
-    /// Residues apart from residual terms: the first `n` columns from the others.
-    pub fn parted(self, n: usize) -> Result<Parted, LinalgError> {
+    /// Partitions the unknowns: the first `n` columns are poles, the others residual terms.
+    pub fn partitioned(self, n: usize) -> Result<Partitioned, LinalgError> {
         let Self {
             mut gram,
             norms,
@@ -121,34 +142,33 @@ impl Plain {
             *value *= norms[i] * norms[j];
         }
         let across = gram.slice(s![n.., ..n]);
-        let answer = solve_hermitian(gram.slice(s![n.., n..]), across)?;
-        let weight = &gram.slice(s![..n, ..n]) - &matmul_h(across, answer.view());
-        Ok(Parted {
+        let terms_per_residue = solve_hermitian(gram.slice(s![n.., n..]), across)?;
+        let weight = &gram.slice(s![..n, ..n]) - &matmul_h(across, terms_per_residue.view());
+        Ok(Partitioned {
             coefficients,
             weight,
-            answer,
+            terms_per_residue,
             sse,
         })
     }
 
-    /// The quantities needed to take columns out.
+    /// The fit as one whose columns can be taken out.
     pub fn removable(&self) -> Result<Removable, LinalgError> {
         let mut inverse = inverse_hermitian(self.gram.view())?;
         for ((i, j), value) in inverse.indexed_iter_mut() {
             *value /= self.norms[i] * self.norms[j];
         }
-        let alone = self.norms.iter().map(|norm| norm * norm).collect();
         Ok(Removable {
             inverse,
             coefficients: self.coefficients.clone(),
-            alone,
+            basis_energy: self.norms.iter().map(|norm| norm * norm).collect(),
             sse: self.sse,
         })
     }
 }
 
-impl Point for Normal {
-    const LAST: bool = false;
+impl Point for NormalPoint {
+    const HAS_FALLBACK: bool = true;
 
     /// `None` where the columns are too alike, or the residual lies too near rounding.
     fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
@@ -156,49 +176,50 @@ impl Point for Normal {
         let cauchy = Cauchy::new(work, lambda, powers);
         let products = cauchy.gram();
         let against = blocked_matmul_h(cauchy.columns.view(), work.b.view());
-        let (of_columns, right) = (
-            products.slice(s![..m, ..m]).to_owned(),
-            against.slice(s![..m, ..]).to_owned(),
-        );
-        let (plain, lower, half) = Plain::solved(of_columns, right, energy)?;
-        let mut of_derivatives = products.slice(s![..m, m..]).to_owned();
-        unit(of_derivatives.view_mut(), &plain.norms);
-        let inside = solve_lower(lower.view(), of_derivatives.view()).ok()?;
-        let outside = &products.slice(s![m.., m..]) - &matmul_h(inside.view(), inside.view());
+        let gram = products.slice(s![..m, ..m]).to_owned();
+        let right = against.slice(s![..m, ..]).to_owned();
+        let Factored {
+            fit,
+            lower,
+            half_solved,
+        } = Factored::new(gram, right, energy)?;
+        let mut across = products.slice(s![..m, m..]).to_owned();
+        divide_rows(across.view_mut(), &fit.norms);
+        // the part of the derivatives along the columns
+        let inside = solve_lower(lower.view(), across.view()).ok()?;
+        let derivative_gram =
+            &products.slice(s![m.., m..]) - &matmul_h(inside.view(), inside.view());
         // a derivative that is a mixture of columns but for its last digits tells nothing
         // of its pole
-        if (0..lambda.len())
-            .any(|n| outside[[n, n]].re < limits::DERIVATIVE_OUTSIDE * products[[m + n, m + n]].re)
-        {
+        let is_rounding = |n: usize| {
+            let whole = products[[m + n, m + n]].re;
+            derivative_gram[[n, n]].re < limits::DERIVATIVE_OUTSIDE * whole
+        };
+        if (0..lambda.len()).any(is_rounding) {
             return None;
         }
-        let along = &against.slice(s![m.., ..]) - &matmul_h(inside.view(), half.view());
+        let along_fit = matmul_h(inside.view(), half_solved.view());
         Some(Self {
-            plain,
-            outside,
-            along,
+            fit,
+            derivative_gram,
+            derivative_residual: &against.slice(s![m.., ..]) - &along_fit,
         })
     }
 
     fn sse(&self) -> f64 {
-        self.plain.sse
+        self.fit.sse
     }
 
     fn rounding(&self, _: f64) -> f64 {
-        self.plain.rounding
+        self.fit.rounding
     }
 
-    fn system(&self, _: &Columns, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<Complex64>) {
-        let residues = self.plain.coefficients.slice(s![..lambda.len(), ..]);
+    fn system(&self, _: &Columns, lambda: &[Complex64]) -> NewtonSystem {
+        let residues = self.fit.coefficients.slice(s![..lambda.len(), ..]);
         let products = matmul(residues, residues.t().mapv(|v| v.conj()).view());
-        let information = &self.outside * &products.t();
-        let along = self.along.rows().into_iter().zip(residues.rows());
-        let gradient = along
-            .map(|(along, residues)| along.iter().zip(residues).map(|(d, r)| d * r.conj()).sum());
-        (
-            information,
-            Array2::from_shape_vec((lambda.len(), 1), gradient.collect())
-                .expect("one value per pole"),
-        )
+        NewtonSystem {
+            information: &self.derivative_gram * &products.t(),
+            gradient: gradient(self.derivative_residual.view(), residues),
+        }
     }
 }

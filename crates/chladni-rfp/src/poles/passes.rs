@@ -11,7 +11,7 @@ use crate::data::source::{By, Source, Way};
 use crate::poles::limits;
 use crate::poles::refine::{refine, refined_poles, Refined};
 use crate::poles::scan::{residual_peak, Scan};
-use crate::poles::settle::settle;
+use crate::poles::settle::{settle, OrderHistory};
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
 use chladni_linalg::blocked::projected;
@@ -27,46 +27,52 @@ pub(crate) struct Pass {
     pub refined: Refined,
     /// Noise variance of one work value.
     pub variance: f64,
-    /// The residual of the compressed columns, looked at for more.
+    /// The last scan of the residual of the compressed columns.
     scanned: Scan,
-    /// Poles that the columns were made with and that are gone: their noise is still in
+    /// Number of poles that the columns were made with and that are gone: their noise is still in
     /// the columns.
     lost: usize,
 }
 
-/// Modes that the sketch did not show.
+/// A place of a mode that the sketch did not show.
+struct MissedPole {
+    place: Complex64,
+    /// True if the compressed columns alone show it: a refined pole has yet to confirm it.
+    unconfirmed: bool,
+}
+
+/// The treatment of modes that the sketch did not show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum MissedPoles {
-    /// All FRFs are asked for them.
+    /// They are searched for in all FRFs.
     Search,
-    /// They are left.
+    /// They are left out.
     Leave,
 }
 
 /// The start of the passes over all FRFs.
 #[derive(Debug)]
 pub(crate) struct PassStart {
-    /// The sketch on the lines that were looked at.
+    /// The sketch, on the lines that it was thinned to.
     pub sketch: Columns,
-    /// Poles, as sharp as it shows them.
+    /// Poles, as refined on the sketch.
     pub lambda: Vec<Complex64>,
     /// Basis of the model with these poles on all lines, orthonormal; the next pass takes it.
     pub q: Array2<Complex64>,
     /// Orders tried, in order.
-    pub history: Tried,
+    pub history: OrderHistory,
     /// Passes made already beyond the second.
     pub extra_passes: usize,
-    /// Evidence against the other damping law, where this is the second tried.
+    /// Evidence against the other damping law, if that was tried before.
     pub doubt: Option<String>,
 }
 
-/// Numbers of poles that were tried, each with its residual variance.
-pub(crate) type Tried = Vec<(usize, f64)>;
-
 impl PassStart {
-    /// Compresses all FRFs, settles the order on the compressed columns and, if asked to,
-    /// searches all FRFs for poles that the sketch did not show; with the orders tried.
-    /// `energy`: of each line over all FRFs.
+    /// Compresses all FRFs, settles the number of poles on the compressed columns and, if asked to,
+    /// searches all FRFs for poles that the sketch did not show. Returns the last pass, and the
+    /// orders tried.
+    ///
+    /// * `energy`: of each line over all FRFs
     ///
     /// # Errors
     /// A kernel that fails; a pass that others must make.
@@ -75,27 +81,21 @@ impl PassStart {
         data: &S,
         energy: &Array1<f64>,
         missed: MissedPoles,
-    ) -> Result<(Pass, Tried), S::Stop> {
+    ) -> Result<(Pass, OrderHistory), S::Stop> {
         let mut best = self.pass(data, energy)?;
         let mut tried = Vec::new();
-        let most = match missed {
+        let most_passes = match missed {
             MissedPoles::Search => data.effort.extra_passes,
             MissedPoles::Leave => 0,
         };
-        while self.extra_passes < most {
+        while self.extra_passes < most_passes {
             self.extra_passes += 1;
-            if let Some((pole, vague)) = best.missed(data, data.values(), &tried) {
-                tried.push(pole);
-                let mut more = best.refined.lambda.clone();
-                more.push(pole);
+            if let Some(missed) = best.missed(data, data.values(), &tried) {
+                tried.push(missed.place);
+                let more = [best.refined.lambda.as_slice(), &[missed.place]].concat();
                 let more = refined_poles(&self.sketch, &more, &POWERS, tol::ROUGH)?;
-                let there = [pole, *more.last().expect("one was added")];
-                if vague
-                    && !best
-                        .shares(data.values(), &there)
-                        .iter()
-                        .any(|share| *share > limits::CONFIRMED_REFINED)
-                {
+                let places = [missed.place, more[more.len() - 1]];
+                if missed.unconfirmed && !best.confirms(data.values(), &places) {
                     continue;
                 }
                 // a pass by other machines is expensive: do not ask for one with the same poles
@@ -103,16 +103,13 @@ impl PassStart {
                     break;
                 }
                 (self.q, self.lambda) = (on_all_lines(data, &more)?, more);
-                let with = self.pass(data, energy)?;
-                // the same poles on columns that one more pole helped to choose: nothing is
-                // learned
-                if !same(&with.refined.lambda, &best.refined.lambda) {
-                    best = with;
+                let next = self.pass(data, energy)?;
+                // the added pole did not stay: its pass tells nothing new
+                if !same(&next.refined.lambda, &best.refined.lambda) {
+                    best = next;
                 }
-            } else if best.lost > 0
-                && best.projected.work.columns() < data.pairs.len()
-                && data.values().is_some()
-            {
+            } else if best.is_spoilt(data) && data.values().is_some() {
+                // once more without the noise of the lost poles
                 self.q = basis_of(data, &best.refined)?;
                 self.lambda = best.refined.lambda;
                 best = self.pass(data, energy)?;
@@ -140,7 +137,7 @@ impl PassStart {
     }
 }
 
-/// True where both are the same poles, to a part of a half-bandwidth.
+/// True if both are the same poles, to a part of a half-bandwidth.
 fn same(these: &[Complex64], those: &[Complex64]) -> bool {
     these.len() == those.len()
         && these.iter().all(|a| {
@@ -151,12 +148,12 @@ fn same(these: &[Complex64], those: &[Complex64]) -> bool {
 }
 
 impl Pass {
-    /// The order settled on columns that were compressed with the poles `start`.
+    /// Settles the number of poles on columns that were compressed with the poles `start`.
     fn of(
         data: &DataLayout,
         projected: Projected,
         start: &[Complex64],
-        history: &mut Vec<(usize, f64)>,
+        history: &mut OrderHistory,
     ) -> Result<Self, LinalgError> {
         let work = &projected.work;
         let precision = tol::FINE.within(data.effort.likelihood_steps);
@@ -178,9 +175,14 @@ impl Pass {
         })
     }
 
+    /// True if the columns hold the noise of poles that are gone.
+    fn is_spoilt(&self, data: &DataLayout) -> bool {
+        self.lost > 0 && self.projected.work.columns() < data.pairs.len()
+    }
+
     /// The place where a mode that the sketch did not show stands out of the residual
     /// over all FRFs.
-    fn stands_out(&self, data: &DataLayout) -> Option<Complex64> {
+    fn peak_of_residual(&self, data: &DataLayout) -> Option<Complex64> {
         let Self {
             projected, refined, ..
         } = self;
@@ -193,14 +195,13 @@ impl Pass {
     }
 
     /// The place where a mode that the sketch did not show stands out of the residual over all
-    /// FRFs, or out of the compressed columns. True for the latter: a refined pole has yet to
-    /// confirm it.
+    /// FRFs, or else out of the compressed columns.
     fn missed(
         &self,
         data: &DataLayout,
         values: Option<&Screened>,
         tried: &[Complex64],
-    ) -> Option<(Complex64, bool)> {
+    ) -> Option<MissedPole> {
         let Self {
             projected,
             variance,
@@ -211,30 +212,37 @@ impl Pass {
         if !self.refined.has_room(data.lines.len()) {
             return None;
         }
-        let peak = self.stands_out(data);
+        let found = |unconfirmed| move |place| MissedPole { place, unconfirmed };
+        let peak = self.peak_of_residual(data);
         if peak.is_some() || work.columns() >= frfs {
-            return peak.map(|peak| (peak, false));
+            return peak.map(found(false));
         }
         let mut places = scanned.beyond(threshold(work.columns(), work.lines()) * variance, tried);
         places.truncate(limits::PLACES);
         places
             .iter()
-            .zip(self.shares(values, &places))
+            .zip(self.energy_shares(values, &places))
             .find(|(_, share)| *share > limits::CONFIRMED)
-            .map(|(pole, _)| (*pole, true))
+            .map(|(place, _)| found(true)(*place))
     }
 
-    /// Energy beyond noise that a pole at each of the `places` takes out of all FRFs, over that
-    /// which a pole of the model must take out. Empty if the FRFs are not at hand. A pass with
+    /// True if a pole at one of the `places` takes nearly enough energy out of all FRFs.
+    fn confirms(&self, values: Option<&Screened>, places: &[Complex64]) -> bool {
+        let shares = self.energy_shares(values, places);
+        shares
+            .iter()
+            .any(|share| *share > limits::CONFIRMED_REFINED)
+    }
+
+    /// Energy beyond noise that a pole at each of the `places` takes out of all FRFs, over the
+    /// energy that a pole of the model must take out. Empty if the FRFs are not at hand. A pass with
     /// that pole in the basis would be exact, and costs far more.
-    fn shares(&self, values: Option<&Screened>, places: &[Complex64]) -> Vec<f64> {
+    fn energy_shares(&self, values: Option<&Screened>, places: &[Complex64]) -> Vec<f64> {
         let Some(data) = values.filter(|_| !places.is_empty()) else {
             return Vec::new();
         };
-        let (_, mut outside) = projected(
-            self.refined.projection.q.view(),
-            basis(&self.projected.work, places, &[]).view(),
-        );
+        let columns = basis(&self.projected.work, places, &[]);
+        let (_, mut outside) = projected(self.refined.projection.q.view(), columns.view());
         for mut column in outside.columns_mut() {
             let norm = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
             column.mapv_inplace(|v| v / norm);
@@ -248,8 +256,8 @@ impl Pass {
     }
 }
 
-/// The basis of the second pass on all lines, whether or not the poles were found on a
-/// thinned record.
+/// Orthonormal basis of a model with these poles on all lines, even if they were refined on some of
+/// the lines only.
 pub(crate) fn basis_of(
     data: &DataLayout,
     refined: &Refined,
@@ -268,7 +276,7 @@ pub(crate) fn on_all_lines(
     on_weighted_lines(data, lambda, &[])
 }
 
-/// The same on lines of these `weights`, where they do not count alike.
+/// The same on lines with these `weights`; empty: all count alike.
 pub(crate) fn on_weighted_lines(
     data: &DataLayout,
     lambda: &[Complex64],
@@ -281,6 +289,6 @@ pub(crate) fn on_weighted_lines(
 /// Noise variance from the residual of all FRFs.
 fn full_variance(data: &DataLayout, projected: &Projected, refined: &Refined) -> f64 {
     let dof = (data.lines.len() - refined.unknowns().min(data.lines.len() - 1)) * data.pairs.len();
-    let left = projected.line_residual(&refined.projection.residual).sum();
-    (left / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(tol::VARIANCE_LEAST)
+    let sse = projected.line_residual(&refined.projection.residual).sum();
+    (sse / (dof as f64 - refined.lambda.len() as f64).max(1.0)).max(tol::VARIANCE_LEAST)
 }

@@ -1,30 +1,29 @@
 //! Maximum-likelihood poles by variable projection (theory.md, eq. 9–12).
 //!
-//! Residues and residual terms are eliminated by QR; what is left is a complex-analytic
-//! Gauss–Newton problem in the poles alone, Kaufman's Jacobian, Levenberg–Marquardt
-//! damping. For white noise of one variance the fixed point is the maximum likelihood
-//! estimate and `information` its Fisher matrix times σ².
+//! Residues and residual terms are eliminated by QR. A complex-analytic Gauss–Newton problem in
+//! the poles alone remains; it is solved with Kaufman's Jacobian and Levenberg–Marquardt damping.
+//! For white noise of one variance the fixed point is the maximum likelihood estimate, and
+//! `information` is its Fisher matrix times σ².
 //!
-//! Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49. Cost
-//! per step ≈ 8Nm(5m + 3r) flop. Not for finding poles: it needs a start within about a
-//! bandwidth.
+//! Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49. A step costs
+//! about 8Nm(5m + 3r) flop. The search needs a start within about a bandwidth of each pole.
 
 use crate::damping::gram::Cauchy;
 use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::coefficients;
 use crate::data::inner_products::sum_of_squares;
-use crate::poles::descent::{Descent, Point};
+use crate::poles::descent::{Descent, NewtonSystem, Point};
 use crate::poles::limits;
-use crate::poles::normal::{Normal, Plain};
-use crate::poles::removal::Removable;
+use crate::poles::normal::{gradient, NormalFit, NormalPoint};
+use crate::poles::removal::{rise_without, Removable};
 use crate::tolerances::{self as tol, Precision};
 use chladni_linalg::blocked::{blocked_matmul_h, projected};
 use chladni_linalg::{matmul, solve_upper, LinalgError};
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
 
-/// Linear part at fixed poles.
+/// The linear fit at given poles, on an orthonormal basis.
 #[derive(Debug, Clone)]
 pub(crate) struct Projection {
     /// Orthonormal basis of the model, (line, m).
@@ -40,7 +39,7 @@ pub(crate) struct Projection {
 }
 
 impl Projection {
-    /// Projects the columns of `work` on the basis of `lambda` and residual terms
+    /// Projects the columns of `work` on the basis of the poles `lambda` and the residual terms
     /// x^`powers`.
     pub fn new(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
         let (q, r) = Cauchy::without_derivatives(work, lambda, powers).orthonormal()?;
@@ -57,18 +56,13 @@ impl Projection {
     pub fn coefficients(&self) -> Result<Array2<Complex64>, LinalgError> {
         coefficients(self.r.view(), self.qb.view())
     }
-    /// The quantities needed to take columns out.
+    /// The fit as one whose columns can be taken out.
     pub fn removable(&self) -> Result<Removable, LinalgError> {
-        let alone = self
-            .r
-            .columns()
-            .into_iter()
-            .map(|column| column.iter().map(|v| v.norm_sqr()).sum())
-            .collect();
+        let energy = |column: ArrayView1<Complex64>| column.iter().map(|v| v.norm_sqr()).sum();
         Ok(Removable {
             inverse: self.gram_inverse()?,
             coefficients: self.coefficients()?,
-            alone,
+            basis_energy: self.r.columns().into_iter().map(energy).collect(),
             sse: self.sse,
         })
     }
@@ -76,49 +70,46 @@ impl Projection {
     /// residue.
     pub fn outside_of_others(&self, q: usize) -> Result<Array1<Complex64>, LinalgError> {
         // with Rᴴy = e_q, Qy is orthogonal to all other columns, and 1 along this one
-        let unit = Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0));
-        let inverse = solve_upper(self.r.view(), unit.view())?;
-        let y = inverse.row(q).mapv(|v| v.conj());
-        let length = y.iter().map(|v| v.norm_sqr()).sum::<f64>();
-        Ok(self.q.dot(&y) / Complex64::from(length))
+        let y = self.r_inverse()?.row(q).mapv(|v| v.conj());
+        let energy = y.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        Ok(self.q.dot(&y) / Complex64::from(energy))
     }
     /// (AᴴA)⁻¹ of the basis A.
     pub fn gram_inverse(&self) -> Result<Array2<Complex64>, LinalgError> {
-        let inverse = solve_upper(
-            self.r.view(),
-            Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0)).view(),
-        )?;
-        Ok(matmul(
-            inverse.view(),
-            inverse.t().mapv(|v| v.conj()).view(),
-        ))
+        let inverse = self.r_inverse()?;
+        let adjoint = inverse.t().mapv(|v| v.conj());
+        Ok(matmul(inverse.view(), adjoint.view()))
+    }
+    fn r_inverse(&self) -> Result<Array2<Complex64>, LinalgError> {
+        let unit = Array2::from_diag_elem(self.r.nrows(), Complex64::new(1.0, 0.0));
+        solve_upper(self.r.view(), unit.view())
     }
 }
 
-/// The quantities needed to take poles out one by one.
+/// The linear fit at the poles `lambda`, as one whose poles can be taken out.
 pub(crate) fn removable(
     work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
 ) -> Result<Removable, LinalgError> {
-    match Plain::at(work, work.energy(), lambda, powers) {
-        Some(plain) => plain.removable(),
+    match NormalFit::at(work, work.energy(), lambda, powers) {
+        Some(fit) => fit.removable(),
         None => Projection::new(work, lambda, powers)?.removable(),
     }
 }
 
-/// Poles with what their neighbourhood looks like.
+/// Refined poles with the linear fit at them.
 #[derive(Debug, Clone)]
 pub(crate) struct Refined {
     /// Poles in the x plane.
     pub lambda: Vec<Complex64>,
     /// Powers of x of the residual terms.
     pub powers: Vec<i32>,
-    /// Linear part at these poles.
+    /// Linear fit at these poles.
     pub projection: Projection,
     /// Residues and residual coefficients, (m, column).
     pub coefficients: Array2<Complex64>,
-    /// Gauss–Newton matrix, where normal equations told it.
+    /// Gauss–Newton matrix, if the refinement ended by normal equations.
     information: Option<Array2<Complex64>>,
 }
 
@@ -128,7 +119,7 @@ fn newton_system(
     lambda: &[Complex64],
     projection: &Projection,
     coefficients: &Array2<Complex64>,
-) -> (Array2<Complex64>, Array2<Complex64>) {
+) -> NewtonSystem {
     let n = lambda.len();
     let residues = coefficients.slice(ndarray::s![..n, ..]);
     let derivative = basis_derivative(work, lambda);
@@ -137,24 +128,19 @@ fn newton_system(
     let mut information = blocked_matmul_h(outside.view(), outside.view());
     information.zip_mut_with(&products.t(), |h, p| *h *= p);
     let along = blocked_matmul_h(derivative.view(), projection.residual.view());
-    let gradient = Array2::from_shape_fn((n, 1), |(i, _)| {
-        along
-            .row(i)
-            .iter()
-            .zip(residues.row(i))
-            .map(|(d, r)| d * r.conj())
-            .sum()
-    });
-    (information, gradient)
+    NewtonSystem {
+        information,
+        gradient: gradient(along.view(), residues),
+    }
 }
 
-/// On an orthonormal basis: the last digits.
-struct Exact {
+/// A point on an orthonormal basis: it keeps the digits that normal equations lose.
+struct OrthonormalPoint {
     projection: Projection,
     coefficients: Array2<Complex64>,
 }
 
-impl Exact {
+impl OrthonormalPoint {
     fn new(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
         let projection = Projection::new(work, lambda, powers)?;
         Ok(Self {
@@ -164,8 +150,8 @@ impl Exact {
     }
 }
 
-impl Point for Exact {
-    const LAST: bool = true;
+impl Point for OrthonormalPoint {
+    const HAS_FALLBACK: bool = false;
     fn at(work: &Columns, _: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
         Self::new(work, lambda, powers).ok()
     }
@@ -175,16 +161,12 @@ impl Point for Exact {
     fn rounding(&self, energy: f64) -> f64 {
         tol::STEP_ROUNDING * (energy * self.projection.sse).sqrt()
     }
-    fn system(
-        &self,
-        work: &Columns,
-        lambda: &[Complex64],
-    ) -> (Array2<Complex64>, Array2<Complex64>) {
+    fn system(&self, work: &Columns, lambda: &[Complex64]) -> NewtonSystem {
         newton_system(work, lambda, &self.projection, &self.coefficients)
     }
 }
 
-/// Refines `start` to this precision: by normal equations as far as they go, then on an
+/// Refines the poles `start` to this precision: by normal equations as far as they go, then on an
 /// orthonormal basis.
 pub(crate) fn refine(
     work: &Columns,
@@ -192,12 +174,11 @@ pub(crate) fn refine(
     powers: &[i32],
     precision: Precision,
 ) -> Result<Refined, LinalgError> {
-    let (descent, last) = by_normal_equations(work, start, powers, precision);
-    on_orthonormal_basis(descent, last, precision)
+    let (descent, end) = by_normal_equations(work, start, powers, precision);
+    on_orthonormal_basis(descent, end, precision)
 }
 
-/// The same for the poles of the band. Poles outside stand for background, and stay where they
-/// are.
+/// Refines the poles of the band. Poles outside stand for background, and stay at their places.
 pub(crate) fn refine_inside(
     work: &Columns,
     start: &[Complex64],
@@ -205,74 +186,73 @@ pub(crate) fn refine_inside(
     precision: Precision,
 ) -> Result<Refined, LinalgError> {
     let moved = refined_poles(work, start, powers, precision)?;
-    let place = |(old, new): (&Complex64, &Complex64)| match work.in_band(*old) {
+    let moved_inside = |(old, new): (&Complex64, &Complex64)| match work.in_band(*old) {
         true => *new,
         false => *old,
     };
-    let places: Vec<Complex64> = start.iter().zip(&moved).map(place).collect();
-    refine(work, &places, powers, tol::NO_STEP)
+    let lambda: Vec<Complex64> = start.iter().zip(&moved).map(moved_inside).collect();
+    refine(work, &lambda, powers, tol::NO_STEP)
 }
 
-/// The poles alone.
+/// The refined poles alone.
 pub(crate) fn refined_poles(
     work: &Columns,
     start: &[Complex64],
     powers: &[i32],
     precision: Precision,
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let (descent, last) = by_normal_equations(work, start, powers, precision);
-    if last.is_some() || descent.steps == 0 {
+    let (descent, end) = by_normal_equations(work, start, powers, precision);
+    if end.is_some() || descent.steps == 0 {
         return Ok(descent.lambda);
     }
-    Ok(on_orthonormal_basis(descent, last, precision)?.lambda)
+    Ok(on_orthonormal_basis(descent, end, precision)?.lambda)
 }
 
-/// The poles and the sum of squares that they leave.
+/// The refined poles and their residual sum of squares.
 pub(crate) fn refined_sum(
     work: &Columns,
     start: &[Complex64],
     powers: &[i32],
     precision: Precision,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
-    let (descent, last) = by_normal_equations(work, start, powers, precision);
-    if let Some(point) = last {
+    let (descent, end) = by_normal_equations(work, start, powers, precision);
+    if let Some(point) = end {
         return Ok((descent.lambda, point.sse()));
     }
     let refined = on_orthonormal_basis(descent, None, precision)?;
     Ok((refined.lambda, refined.projection.sse))
 }
 
-/// Steps by normal equations, as far as rounding allows. The last point is returned if the
-/// refinement ended there.
+/// Makes steps by normal equations, as far as rounding allows. Returns the search, and its last
+/// point if the refinement ended there.
 fn by_normal_equations<'a>(
     work: &'a Columns,
     start: &[Complex64],
     powers: &'a [i32],
     precision: Precision,
-) -> (Descent<'a>, Option<Normal>) {
+) -> (Descent<'a>, Option<NormalPoint>) {
     let mut descent = Descent::new(work, start, powers, precision.steps);
-    let point = if descent.steps > 0 {
-        descent.here::<Normal>()
-    } else {
-        None
+    let mut point = match descent.steps {
+        0 => None,
+        _ => descent.point::<NormalPoint>(),
     };
-    let last =
-        point.and_then(|mut point| descent.go(&mut point, precision.tolerance).then_some(point));
-    (descent, last)
+    let end = point.take_if(|point| descent.run(point, precision.tolerance));
+    (descent, end)
 }
 
+/// Goes on from where normal equations left the search; `end`: their last point if it has ended.
 fn on_orthonormal_basis(
     mut descent: Descent,
-    last: Option<Normal>,
+    end: Option<NormalPoint>,
     precision: Precision,
 ) -> Result<Refined, LinalgError> {
     let Descent { work, powers, .. } = descent;
-    let information = last.map(|point| point.system(work, &descent.lambda).0);
-    let mut point = Exact::new(work, &descent.lambda, powers)?;
+    let information = end.map(|point| point.system(work, &descent.lambda).information);
+    let mut point = OrthonormalPoint::new(work, &descent.lambda, powers)?;
     if information.is_none() {
-        descent.go(&mut point, precision.tolerance);
+        descent.run(&mut point, precision.tolerance);
     }
-    let Exact {
+    let OrthonormalPoint {
         projection,
         coefficients,
     } = point;
@@ -285,8 +265,8 @@ fn on_orthonormal_basis(
     })
 }
 
-/// The poles refined, if that leaves less than `most`. `None` if it leaves more, or if the
-/// first step promises too little.
+/// The poles refined, if their residual sum of squares is below `sse_limit`. `None` if it is not, or
+/// if the first step promises too little for that.
 ///
 /// # Errors
 /// A kernel that fails.
@@ -295,23 +275,23 @@ pub(crate) fn refine_below(
     start: &[Complex64],
     powers: &[i32],
     precision: Precision,
-    most: f64,
+    sse_limit: f64,
 ) -> Result<Option<Refined>, LinalgError> {
     let mut descent = Descent::new(work, start, powers, precision.steps);
-    let mut point = descent.here::<Normal>();
+    let mut point = descent.point::<NormalPoint>();
     if let Some(point) = &point {
-        let in_sight = limits::GAIN_OVER_PROMISE * descent.promised(point);
-        if point.sse() - in_sight > most {
+        let largest_fall = limits::GAIN_OVER_PROMISE * descent.promised_fall(point);
+        if point.sse() - largest_fall > sse_limit {
             return Ok(None);
         }
     }
-    let last = point.take_if(|point| descent.go(point, precision.tolerance));
-    // what is needed beside the sum of squares costs as much as a step
-    if last.as_ref().is_some_and(|point| point.sse() >= most) {
+    let end = point.take_if(|point| descent.run(point, precision.tolerance));
+    // the rest of `Refined` costs as much as a step: it is made only for a fit that is kept
+    if end.as_ref().is_some_and(|point| point.sse() >= sse_limit) {
         return Ok(None);
     }
-    let refined = on_orthonormal_basis(descent, last, precision)?;
-    Ok((refined.projection.sse < most).then_some(refined))
+    let refined = on_orthonormal_basis(descent, end, precision)?;
+    Ok((refined.projection.sse < sse_limit).then_some(refined))
 }
 
 impl Refined {
@@ -319,17 +299,18 @@ impl Refined {
     /// refinement.
     pub fn information(&self, work: &Columns) -> Array2<Complex64> {
         self.information.clone().unwrap_or_else(|| {
-            match Normal::at(work, work.energy(), &self.lambda, &self.powers) {
-                Some(normal) => normal.system(work, &self.lambda).0,
-                None => newton_system(work, &self.lambda, &self.projection, &self.coefficients).0,
-            }
+            let system = match NormalPoint::at(work, work.energy(), &self.lambda, &self.powers) {
+                Some(point) => point.system(work, &self.lambda),
+                None => newton_system(work, &self.lambda, &self.projection, &self.coefficients),
+            };
+            system.information
         })
     }
     /// Number of unknown columns m.
     pub fn unknowns(&self) -> usize {
         self.lambda.len() + self.powers.len()
     }
-    /// True where another pole leaves lines to judge it by.
+    /// True if there are lines enough to judge one more pole.
     pub fn has_room(&self, lines: usize) -> bool {
         self.unknowns() + 1 < lines
     }
@@ -339,20 +320,12 @@ impl Refined {
             - self.lambda.len() as f64;
         self.projection.sse / dof.max(1.0)
     }
-    /// Rise of the sum of squares when pole q alone is taken out and residues are
+    /// For each pole, the rise of the sum of squares if it alone is taken out and residues are
     /// refitted: ‖X_q‖²/[(AᴴA)⁻¹]_qq (theory.md, eq. 8).
     pub fn significance(&self) -> Result<Vec<f64>, LinalgError> {
         let inverse = self.projection.gram_inverse()?;
-        Ok((0..self.lambda.len())
-            .map(|q| {
-                self.coefficients
-                    .row(q)
-                    .iter()
-                    .map(|v| v.norm_sqr())
-                    .sum::<f64>()
-                    / inverse[[q, q]].re
-            })
-            .collect())
+        let rise = |q: usize| rise_without(q, &inverse, &self.coefficients);
+        Ok((0..self.lambda.len()).map(rise).collect())
     }
 }
 
@@ -391,9 +364,9 @@ mod tests {
         let near = poles.map(|pole| pole + 0.1 * pole.im);
         let best = refine(&work, &near, &POWERS, tol::ROUGH).unwrap();
         let descent = Descent::new(&work, &near, &POWERS, tol::ROUGH.steps);
-        let point = descent.here::<Normal>().unwrap();
+        let point = descent.point::<NormalPoint>().unwrap();
         let (left, falls) = (best.projection.sse, point.sse() - best.projection.sse);
-        let promised = descent.promised(&point);
+        let promised = descent.promised_fall(&point);
         assert!(
             (0.8..1.25).contains(&(falls / promised)),
             "{falls} of {promised}"

@@ -1,5 +1,5 @@
-//! The loop that settles the order: what cannot be a mode goes, what the residual shows
-//! comes, until neither changes anything.
+//! The loop that settles the number of poles: it takes out poles that cannot be modes, and adds
+//! poles that the residual shows, until neither changes anything.
 
 use crate::damping::law::is_rational;
 use crate::data::columns::Columns;
@@ -13,77 +13,135 @@ use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
-/// Drops what cannot be a mode, adds what the residual shows, until neither changes
-/// anything.
+/// Numbers of poles that a fit had, in order, each with its residual variance.
+pub(crate) type OrderHistory = Vec<(usize, f64)>;
+
+/// Settles the number of poles. Returns the last scan of the residual.
 ///
-/// `frfs`: FRFs whose noise a pole of the model takes along. On a sketch these are its
-/// columns; compressed columns hold all that the basis they were made with takes out of
-/// *all* FRFs, noise included. Returns the last look at the residual.
+/// * `variance`: of the noise; it falls with the residual
+/// * `frfs`: number of FRFs whose noise one pole takes up. On a sketch these are its columns.
+///   Compressed columns hold all that their basis takes out of *all* FRFs, noise included.
 pub(crate) fn settle(
     work: &Columns,
     refined: &mut Refined,
     variance: &mut f64,
     frfs: usize,
-    history: &mut Vec<(usize, f64)>,
+    history: &mut OrderHistory,
 ) -> Result<Scan, LinalgError> {
-    let limit = threshold(frfs, work.lines());
     let mut vain = InVain::new(refined);
-    let (mut tried, mut needed): (Vec<Complex64>, Vec<Complex64>) = (Vec::new(), Vec::new());
+    let mut search = OrderSearch {
+        work,
+        refined,
+        variance,
+        history,
+        threshold: threshold(frfs, work.lines()),
+        tried: Vec::new(),
+        needed: Vec::new(),
+    };
     for _ in 0..limits::SCAN_ROUNDS * limits::CHANGES_PER_ROUND {
-        if let Some((gone, fewer)) = dispensable(work, refined, limit * *variance, &mut needed)? {
-            tried.extend(gone);
-            *refined = fewer;
-            history.push((refined.lambda.len(), refined.variance(work)));
+        if search.take_out()? {
             continue;
         }
-        let scanned = scan(work, refined);
-        if !refined.has_room(work.lines()) {
-            return Ok(scanned);
-        }
-        let shown = scanned.beyond(limit * *variance, &tried).first().copied();
-        let Some(pole) = shown.or_else(|| beyond_the_band(work, &tried)) else {
+        let scanned = scan(work, search.refined);
+        let Some(place) = search.next_place(&scanned) else {
             return Ok(scanned);
         };
-        tried.push(pole);
-        let mut more = refined.lambda.clone();
-        more.push(pole);
+        if search.add(place)? && vain.after(search.refined) {
+            break;
+        }
+    }
+    Ok(scan(work, search.refined))
+}
+
+/// A search for the number of poles under way.
+struct OrderSearch<'a> {
+    work: &'a Columns,
+    refined: &'a mut Refined,
+    /// Noise variance of a value.
+    variance: &'a mut f64,
+    history: &'a mut OrderHistory,
+    /// Significant rise of the sum of squares, in units of the variance.
+    threshold: f64,
+    /// Poles taken out, and places at which one was added or refused: no pole is added there
+    /// again.
+    tried: Vec<Complex64>,
+    /// Poles without which the others do not explain the data.
+    needed: Vec<Complex64>,
+}
+
+impl OrderSearch<'_> {
+    /// Rise of the sum of squares that makes a pole significant.
+    fn least_rise(&self) -> f64 {
+        self.threshold * *self.variance
+    }
+
+    fn note_order(&mut self) {
+        let variance = self.refined.variance(self.work);
+        self.history.push((self.refined.lambda.len(), variance));
+    }
+
+    /// Takes out poles that the data do not need; false if there are none.
+    fn take_out(&mut self) -> Result<bool, LinalgError> {
+        let least_rise = self.least_rise();
+        let found = dispensable(self.work, self.refined, least_rise, &mut self.needed)?;
+        let Some((gone, fewer)) = found else {
+            return Ok(false);
+        };
+        self.tried.extend(gone);
+        *self.refined = fewer;
+        self.note_order();
+        Ok(true)
+    }
+
+    /// The next place to try a pole at: the best of a scan, or one outside the band.
+    fn next_place(&self, scanned: &Scan) -> Option<Complex64> {
+        if !self.refined.has_room(self.work.lines()) {
+            return None;
+        }
+        let shown = scanned.beyond(self.least_rise(), &self.tried);
+        let best = shown.first().copied();
+        best.or_else(|| beyond_the_band(self.work, &self.tried))
+    }
+
+    /// Adds a pole at `place` where it is significant, leaves the others so, and stands for no
+    /// single bad line; false if it is refused.
+    fn add(&mut self, place: Complex64) -> Result<bool, LinalgError> {
+        self.tried.push(place);
+        let (work, least_rise) = (self.work, self.least_rise());
+        let more = [self.refined.lambda.as_slice(), &[place]].concat();
         let candidate = refine(
             work,
             &more,
-            &refined.powers,
+            &self.refined.powers,
             tol::ROUGH.within(2 * tol::ROUGH.steps),
         )?;
-        let gain = refined.projection.sse - candidate.projection.sse;
-        let new = *candidate.lambda.last().expect("one was added");
-        let weakest = candidate
-            .significance()?
-            .into_iter()
-            .fold(f64::MAX, f64::min);
-        // one more beyond the band may take the place of those that are there
-        let needed_all = weakest > limit * *variance || !(work.in_band(pole) || work.in_band(new));
+        let gain = self.refined.projection.sse - candidate.projection.sse;
         let last = candidate.lambda.len() - 1;
-        if gain > limit * *variance
-            && needed_all
-            && !is_spike(work, &candidate, last, limit * *variance)?
-        {
-            *refined = candidate;
-            // poles near the new one may be redundant now, and are judged again
-            needed.retain(|pole| (pole - new).norm() > limits::LEANS_WITHIN * (pole.im + new.im));
-            *variance = variance.min(refined.variance(work));
-            history.push((refined.lambda.len(), refined.variance(work)));
-            if vain.after(refined) {
-                break;
-            }
+        let new = candidate.lambda[last];
+        let rises = candidate.significance()?;
+        let weakest = rises.into_iter().fold(f64::MAX, f64::min);
+        // one more beyond the band may take the place of those that are there
+        let all_needed = weakest > least_rise || !(work.in_band(place) || work.in_band(new));
+        let significant = gain > least_rise && all_needed;
+        if !significant || is_spike(work, &candidate, last, least_rise)? {
+            return Ok(false);
         }
+        *self.refined = candidate;
+        // poles near the new one may be redundant now, and are judged again
+        self.needed
+            .retain(|pole| (pole - new).norm() > limits::LEANS_WITHIN * (pole.im + new.im));
+        *self.variance = self.variance.min(self.refined.variance(work));
+        self.note_order();
+        Ok(true)
     }
-    Ok(scan(work, refined))
 }
 
 /// A guard against poles that stand for errors which neighbouring lines share: each lowers the
 /// sum of squares a little, and adding them would never end.
 struct InVain {
+    /// Poles added so far.
     added: usize,
-    /// Sum of squares at the last look, if lines correlated everywhere then.
+    /// Sum of squares at the last check, if lines correlated everywhere then.
     before: Option<f64>,
 }
 
@@ -91,23 +149,23 @@ impl InVain {
     fn new(start: &Refined) -> Self {
         Self {
             added: 0,
-            before: Self::look(start),
+            before: Self::sse_if_correlated(start),
         }
     }
 
-    fn look(refined: &Refined) -> Option<f64> {
+    fn sse_if_correlated(refined: &Refined) -> Option<f64> {
         let Projection { residual, sse, .. } = &refined.projection;
         correlates_everywhere(residual).then_some(*sse)
     }
 
-    /// Counts one pole more; true if the last few have helped little.
+    /// Counts one more pole; true if the last few have helped little.
     fn after(&mut self, refined: &Refined) -> bool {
         let (count, share) = limits::ADDED_IN_VAIN;
         self.added += 1;
         if !self.added.is_multiple_of(count) {
             return false;
         }
-        let (before, now) = (self.before, Self::look(refined));
+        let (before, now) = (self.before, Self::sse_if_correlated(refined));
         self.before = now;
         before
             .zip(now)
@@ -115,8 +173,8 @@ impl InVain {
     }
 }
 
-/// The next place outside the band where a viscous mode may lie: residual terms stand for
-/// it less well than in the structural law, and a pool has its poles elsewhere.
+/// The next place outside the band at which to try a viscous pole. There residual terms stand for
+/// modes less well than in the structural law, and a pool has its poles elsewhere.
 fn beyond_the_band(work: &Columns, tried: &[Complex64]) -> Option<Complex64> {
     if is_rational(work.law) {
         return None;
@@ -124,40 +182,35 @@ fn beyond_the_band(work: &Columns, tried: &[Complex64]) -> Option<Complex64> {
     places_beyond(work).find(|place| !tried.contains(place))
 }
 
-/// Poles that the data do not need, and the fit without them: all that stand for no mode
-/// or without which the sum of squares rises by less than `limit`, or else one
-/// [`redundant_pole`].
+/// Poles that the data do not need, and the fit without them: all that stand for one bad line or
+/// without which the sum of squares rises by less than `least_rise`; else one [`redundant_pole`].
 fn dispensable(
     work: &Columns,
     refined: &Refined,
-    limit: f64,
+    least_rise: f64,
     needed: &mut Vec<Complex64>,
 ) -> Result<Option<(Vec<Complex64>, Refined)>, LinalgError> {
     let lambda = &refined.lambda;
     let spikes = (0..lambda.len())
-        .map(|q| is_spike(work, refined, q, limit))
+        .map(|q| is_spike(work, refined, q, least_rise))
         .collect::<Result<Vec<bool>, LinalgError>>()?;
     let kept = refined
         .projection
         .removable()?
-        .thin_out(lambda, |_, q, rise, _| rise < limit || spikes[q]);
+        .thin_out(lambda, |candidate| {
+            candidate.rise < least_rise || spikes[candidate.pole]
+        });
     if kept.len() < lambda.len() {
-        let gone = lambda
-            .iter()
-            .copied()
-            .filter(|pole| !kept.contains(pole))
-            .collect();
-        return Ok(Some((
-            gone,
-            refine(work, &kept, &refined.powers, tol::ROUGH)?,
-        )));
+        let gone = lambda.iter().copied().filter(|pole| !kept.contains(pole));
+        let fewer = refine(work, &kept, &refined.powers, tol::ROUGH)?;
+        return Ok(Some((gone.collect(), fewer)));
     }
-    Ok(redundant_pole(work, refined, limit, |_| true, needed)?
-        .map(|(q, fewer)| (vec![lambda[q]], fewer)))
+    let redundant = redundant_pole(work, refined, least_rise, |_| true, needed)?;
+    Ok(redundant.map(|(q, fewer)| (vec![lambda[q]], fewer)))
 }
 
-/// Keeps the `modes` in-band poles that matter most (an order given by the user); returns
-/// the others.
+/// Keeps the `modes` most significant in-band poles, their number given by the user; returns the
+/// others.
 pub(crate) fn keep_strongest(
     work: &Columns,
     refined: &mut Refined,

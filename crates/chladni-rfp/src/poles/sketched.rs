@@ -1,5 +1,5 @@
-//! The chain up to the second pass over the data: poles of the sketch alone, or a doubt
-//! that ends the chain there.
+//! The chain up to the second pass over the data: it ends with the poles of the sketch, or with a
+//! doubt about the fast chain.
 
 use crate::damping::structural::POWERS;
 use crate::data::columns::{line_energy, Columns};
@@ -14,7 +14,7 @@ use crate::poles::passes::{basis_of, PassStart};
 use crate::poles::pool::{mixtures, starts, vector_fit, Products};
 use crate::poles::prune::is_spike;
 use crate::poles::refine::{refine, Projection, Refined};
-use crate::poles::settle::settle;
+use crate::poles::settle::{settle, OrderHistory};
 use crate::poles::significance::threshold;
 use crate::poles::start::{pool_size, started, Start};
 use crate::poles::whiteness::{judge_columns, Whiteness};
@@ -27,14 +27,14 @@ use num_complex::Complex64;
 pub(crate) enum Doubt {
     /// The residual is not white; the evidence in words.
     NotWhite(String),
-    /// It is not, and single lines that no neighbour supports are to blame.
+    /// The residual is not white, and single lines that no neighbour supports are to blame.
     Outliers(Vec<usize>),
-    /// The conjugate of the data is explained far better: they follow e^{−jωt}.
+    /// Poles explain the conjugate of the data far better: the data follow e^{−jωt}.
     Conjugated,
 }
 
 impl Doubt {
-    /// The evidence.
+    /// The evidence in words.
     pub fn words(&self) -> String {
         match self {
             Self::NotWhite(evidence) => evidence.clone(),
@@ -45,26 +45,26 @@ impl Doubt {
 }
 
 /// The result of the sketch alone.
-pub(crate) enum First {
+pub(crate) enum SketchOutcome {
     /// Poles to project on.
     Poles(Box<PassStart>),
     /// A result that needs no projection.
     Ended(Doubt),
 }
 
-/// Finds the poles of the sketch. `asked`: number of modes, where it is fixed.
+/// Finds the poles of the sketch. `asked`: number of modes, if it is fixed.
 ///
 /// # Errors
 /// A kernel that fails; a watch that ends it.
-pub(crate) fn of_sketch(
+pub(crate) fn poles_of_sketch(
     data: &DataLayout,
     sketch: Columns,
     seed: u64,
     asked: Option<usize>,
     watch: &Watch,
-) -> Result<First, FitError> {
+) -> Result<SketchOutcome, FitError> {
     let hz = data.hz();
-    let ended = |doubt| Ok(First::Ended(doubt));
+    let ended = |doubt| Ok(SketchOutcome::Ended(doubt));
     let noise = fourth_difference_noise(&sketch.b, limits::SKETCH_NOISE_HALF_WINDOW);
     let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
     let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
@@ -95,25 +95,25 @@ pub(crate) fn of_sketch(
             spoilt.into_iter().map(|row| rows[row]).collect(),
         ));
     }
-    let (start, first) = pool.large_enough(start, asked)?;
+    let (start, whiteness) = pool.large_enough(start, asked)?;
     let history = vec![(
         start.refined.lambda.len(),
         start.refined.variance(&pool.sketch),
     )];
-    if let Some(doubt) = pool.doubt(&start.refined, first)? {
+    if let Some(doubt) = pool.doubt(&start.refined, whiteness)? {
         return ended(doubt);
     }
     pool.settled(data, start, history)
 }
 
-/// A sketch, and what pools of poles start from.
+/// A sketch, and the starting values of its pools of poles.
 struct PooledPoles {
     sketch: Columns,
-    /// Few mixtures of its columns.
+    /// A few mixtures of its columns.
     mixed: Columns,
     /// Poles of visible peaks.
     seeds: Vec<Complex64>,
-    /// Number of poles.
+    /// Number of poles of the first pool.
     size: usize,
     /// Iterations of vector fitting.
     iterations: usize,
@@ -139,46 +139,47 @@ impl PooledPoles {
         judge_columns(&self.sketch, &refined.lambda, residual, self.hz)
     }
 
-    /// The poles of a pool twice as large where that takes the misfit away, else those of
-    /// `start`; and how white the residual is.
+    /// The poles of a pool twice as large if that removes the misfit, else those of `start`; with
+    /// the verdict on their residual.
     fn large_enough(
         &self,
         start: Start,
         asked: Option<usize>,
     ) -> Result<(Start, Whiteness), LinalgError> {
-        let first = self.judged(&start.refined);
-        if first.misfit_share > limits::MISFIT_SHARE && asked.is_none() {
+        let whiteness = self.judged(&start.refined);
+        if whiteness.misfit_share > limits::MISFIT_SHARE && asked.is_none() {
             // many modes hide behind few peaks, or few FRFs
             let larger =
                 self.started((2 * self.size).min(self.sketch.lines() / limits::LINES_PER_POLE))?;
             if larger.variance < limits::LARGER_POOL_GAIN * start.variance {
-                let first = self.judged(&larger.refined);
-                return Ok((larger, first));
+                let whiteness = self.judged(&larger.refined);
+                return Ok((larger, whiteness));
             }
         }
-        Ok((start, first))
+        Ok((start, whiteness))
     }
 
     /// The doubt about going on from the first poles, if there is one. A missing mode leaves
     /// its mark in one place and in the shape of the residual. More poles do not cure misfit
     /// around most modes, or misfit without shape.
-    fn doubt(&self, refined: &Refined, first: Whiteness) -> Result<Option<Doubt>, LinalgError> {
-        let misfitted = first.misfit_share > limits::MISFIT_SHARE;
+    fn doubt(&self, refined: &Refined, whiteness: Whiteness) -> Result<Option<Doubt>, LinalgError> {
+        let misfitted = whiteness.misfit_share > limits::MISFIT_SHARE;
         if (misfitted || refined.lambda.is_empty())
             && conjugate_fits_better(&self.mixed, &self.seeds, self.size)?
         {
             return Ok(Some(Doubt::Conjugated));
         }
-        Ok((misfitted || first.shapeless).then_some(Doubt::NotWhite(first.evidence)))
+        let doubtful = misfitted || whiteness.shapeless;
+        Ok(doubtful.then_some(Doubt::NotWhite(whiteness.evidence)))
     }
 
-    /// Settles the order and refines the poles to their last digits.
+    /// Settles the number of poles and refines them to their last digits.
     fn settled(
         self,
         data: &DataLayout,
         start: Start,
-        mut history: Vec<(usize, f64)>,
-    ) -> Result<First, FitError> {
+        mut history: OrderHistory,
+    ) -> Result<SketchOutcome, FitError> {
         let (mut refined, mut variance) = (start.refined, start.variance);
         settle(
             &self.sketch,
@@ -189,17 +190,17 @@ impl PooledPoles {
         )?;
         let settled = self.judged(&refined);
         if settled.shapeless {
-            return Ok(First::Ended(Doubt::NotWhite(settled.evidence)));
+            return Ok(SketchOutcome::Ended(Doubt::NotWhite(settled.evidence)));
         }
-        // the second pass depends on these poles: refined to the last digits they do not depend
-        // on how they were found
+        // refined to the last digits, the poles do not depend on how they were found, nor does
+        // the second pass
         refined = refine(
             &self.sketch,
             &refined.lambda,
             &POWERS,
             tol::FINE.within(data.effort.likelihood_steps),
         )?;
-        Ok(First::Poles(Box::new(PassStart {
+        Ok(SketchOutcome::Poles(Box::new(PassStart {
             q: basis_of(data, &refined)?,
             sketch: self.sketch,
             lambda: refined.lambda,
@@ -210,17 +211,17 @@ impl PooledPoles {
     }
 }
 
-/// Outlier lines, judged by what is left without the poles that one line alone needs; empty if
-/// there are no such poles. `variance`: of the noise.
+/// Outlier lines, judged by the residual without the poles that stand for one bad line each; empty
+/// if there are no such poles. `variance`: of the noise.
 fn spoilt_lines(
     work: &Columns,
     refined: &Refined,
     variance: f64,
 ) -> Result<Vec<usize>, LinalgError> {
-    let limit = threshold(work.columns(), work.lines()) * variance;
+    let least_rise = threshold(work.columns(), work.lines()) * variance;
     let mut physical = Vec::new();
     for (q, &pole) in refined.lambda.iter().enumerate() {
-        if !is_spike(work, refined, q, limit)? {
+        if !is_spike(work, refined, q, least_rise)? {
             physical.push(pole);
         }
     }
@@ -235,14 +236,14 @@ fn spoilt_lines(
     ))
 }
 
-/// True where the same number of stable poles explains the conjugate of the data far
-/// better than the data: a passive structure measured in e^{−jωt}.
+/// True if stable poles, as many as in a pool of this `size`, explain the conjugate of the data far
+/// better than the data: the set is of a passive structure, measured in e^{−jωt}.
 fn conjugate_fits_better(
     mixed: &Columns,
     seeds: &[Complex64],
     size: usize,
 ) -> Result<bool, LinalgError> {
-    let left_over = |work: &Columns| -> Result<f64, LinalgError> {
+    let residual_energy = |work: &Columns| -> Result<f64, LinalgError> {
         let pool = vector_fit(
             work,
             &starts(work, seeds, size),
@@ -254,11 +255,11 @@ fn conjugate_fits_better(
             .lambda
             .iter()
             .zip(&pool.flipped)
-            .filter(|(_, f)| !**f)
-            .map(|(p, _)| *p)
+            .filter(|(_, flipped)| !**flipped)
+            .map(|(pole, _)| *pole)
             .collect();
         Ok(Projection::new(work, &stable, &POWERS)?.sse)
     };
-    Ok(left_over(&mixed.with_columns(mixed.b.mapv(|v| v.conj())))?
-        < limits::CONJUGATE_SHARE * left_over(mixed)?)
+    let conjugate = mixed.with_columns(mixed.b.mapv(|v| v.conj()));
+    Ok(residual_energy(&conjugate)? < limits::CONJUGATE_SHARE * residual_energy(mixed)?)
 }

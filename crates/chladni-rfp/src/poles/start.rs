@@ -74,7 +74,7 @@ pub(crate) fn pool_size(
 
 /// Noise variance of the sketch from the over-fitted pool.
 pub(crate) fn pool_variance(work: &Columns, pool: &Removable) -> f64 {
-    let dof = (work.lines() - pool.alone.len().min(work.lines() - 1)) * work.columns();
+    let dof = (work.lines() - pool.unknowns().min(work.lines() - 1)) * work.columns();
     (pool.sse / dof as f64)
         .max(tol::VARIANCE_LEAST * work.energy() / (work.lines() * work.columns()) as f64)
 }
