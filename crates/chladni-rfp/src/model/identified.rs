@@ -137,9 +137,9 @@ impl Identified {
     pub fn structured(mut self, structured: Structured) -> Self {
         let (known, others): (Vec<Pole>, Vec<Pole>) = std::mem::take(&mut self.poles)
             .into_iter()
-            .partition(|pole| structured.replaced.iter().any(|l| pole.stands_at(*l)));
+            .partition(|pole| structured.replaced.iter().any(|l| pole.is_at(*l)));
         for mut pole in others {
-            let known = |from: &&(Complex64, Option<Complex64>)| pole.stands_at(from.0);
+            let known = |from: &&(Complex64, Option<Complex64>)| pole.is_at(from.0);
             match structured.others.iter().find(known) {
                 Some((_, None)) => continue,
                 Some((_, Some(to))) => pole.move_to(*to, self.damping),

@@ -1,4 +1,4 @@
-//! Modes that the user has seen: fitted with the others whatever the evidence says, and
+//! Modes that the user has seen: they are fitted with the others whatever the evidence, and
 //! graded like them.
 
 use super::limits::{BY_HAND_EXPLAINED, BY_HAND_NARROWEST, CARRIED_AWAY};
@@ -6,8 +6,9 @@ use crate::data::columns::Columns;
 use crate::poles::scan::usual_loss;
 use num_complex::Complex64;
 
-/// Places at which poles are to be added: those of `added_hz` (Hz) that no pole of
-/// `known` explains. `hz` is the frequency of x = 1.
+/// Starting poles at those of the frequencies `added_hz` that no `known` pole explains.
+///
+/// * `hz`: frequency of x = 1
 pub(crate) fn starts(
     added_hz: &[f64],
     work: &Columns,
@@ -29,8 +30,7 @@ pub(crate) fn starts(
         .collect()
 }
 
-/// The pole that the refinement makes of a start, where it is still the one that was
-/// seen; else the start.
+/// The refined `pole` if it has stayed near its `start`, else the start.
 pub(crate) fn held(work: &Columns, start: Complex64, pole: Complex64) -> Complex64 {
     let near = CARRIED_AWAY * start.im.max(work.spacing(start.re));
     match work.in_band(pole) && pole.im > 0.0 && (pole.re - start.re).abs() < near {

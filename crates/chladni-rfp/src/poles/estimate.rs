@@ -1,5 +1,4 @@
-//! The poles that a path found, and how far each pole is to be trusted by its error bar
-//! alone.
+//! The poles that a path found, and their grades by their error bars alone.
 
 use super::limits::{FAINT, FAINT_OVER_USUAL, UNCERTAIN};
 use crate::data::columns::Columns;
@@ -13,33 +12,32 @@ use num_complex::Complex64;
 /// The poles that a path found.
 #[derive(Debug, Clone)]
 pub(crate) struct PoleEstimate {
-    /// Poles in the x plane with their linear part.
+    /// Poles in the x plane with the linear fit at them.
     pub refined: Refined,
-    /// Columns the residues are found on.
+    /// Columns that the residues are found on.
     pub work: Columns,
     /// From columns to FRFs; `None`: the columns are the FRFs.
     pub back: Option<Array2<f64>>,
-    /// Noise variance of a work value.
+    /// Noise variance of a value of these columns.
     pub variance: f64,
     /// E|δλ|² per pole.
     pub spread: Vec<f64>,
-    /// True if spreads and grades come from the measured-data path (residual not white),
-    /// false if they come from the information matrix.
+    /// True if spreads and grades come from the measured-data path (the residual is not white), false
+    /// if they come from the information matrix.
     pub measured: bool,
-    /// Grades.
+    /// Grade of each pole.
     pub grades: Vec<Grade>,
     /// Poles added by hand that explain nothing; they are not among `refined`.
     pub idle: Vec<Complex64>,
     /// The path, and the reason for it.
     pub path: String,
-    /// Warnings.
     pub warnings: Vec<Finding>,
-    /// False where the data as a whole contradict the model.
+    /// False if the data as a whole contradict the model.
     pub consistent: bool,
 }
 
 impl PoleEstimate {
-    /// Largest loss factor among the in-band modes that are sure; 0 where there is none.
+    /// Largest loss factor among the in-band modes that are sure; 0 if there are none.
     pub fn heaviest_sure(&self) -> f64 {
         let sure = self
             .refined
@@ -51,7 +49,9 @@ impl PoleEstimate {
     }
 }
 
-/// Linearised variances E|δλ|² of the poles, and grades by them.
+/// Grades of the poles by their error bars, and the linearised variances E|δλ|².
+///
+/// * `variance`: of the noise of a value
 pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<Grade>, Vec<f64>) {
     let inverse = covariance(refined.information(work).view());
     let grade_of = |(&pole, &spread): (&Complex64, &f64)| match work.in_band(pole) {
@@ -61,16 +61,16 @@ pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<G
     let spread: Vec<f64> = inverse
         .diag()
         .iter()
-        .map(|own| (variance * own.re).max(0.0))
+        .map(|value| (variance * value.re).max(0.0))
         .collect();
     let mut grades: Vec<Grade> = refined.lambda.iter().zip(&spread).map(grade_of).collect();
     let relative = |n: usize| spread[n].sqrt() / refined.lambda[n].im;
-    let mut inside: Vec<f64> = (0..spread.len())
+    let mut in_band: Vec<f64> = (0..spread.len())
         .filter(|&n| work.in_band(refined.lambda[n]))
         .map(relative)
         .collect();
-    inside.sort_by(f64::total_cmp);
-    let usual = inside.get(inside.len() / 2).copied().unwrap_or(f64::MAX);
+    in_band.sort_by(f64::total_cmp);
+    let usual = in_band.get(in_band.len() / 2).copied().unwrap_or(f64::MAX);
     for (n, grade) in grades.iter_mut().enumerate() {
         let faint = relative(n) > FAINT.max(FAINT_OVER_USUAL * usual);
         if faint && work.in_band(refined.lambda[n]) && grade.trust == Trust::Sure {
@@ -80,12 +80,14 @@ pub(crate) fn graded(refined: &Refined, work: &Columns, variance: f64) -> (Vec<G
     (grades, spread)
 }
 
-/// True of a mode that is much less certain than all others.
+/// True for a mode that is much less certain than all others.
 pub(crate) fn is_faint(grade: &Grade) -> bool {
     grade.reasons.iter().any(|reason| reason.code == "faint")
 }
 
-/// The finding where the data show more modes than were asked for; `hz`: of x = 1.
+/// The finding of more modes in the data than were asked for; `None` if no pole was `dropped`.
+///
+/// * `hz`: frequency of x = 1
 pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> Option<Finding> {
     let places: Vec<f64> = dropped
         .iter()
@@ -107,8 +109,9 @@ pub(crate) fn more_than_asked(asked: usize, dropped: &[Complex64], hz: f64) -> O
     })
 }
 
-/// The finding where a fit finds fewer modes than were asked for; `why` begins with a
-/// colon, or is empty.
+/// The finding of fewer modes than were asked for.
+///
+/// * `why`: the reason, which begins with a colon; or empty
 pub(crate) fn fewer_modes(asked: usize, found: usize, why: &str) -> Finding {
     Finding::caution(
         "fewer-modes",
@@ -119,7 +122,8 @@ pub(crate) fn fewer_modes(asked: usize, found: usize, why: &str) -> Finding {
     .help("ask for fewer modes, or fit a wider band")
 }
 
-/// Sure where the pole is known to a fraction of its half-bandwidth.
+/// The grade of a pole by the `variance` of its real and imaginary part: sure if it is known to a
+/// fraction of its half-bandwidth.
 pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade {
     let deviation = (variance[0] + variance[1]).max(0.0).sqrt();
     if deviation.is_infinite() {
@@ -131,18 +135,18 @@ pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade 
     }
 }
 
-/// The reason for a doubt: an error bar of so many half-bandwidths.
+/// The reason for a doubt: the error bar of a pole, in half-bandwidths.
 pub(crate) fn uncertain(half_bandwidths: f64) -> Reason {
     Reason::new("uncertain", UNCERTAIN_SENTENCE)
         .detail(format!("{half_bandwidths:.1} half-bandwidths, one sigma"))
 }
 
-/// The reason of a mode that is much less certain than all others.
+/// Reason for a doubt: the mode is much less certain than all others.
 const FAINT_SENTENCE: &str =
     "hundreds of times less certain than the other modes: it may stand for the background";
 
-/// The reason that a pole of infinite variance is not sure.
+/// Reason for a doubt: the variance of the pole is infinite.
 const NOT_TOLD: &str = "the data do not tell it from its neighbours: its error bars are not known";
 
-/// Reason for a large error bar.
+/// Reason for a doubt: the error bar is large.
 pub(crate) const UNCERTAIN_SENTENCE: &str = "its frequency or damping is uncertain";

@@ -1,4 +1,4 @@
-//! One pole as every later step sees it: frequency, damping, their error bars, its grade.
+//! A pole of the model: frequency, damping, their error bars, its grade.
 
 use crate::damping::bars::UncertainPole;
 use crate::damping::law;
@@ -9,11 +9,11 @@ use chladni_frf::Damping;
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// Shapes and participations of some poles that are given: (row, response) and (row,
+/// Shapes and participations that were found together with a pole: (shape, response) and (shape,
 /// reference).
 pub(crate) type Given = Option<(Array2<Complex64>, Array2<Complex64>)>;
 
-/// One pole as the model will show it, in units of ω_max.
+/// A pole of the model, in units of ω_max.
 #[derive(Debug, Clone)]
 pub(crate) struct Pole {
     /// λ (structural) or s (viscous), in units of ω_max² or ω_max.
@@ -22,13 +22,11 @@ pub(crate) struct Pole {
     pub omega: f64,
     /// η_n.
     pub loss_factor: f64,
-    /// Standard deviations of the two.
+    /// Standard deviation of ω_n/ω_max.
     pub omega_std: f64,
     /// Standard deviation of η_n.
     pub loss_factor_std: f64,
-    /// Grade.
     pub grade: Grade,
-    /// Shapes and participations that came with the pole.
     pub given: Given,
 }
 
@@ -53,25 +51,25 @@ impl Pole {
         }
     }
 
-    /// ω_n²(1 + jη_n) over ω_max²: the pole in the x plane of its own law.
+    /// ω_n²(1 + jη_n)/ω_max².
     pub fn lambda(&self) -> Complex64 {
         self.omega.powi(2) * Complex64::new(1.0, self.loss_factor)
     }
 
-    /// Factor that makes a saved residue that of [`crate::damping::columns`].
+    /// Factor from a residue as model files have it to one of [`crate::damping::columns`].
     pub fn residue_unit(&self, law: Damping) -> Complex64 {
         law::residue_unit(law, self.value)
     }
 
-    /// Puts the pole at `lambda` of the x plane, in its own law; error bars stay.
+    /// Moves the pole to ω_n²(1 + jη_n)/ω_max² = `lambda`; error bars stay.
     pub fn move_to(&mut self, lambda: Complex64, law: Damping) {
         self.value = value_in(law, lambda);
         self.omega = lambda.re.max(0.0).sqrt();
         self.loss_factor = lambda.im / lambda.re;
     }
 
-    /// True where that is `lambda`, to rounding.
-    pub fn stands_at(&self, lambda: Complex64) -> bool {
+    /// True if ω_n²(1 + jη_n)/ω_max² is `lambda`, to rounding.
+    pub fn is_at(&self, lambda: Complex64) -> bool {
         (self.lambda() - lambda).norm() < limits::SAME * lambda.norm()
     }
 }

@@ -2,9 +2,12 @@
 //!
 //! σ(x) = d + Σ c_q/(λ_q − x) multiplies the data; numerators are eliminated column by
 //! column, and the zeros of σ are the next poles. Gustavsen & Semlyen, IEEE Trans. Power
-//! Delivery 14 (1999) 1052; relaxed form: Gustavsen, ibid. 21 (2006) 1587. The only
-//! starter after which the maximum-likelihood step lost no mode in our study; as an
-//! estimator on its own it is one to five times above the bound.
+//! Delivery 14 (1999) 1052; relaxed form: Gustavsen, ibid. 21 (2006) 1587. In our study no other
+//! start of the maximum-likelihood steps lost no mode. As an estimator on its own, vector fitting
+//! is one to five times above the bound.
+//!
+//! Notation: Φ = (1/(λ_q − x), x^p) times g is the basis of the data, Q its orthonormal basis,
+//! Ψ = (1/(λ_q − x), 1) that of σ, and D_l the diagonal matrix of column l of the data.
 
 use crate::damping::gram::Cauchy;
 use crate::damping::law::{is_rational, RATIONAL};
@@ -21,18 +24,17 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// Poles as the last step left them; those with Im λ ≤ 0 are flipped in `lambda` and
-/// marked in `flipped`.
+/// Poles after the last step.
 #[derive(Debug, Clone)]
 pub(crate) struct Pool {
-    /// Poles with Im λ > 0.
+    /// Poles with Im λ > 0: others are flipped.
     pub lambda: Vec<Complex64>,
-    /// True where the pole left with a negative loss factor.
+    /// True for a pole that was flipped.
     pub flipped: Vec<bool>,
 }
 
-/// Random mixtures of the columns (fixed seed): what vector fitting works on instead of
-/// all of them.
+/// Random mixtures of the columns, drawn with a fixed seed: vector fitting works on them instead of
+/// all columns.
 pub(crate) fn mixtures(work: &Columns, count: usize, seed: u64) -> Columns {
     if work.columns() <= count {
         return work.clone();
@@ -72,14 +74,14 @@ fn separate(poles: &mut [Complex64]) {
     }
 }
 
-/// Relaxed vector fitting from `start`, at most `iterations` steps. With partial fractions it
-/// ends before, once a step hardly changes the sum of squares: these poles will be refined.
+/// Relaxed vector fitting from `start`, in at most `iterations` steps. With partial fractions it
+/// ends once a step hardly changes the sum of squares, because these poles will be refined.
 pub(crate) fn vector_fit(
     work: &Columns,
     start: &[Complex64],
     powers: &[i32],
     iterations: usize,
-    how: Products,
+    products: Products,
 ) -> Result<Pool, LinalgError> {
     // zeros of σ are poles in x, whatever law they will be refined in and whatever leaks
     let rational;
@@ -101,30 +103,17 @@ pub(crate) fn vector_fit(
         lambda: start.to_vec(),
         flipped: vec![false; start.len()],
     };
-    let mut before = f64::INFINITY;
+    let narrowest = limits::RELOCATED_WIDTH_LEAST * work.range().1;
+    let mut sse_before = f64::INFINITY;
     for _ in 0..iterations {
-        let (next, left) = relocate(work, &pool.lambda, powers, how)?;
-        pool.flipped = next.iter().map(|p| p.im <= 0.0).collect();
-        pool.lambda = next
-            .into_iter()
-            .map(|p| {
-                let floor = limits::RELOCATED_WIDTH_LEAST * work.range().1;
-                Complex64::new(p.re, p.im.abs().max(floor))
-            })
-            .collect();
-        let mut order: Vec<usize> = (0..pool.lambda.len()).collect();
-        order.sort_by(|&a, &b| pool.lambda[a].re.total_cmp(&pool.lambda[b].re));
-        pool = Pool {
-            lambda: order.iter().map(|&i| pool.lambda[i]).collect(),
-            flipped: order.iter().map(|&i| pool.flipped[i]).collect(),
-        };
-        separate(&mut pool.lambda);
-        if matches!(how, Products::PartialFractions)
-            && (before - left).abs() < limits::POOL_SETTLED * left
+        let (zeros, sse) = relocate(work, &pool.lambda, powers, products)?;
+        pool = Pool::of_zeros(zeros, narrowest);
+        if matches!(products, Products::PartialFractions)
+            && (sse_before - sse).abs() < limits::POOL_SETTLED * sse
         {
             break;
         }
-        before = left;
+        sse_before = sse;
     }
     if let Some(leakage) = leakage {
         for pole in &mut pool.lambda {
@@ -134,23 +123,39 @@ pub(crate) fn vector_fit(
     Ok(pool)
 }
 
+impl Pool {
+    /// Zeros of σ as poles in rising order, flipped where Im λ ≤ 0 and apart from each other.
+    ///
+    /// * `narrowest`: least half-bandwidth
+    fn of_zeros(mut zeros: Vec<Complex64>, narrowest: f64) -> Self {
+        zeros.sort_by(|a, b| a.re.total_cmp(&b.re));
+        let flipped = zeros.iter().map(|zero| zero.im <= 0.0).collect();
+        let mut lambda: Vec<Complex64> = zeros
+            .into_iter()
+            .map(|zero| Complex64::new(zero.re, zero.im.abs().max(narrowest)))
+            .collect();
+        separate(&mut lambda);
+        Self { lambda, flipped }
+    }
+}
+
 /// Ways of making the products of a step.
 #[derive(Clone, Copy)]
 pub(crate) enum Products {
-    /// Differences of sums over one pole column: 8·N·m·(m + 6r) flop per step, and as
-    /// many digits less as the basis is ill-conditioned.
+    /// Differences of sums over one pole column: 8·N·m·(m + 6r) flop per step. An ill-conditioned
+    /// basis costs digits.
     PartialFractions,
-    /// On an orthonormal basis: 8·N·m²·(r + 2) flop per step, for poles that nothing
-    /// refines.
+    /// On an orthonormal basis: 8·N·m²·(r + 2) flop per step, for poles that will not be
+    /// refined.
     Orthonormal,
 }
 
-/// One step: zeros of σ, and the sum of squares that σ times the data leaves.
+/// One step: the zeros of σ, and the residual sum of squares of σ times the data.
 fn relocate(
     work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
-    how: Products,
+    products: Products,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
     let (n, lines) = (lambda.len(), work.lines());
     let ones = Columns {
@@ -162,9 +167,9 @@ fn relocate(
     };
     let psi = basis(&ones, lambda, &[0]);
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();
-    // M = Σ_l (D_lΨ)ᴴ(I − QQᴴ)(D_lΨ)
-    let solved = |how: Products| {
-        let (mut gram, inside) = match how {
+    // minimises with M = Σ_l (D_lΨ)ᴴ(I − QQᴴ)(D_lΨ)
+    let minimum = |products: Products| {
+        let StepProducts { mut gram, inside } = match products {
             Products::PartialFractions => by_partial_fractions(work, lambda, powers, &psi)?,
             Products::Orthonormal => on_orthonormal_basis(work, lambda, powers, &psi)?,
         };
@@ -180,27 +185,33 @@ fn relocate(
         explained.iter().for_each(|part| gram -= part);
         minimise(&gram, &scale, &sums, lines as f64)
     };
-    let (sigma, left) = match how {
-        // exact data on an ill-conditioned basis: the digits that partial fractions lose
-        // are all that is left of M
-        Products::PartialFractions => solved(how).or_else(|_| solved(Products::Orthonormal))?,
-        Products::Orthonormal => solved(how)?,
+    let (sigma, sse) = match products {
+        // exact data on an ill-conditioned basis: partial fractions lose all digits of M
+        Products::PartialFractions => {
+            minimum(products).or_else(|_| minimum(Products::Orthonormal))?
+        }
+        Products::Orthonormal => minimum(products)?,
     };
     if sigma[n].norm() == 0.0 || !sigma[n].is_finite() {
-        return Ok((lambda.to_vec(), left));
+        return Ok((lambda.to_vec(), sse));
     }
-    Ok((zeros(lambda, &sigma[..n], sigma[n])?, left))
+    Ok((zeros(lambda, &sigma[..n], sigma[n])?, sse))
 }
 
-/// Σ_l (D_lΨ)ᴴ(D_lΨ), and QᴴD_lΨ for every column l.
-type Step = (Array2<Complex64>, Vec<Array2<Complex64>>);
+/// The products of a step.
+struct StepProducts {
+    /// Σ_l (D_lΨ)ᴴ(D_lΨ).
+    gram: Array2<Complex64>,
+    /// QᴴD_lΨ for every column l.
+    inside: Vec<Array2<Complex64>>,
+}
 
 fn on_orthonormal_basis(
     work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
     psi: &Array2<Complex64>,
-) -> Result<Step, LinalgError> {
+) -> Result<StepProducts, LinalgError> {
     let (q, _) = tall_qr(basis(work, lambda, powers).view())?;
     let times = |columns: &Array2<Complex64>, factor: &(dyn Fn(usize) -> Complex64 + Sync)| {
         Array2::from_shape_fn(columns.raw_dim().f(), |(k, c)| columns[[k, c]] * factor(k))
@@ -210,10 +221,10 @@ fn on_orthonormal_basis(
     let inside = (0..work.columns())
         .into_par_iter()
         .map(|l| matmul_h(times(&q, &|k| work.b[[k, l]].conj()).view(), psi.view()));
-    Ok((
-        blocked_matmul_h(weighted.view(), weighted.view()),
-        inside.collect(),
-    ))
+    Ok(StepProducts {
+        gram: blocked_matmul_h(weighted.view(), weighted.view()),
+        inside: inside.collect(),
+    })
 }
 
 fn by_partial_fractions(
@@ -221,10 +232,10 @@ fn by_partial_fractions(
     lambda: &[Complex64],
     powers: &[i32],
     psi: &Array2<Complex64>,
-) -> Result<Step, LinalgError> {
+) -> Result<StepProducts, LinalgError> {
     let cauchy = psi.slice(s![.., ..lambda.len()]);
     let (lower, moments) = rayon::join(
-        || well_conditioned(work, lambda, powers),
+        || well_conditioned_adjoint(work, lambda, powers),
         || Moments::new(work, cauchy, powers),
     );
     let lower = match lower {
@@ -235,15 +246,15 @@ fn by_partial_fractions(
         .into_par_iter()
         .map(|l| solve_lower(lower.view(), moments.products(l, lambda).view()));
     let energy = line_energy(&work.b) * work.columns() as f64;
-    Ok((
-        weighted_gram(lambda, cauchy, &energy),
-        inside.collect::<Result<_, _>>()?,
-    ))
+    Ok(StepProducts {
+        gram: weighted_gram(lambda, cauchy, &energy),
+        inside: inside.collect::<Result<_, _>>()?,
+    })
 }
 
-/// Rᴴ of a basis by Cholesky from partial fractions, where all its columns stand well
+/// Rᴴ of the basis Φ by Cholesky from partial fractions; `None` unless all its columns stand well
 /// outside each other.
-fn well_conditioned(
+fn well_conditioned_adjoint(
     work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
@@ -251,10 +262,9 @@ fn well_conditioned(
     let m = lambda.len() + powers.len();
     let gram = Cauchy::without_derivatives(work, lambda, powers).gram();
     let norms: Vec<f64> = gram.diag().iter().take(m).map(|v| v.re.sqrt()).collect();
-    let mut lower = cholesky(
-        Array2::from_shape_fn((m, m).f(), |(i, j)| gram[[i, j]] / (norms[i] * norms[j])).view(),
-    )
-    .ok()?;
+    let unit_gram =
+        Array2::from_shape_fn((m, m).f(), |(i, j)| gram[[i, j]] / (norms[i] * norms[j]));
+    let mut lower = cholesky(unit_gram.view()).ok()?;
     if lower.diag().iter().any(|pivot| pivot.re < tol::OUTSTANDING) {
         return None;
     }
@@ -266,8 +276,8 @@ fn well_conditioned(
     Some(lower)
 }
 
-/// Rᴴ of a basis. Columns that add nothing to those before them are made to explain nothing:
-/// with rounding for a pivot they would explain anything.
+/// Rᴴ of a basis. Columns that depend on those before them are made to explain nothing: with a
+/// rounding error as pivot they would explain anything.
 fn sound_adjoint(r: &Array2<Complex64>) -> Array2<Complex64> {
     let mut lower = r.t().mapv(|v| v.conj());
     for i in 0..lower.nrows() {
@@ -279,9 +289,9 @@ fn sound_adjoint(r: &Array2<Complex64>) -> Array2<Complex64> {
     lower
 }
 
-/// Σ_k w_k·conj(Ψ_kp)·Ψ_kq with Ψ = (1/(λ_q − x), 1). Products of two such columns fall
-/// apart into partial fractions, 1/((a − x)(b − x)) = [1/(a − x) − 1/(b − x)]/(b − a):
-/// one sum per pole instead of one per pair of poles.
+/// Σ_k w_k·conj(Ψ_kp)·Ψ_kq. The product of two columns is a difference of partial fractions,
+/// 1/((a − x)(b − x)) = [1/(a − x) − 1/(b − x)]/(b − a): one sum per pole is computed instead of one
+/// per pair of poles.
 fn weighted_gram(
     lambda: &[Complex64],
     cauchy: ArrayView2<Complex64>,
@@ -305,15 +315,16 @@ fn weighted_gram(
     })
 }
 
-/// The evidence of the data on ΦᴴD_lΨ, by sums over lines for every column l of the data.
+/// Sums over lines that ΦᴴD_lΨ consists of, for every column l, d, of the data.
 struct Moments {
-    /// Σ g·d/(λ_q − x) and Σ g·d/(λ̄_q − x), (pole, column).
-    above: Array2<Complex64>,
-    below: Array2<Complex64>,
-    /// Σ g·x^p·d/(λ_q − x), (pole, column), for each residual term; and Σ g·x^p·d,
-    /// (residual term, column).
-    terms: Vec<Array2<Complex64>>,
-    plain: Array2<Complex64>,
+    /// Σ g·d/(λ_q − x), (pole, column).
+    poles: Array2<Complex64>,
+    /// Σ g·d/(λ̄_q − x), (pole, column).
+    conjugate_poles: Array2<Complex64>,
+    /// Σ g·x^p·d/(λ_q − x), (pole, column), for each residual term p.
+    poles_by_term: Vec<Array2<Complex64>>,
+    /// Σ g·x^p·d, (residual term, column).
+    terms: Array2<Complex64>,
 }
 
 impl Moments {
@@ -322,70 +333,74 @@ impl Moments {
             Array2::from_shape_fn(work.b.raw_dim().f(), |(k, l)| work.b[[k, l]] * factor(k))
         };
         let data = times(&|k| work.g[k]);
-        let against = |data: &Array2<Complex64>| matmul(cauchy.t(), data.view());
+        let by_poles = |data: &Array2<Complex64>| matmul(cauchy.t(), data.view());
         let conjugate = |a: &Array2<Complex64>| a.mapv(|v| v.conj());
-        let of_terms: Vec<Array2<Complex64>> = powers
+        let data_by_term: Vec<Array2<Complex64>> = powers
             .iter()
             .map(|&p| times(&|k| work.g[k] * work.x[k].powi(p)))
             .collect();
         Self {
-            above: against(&data),
-            below: conjugate(&against(&conjugate(&data))),
-            plain: Array2::from_shape_fn((powers.len(), work.columns()), |(p, l)| {
-                of_terms[p].column(l).sum()
+            poles: by_poles(&data),
+            conjugate_poles: conjugate(&by_poles(&conjugate(&data))),
+            terms: Array2::from_shape_fn((powers.len(), work.columns()), |(p, l)| {
+                data_by_term[p].column(l).sum()
             }),
-            terms: of_terms.par_iter().map(against).collect(),
+            poles_by_term: data_by_term.par_iter().map(by_poles).collect(),
         }
     }
 
     /// ΦᴴD_lΨ of column l, (unknown of Φ, unknown of σ), by partial fractions.
     fn products(&self, l: usize, lambda: &[Complex64]) -> Array2<Complex64> {
         let n = lambda.len();
-        Array2::from_shape_fn((n + self.terms.len(), n + 1).f(), |(p, q)| {
+        Array2::from_shape_fn((n + self.poles_by_term.len(), n + 1).f(), |(p, q)| {
             match (p < n, q < n) {
                 (true, true) => {
-                    (self.below[[p, l]] - self.above[[q, l]]) / (lambda[q] - lambda[p].conj())
+                    (self.conjugate_poles[[p, l]] - self.poles[[q, l]])
+                        / (lambda[q] - lambda[p].conj())
                 }
-                (true, false) => self.below[[p, l]],
-                (false, true) => self.terms[p - n][[q, l]],
-                (false, false) => self.plain[[p - n, l]],
+                (true, false) => self.conjugate_poles[[p, l]],
+                (false, true) => self.poles_by_term[p - n][[q, l]],
+                (false, false) => self.terms[[p - n, l]],
             }
         })
     }
 }
 
-/// Minimises vᴴMv under Σ_k σ(x_k) = `total` (the relaxation that keeps σ from
-/// vanishing): v, and the minimum.
+/// The coefficients v of σ that minimise vᴴMv under Σ_k σ(x_k) = `total`, and the minimum. This
+/// condition is the relaxation; it keeps σ from vanishing.
+///
+/// * `scale`: brings the diagonal of M to one
+/// * `sums`: of the columns of Ψ
 fn minimise(
-    gram: &Array2<Complex64>,
+    matrix: &Array2<Complex64>,
     scale: &[f64],
     sums: &Array1<Complex64>,
     total: f64,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
-    let size = gram.nrows();
+    let size = matrix.nrows();
     let right = Array2::from_shape_fn((size, 1), |(i, _)| sums[i].conj() * scale[i]);
-    let (mut ridge, most, up) = limits::POOL_RIDGE;
+    let (mut ridge, largest_ridge, factor) = limits::POOL_RIDGE;
     loop {
-        let matrix = Array2::from_shape_fn((size, size), |(i, j)| {
-            let value = gram[[i, j]] * scale[i] * scale[j];
+        let scaled = Array2::from_shape_fn((size, size), |(i, j)| {
+            let value = matrix[[i, j]] * scale[i] * scale[j];
             if i == j {
                 value + ridge
             } else {
                 value
             }
         });
-        match solve_hermitian(matrix.view(), right.view()) {
+        match solve_hermitian(scaled.view(), right.view()) {
             Ok(solution) => {
-                let along: Complex64 = (0..size)
+                let sum: Complex64 = (0..size)
                     .map(|i| sums[i] * scale[i] * solution[[i, 0]])
                     .sum();
                 let sigma = (0..size)
-                    .map(|i| solution[[i, 0]] * scale[i] * total / along)
+                    .map(|i| solution[[i, 0]] * scale[i] * total / sum)
                     .collect();
-                return Ok((sigma, total * total / along.norm()));
+                return Ok((sigma, total * total / sum.norm()));
             }
-            Err(error) if ridge > most => return Err(error),
-            Err(_) => ridge *= up,
+            Err(error) if ridge > largest_ridge => return Err(error),
+            Err(_) => ridge *= factor,
         }
     }
 }

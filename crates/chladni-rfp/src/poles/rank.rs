@@ -8,8 +8,7 @@ use chladni_linalg::{cholesky, singular_values, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// Number of singular values above the noise, and whether the noise floor was seen at
-/// all.
+/// Number of singular values above the noise; and true if the noise floor is seen.
 pub(crate) fn visible_rank(work: &Columns) -> Result<(usize, bool), LinalgError> {
     let values = if work.lines() > work.columns() {
         singular_values(triangle(&work.b)?.view())?
@@ -19,22 +18,24 @@ pub(crate) fn visible_rank(work: &Columns) -> Result<(usize, bool), LinalgError>
     Ok(rank_over_noise(&values.to_vec(), work.lines()))
 }
 
-/// A small matrix of the same singular values: the Cholesky factor of the Gram matrix where
-/// every column stands well outside those before it; else R, for a Gram matrix squares the
+/// A small matrix with the singular values of `b`: the Cholesky factor of its Gram matrix if every
+/// column stands well outside those before it. Else it is R, for a Gram matrix squares the
 /// condition.
 fn triangle(b: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
     let gram = blocked_matmul_h(b.view(), b.view());
-    let stands_out = |lower: &Array2<Complex64>| {
+    let well_conditioned = |lower: &Array2<Complex64>| {
         let mut pivots = lower.diag().into_iter().zip(gram.diag());
         pivots.all(|(pivot, whole)| pivot.norm_sqr() > tol::OUTSTANDING.powi(2) * whole.re)
     };
-    match cholesky(gram.view()).ok().filter(stands_out) {
+    match cholesky(gram.view()).ok().filter(well_conditioned) {
         Some(lower) => Ok(lower),
         None => tall_r(b.view()),
     }
 }
 
-/// The same of falling singular values of columns with `lines` lines.
+/// Number of singular values above the noise; and true if the noise floor is seen.
+///
+/// * `singular_values`: of columns with `lines` lines, falling
 pub(crate) fn rank_over_noise(singular_values: &[f64], lines: usize) -> (usize, bool) {
     let count = singular_values.len();
     let (part, whole) = limits::BEFORE_NOISE;

@@ -1,5 +1,5 @@
-//! Places of missing poles: those at which a resonance of the usual width would explain
-//! what is left.
+//! Places of missing poles: a resonance of the usual width there would explain part of the
+//! residual.
 
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
@@ -24,8 +24,8 @@ pub(crate) fn usual_loss(work: &Columns, lambda: &[Complex64]) -> f64 {
         .unwrap_or(limits::UNKNOWN_LOSS)
 }
 
-/// Resonances of the usual loss factor over the band, half a bandwidth apart, at least
-/// one line.
+/// Resonances of the usual loss factor over the band, half a bandwidth apart, and one line spacing
+/// at least.
 pub(crate) fn resonance_grid(work: &Columns, lambda: &[Complex64]) -> Vec<Complex64> {
     let loss = usual_loss(work, lambda);
     let (low, high) = work.range();
@@ -39,7 +39,7 @@ pub(crate) fn resonance_grid(work: &Columns, lambda: &[Complex64]) -> Vec<Comple
     grid
 }
 
-/// Poles outside the band from which a mode there is sought.
+/// Starting poles of modes outside the band.
 pub(crate) fn places_beyond(work: &Columns) -> impl Iterator<Item = Complex64> {
     let (low, high) = work.range();
     let places = limits::BELOW
@@ -49,48 +49,52 @@ pub(crate) fn places_beyond(work: &Columns) -> impl Iterator<Item = Complex64> {
     places.map(|x| Complex64::new(x, limits::OUTSIDE_LOSS * x))
 }
 
-/// The part of the residual that one more pole would take, place by place, the best
-/// first.
-pub(crate) struct Scan(Vec<(f64, Complex64)>);
+/// A place of the grid.
+struct Place {
+    pole: Complex64,
+    /// Residual energy that one more pole there would take out.
+    gain: f64,
+}
 
-/// Looks at all places of a grid.
+/// All places of a grid, the largest gain first.
+pub(crate) struct Scan(Vec<Place>);
+
+/// Computes the gain at all places of the grid.
 pub(crate) fn scan(work: &Columns, refined: &Refined) -> Scan {
     let grid = resonance_grid(work, &refined.lambda);
-    let gains = |chunk: &[Complex64]| -> Vec<(f64, Complex64)> {
-        // a resonance is cut off where it is small, and is nothing beyond
+    let gains = |chunk: &[Complex64]| -> Vec<Place> {
+        // a resonance is taken for zero where it is small
         let [first, last] =
             [chunk[0], chunk[chunk.len() - 1]].map(|pole| work.window(pole, limits::SCAN_REACH, 1));
         let rows = first.start..last.end;
         let columns = basis(&work.axis_on(rows.clone()), chunk, &[]);
-        // the residual has no part inside the model: only the norm of what is outside it
-        // is needed
+        // the residual has no part inside the model: of the part of a column outside the model
+        // only the norm is needed
         let rows = s![rows, ..];
         let inside = matmul_h(refined.projection.q.slice(rows), columns.view());
         let matched = matmul_h(columns.view(), refined.projection.residual.slice(rows));
-        let gain = |(i, &pole): (usize, &Complex64)| {
+        let place = |(i, &pole): (usize, &Complex64)| {
             let squares = |of: ArrayView1<Complex64>| of.iter().map(|v| v.norm_sqr()).sum::<f64>();
             let whole = squares(columns.column(i));
             let norm = whole - squares(inside.column(i));
             let gain = squares(matched.row(i)) / norm;
-            (norm >= limits::OUTSIDE_LEAST * whole).then_some((gain, pole))
+            (norm >= limits::OUTSIDE_LEAST * whole).then_some(Place { pole, gain })
         };
-        chunk.iter().enumerate().filter_map(gain).collect()
+        chunk.iter().enumerate().filter_map(place).collect()
     };
-    let mut found: Vec<(f64, Complex64)> = grid
-        .par_chunks(limits::BLOCK)
-        .map(gains)
-        .collect::<Vec<_>>()
-        .concat();
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    Scan(found)
+    let blocks: Vec<Vec<Place>> = grid.par_chunks(limits::BLOCK).map(gains).collect();
+    let mut places: Vec<Place> = blocks.into_iter().flatten().collect();
+    places.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    Scan(places)
 }
 
 impl Scan {
-    /// Places where that is more than `limit`, a half-bandwidth apart and from those
-    /// `tried`.
-    pub fn beyond(&self, limit: f64, tried: &[Complex64]) -> Vec<Complex64> {
+    /// Poles at the places with a gain above `least_gain`, half a bandwidth apart from each other
+    /// and from those `tried`.
+    pub fn beyond(&self, least_gain: f64, tried: &[Complex64]) -> Vec<Complex64> {
         let mut places: Vec<Complex64> = Vec::new();
-        for &(_, pole) in self.0.iter().take_while(|(gain, _)| *gain > limit) {
+        let significant = |place: &&Place| place.gain > least_gain;
+        for &Place { pole, .. } in self.0.iter().take_while(significant) {
             if !tried
                 .iter()
                 .chain(&places)
@@ -103,8 +107,8 @@ impl Scan {
     }
 }
 
-/// A stretch of lines, about a bandwidth wide, whose residual energy over all FRFs stands
-/// out of the rest.
+/// A starting pole in the middle of the stretch of lines, about a bandwidth wide, whose residual
+/// energy over all FRFs stands out most. `None` if none stands out.
 pub(crate) fn residual_peak(
     work: &Columns,
     line_residual: &Array1<f64>,
@@ -114,24 +118,25 @@ pub(crate) fn residual_peak(
     let n = work.lines();
     let mean = line_residual.sum() / n as f64;
     let loss = usual_loss(work, lambda);
-    let looks = 2.0 * (n as f64).ln();
-    let mut best: Option<(f64, usize)> = None;
+    // the largest of n standard normal values
+    let by_chance = (2.0 * (n as f64).ln()).sqrt();
+    let mut best: Option<(f64, Complex64)> = None;
     for k in 2..n.saturating_sub(2) {
         let pole = Complex64::new(work.x[k], (loss * work.x[k]).max(work.spacing(work.x[k])));
         let window = work.window(pole, 1.0, 1);
         let lines = window.len() as f64;
         let local = line_residual.slice(s![window]).sum() / lines / mean;
         let score = (local - 1.0) * (lines * frfs as f64).sqrt();
-        // what is near a known pole is misfit of that pole, not another mode
+        // a peak near a known pole is misfit of that pole, not another mode
         let near = lambda
             .iter()
             .any(|p| (p.re - pole.re).abs() < limits::MISFIT_REACH * p.im.max(pole.im));
         if !near
-            && score > looks.sqrt() + limits::PEAK_BEYOND_CHANCE
-            && best.is_none_or(|(s, _)| score > s)
+            && score > by_chance + limits::PEAK_BEYOND_CHANCE
+            && best.is_none_or(|(highest, _)| score > highest)
         {
-            best = Some((score, k));
+            best = Some((score, pole));
         }
     }
-    best.map(|(_, k)| Complex64::new(work.x[k], (loss * work.x[k]).max(work.spacing(work.x[k]))))
+    best.map(|(_, pole)| pole)
 }

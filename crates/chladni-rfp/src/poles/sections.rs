@@ -1,9 +1,9 @@
 //! Stretches of a long band that are searched by themselves.
 //!
-//! Modes far apart have nothing to say about each other: a band of b sections costs 1/b²
-//! of the pole pool and of every refinement. Each section reaches over its cuts by a few
-//! peaks, so that what belongs to the neighbour is fitted as modes and not forced into
-//! residual terms, and keeps only the poles between its cuts.
+//! Modes far apart have no influence on each other. In a band of b sections the pole pool and
+//! every refinement cost 1/b² of those of the whole band. Each section reaches over its cuts by a
+//! few peaks, so that modes of its neighbour are fitted as modes and not forced into residual
+//! terms. It keeps only the poles between its cuts.
 
 use crate::data::columns::Columns;
 use crate::data::peaks::Peak;
@@ -13,16 +13,16 @@ use std::ops::Range;
 /// One stretch.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Section {
-    /// Lines it is fitted on, overlaps included.
+    /// Lines that it is fitted on, overlaps included.
     pub lines: Range<usize>,
-    /// Between its cuts, in x; open at the ends of the band.
+    /// The stretch between its cuts, in x; open at the ends of the band.
     pub core: Range<f64>,
 }
 
 /// Cuts the band into sections of about [`limits::PEAKS`] peaks, in the widest gap near each even
 /// share.
-pub(crate) fn split(work: &Columns, seen: &[Peak]) -> Vec<Section> {
-    let mut x: Vec<f64> = seen.iter().map(|p| p.lambda.re).collect();
+pub(crate) fn split(work: &Columns, peaks: &[Peak]) -> Vec<Section> {
+    let mut x: Vec<f64> = peaks.iter().map(|p| p.lambda.re).collect();
     x.sort_by(f64::total_cmp);
     let count = if x.len() > limits::WHOLE {
         x.len().div_ceil(limits::PEAKS)
@@ -37,18 +37,18 @@ pub(crate) fn split(work: &Columns, seen: &[Peak]) -> Vec<Section> {
         cuts.extend((even - 1..=even + 1).max_by(|a, b| gap(a).total_cmp(&gap(b))));
     }
     cuts.push(x.len());
-    // the middle of the gap below peak c; open at the ends
-    let below = |c: usize| match c {
+    // x of the cut c: the middle of the gap
+    let place_of = |c: usize| match c {
         0 => f64::NEG_INFINITY,
         c if c >= x.len() => f64::INFINITY,
         c => 0.5 * (x[c - 1] + x[c]),
     };
-    let line = |x: f64| work.x.partition_point(|v| *v < x);
+    let line_at = |x: f64| work.x.partition_point(|v| *v < x);
     cuts.windows(2)
         .map(|cut| Section {
-            lines: line(below(cut[0].saturating_sub(limits::OVERLAP)))
-                ..line(below(cut[1] + limits::OVERLAP)),
-            core: below(cut[0])..below(cut[1]),
+            lines: line_at(place_of(cut[0].saturating_sub(limits::OVERLAP)))
+                ..line_at(place_of(cut[1] + limits::OVERLAP)),
+            core: place_of(cut[0])..place_of(cut[1]),
         })
         .collect()
 }

@@ -1,9 +1,9 @@
-//! The part of the data that chance lets one more pole explain.
+//! Significance of one more pole (theory.md, eq. 8).
 
 use crate::poles::limits;
 
-/// Rise of the sum of squares, in units of σ², that one more pole over r columns must
-/// bring: the tail of χ² with K looks.
+/// Fall of the sum of squares, in units of σ², that one more pole must bring: more than noise allows
+/// in r columns, by the tail of χ² over all places that a pole may take.
 pub(crate) fn threshold(columns: usize, lines: usize) -> f64 {
     let r = columns as f64;
     let looks = (limits::LOOKS_PER_LINE * lines as f64).ln();

@@ -1,4 +1,4 @@
-//! The start of a search: how many poles, and a pool of them that noise cannot make.
+//! The start of a search: the size of a pool of poles, and its poles that noise cannot make.
 
 use crate::damping::law::start_of;
 use crate::damping::structural::POWERS;
@@ -16,12 +16,12 @@ use num_complex::Complex64;
 /// Poles of a pool that noise alone cannot make, roughly refined.
 pub(crate) struct Start {
     pub refined: Refined,
-    /// Noise variance of the sketch as the whole pool leaves it.
+    /// Noise variance of the sketch, from the residual of the whole pool.
     pub variance: f64,
 }
 
-/// `iterations` of vector fitting with `size` poles on mixtures, pruning and rough
-/// refinement on the sketch.
+/// Finds the poles of a pool: `iterations` of vector fitting with `size` poles on mixtures, then
+/// pruning and rough refinement on the sketch.
 pub(crate) fn started(
     sketch: &Columns,
     mixed: &Columns,
@@ -36,16 +36,16 @@ pub(crate) fn started(
         iterations,
         Products::PartialFractions,
     )?;
-    let least = limits::FAR_BELOW * sketch.range().0;
+    let lowest_x = limits::FAR_BELOW * sketch.range().0;
     let in_band = |pole| sketch.in_band(pole);
-    let stands = |(pole, flipped): (&Complex64, &bool)| {
-        start_of(sketch.law, *pole, *flipped, in_band, least)
+    let stable_start = |(pole, flipped): (&Complex64, &bool)| {
+        start_of(sketch.law, *pole, *flipped, in_band, lowest_x)
     };
     let stable: Vec<Complex64> = pool
         .lambda
         .iter()
         .zip(&pool.flipped)
-        .filter_map(stands)
+        .filter_map(stable_start)
         .collect();
     let all = removable(sketch, &stable, &POWERS)?;
     let variance = pool_variance(sketch, &all);
@@ -56,7 +56,10 @@ pub(crate) fn started(
     })
 }
 
-/// Starting order of the pool.
+/// Number of poles of a pool.
+///
+/// * `seeds`: number of visible peaks
+/// * `asked`: number of modes, if it is fixed
 pub(crate) fn pool_size(
     work: &Columns,
     seeds: usize,

@@ -1,14 +1,17 @@
-//! Is the residual white? The question that decides between the fast chain and the
+//! Test of the residual for whiteness, which decides between the fast chain and the
 //! measured-data path (theory.md, eq. 20–21).
 //!
 //! Under white noise the energy of L lines of M FRFs is σ²/2 times a χ² variable of 2LM
-//! degrees of freedom. Three kinds of looks, each a ratio that is 1 (or 0) under white
-//! noise and whose chance spread is bounded by the tails of Laurent & Massart, Ann.
-//! Statist. 28 (2000) 1302, lemma 1: level around every mode (misfit of the line shape),
-//! level over tenths of the band (one noise level cannot serve), correlation of
-//! neighbouring lines (leakage, windows, missing modes). All looks together call white
-//! noise coloured in at most [`limits::WHITE_FALSE_ALARM`] of all cases; misfit too small to
-//! matter is tolerated on top.
+//! degrees of freedom. Each look at the residual is a ratio that is 1 (or 0) under white noise.
+//! The tails of Laurent & Massart, Ann. Statist. 28 (2000) 1302, lemma 1, bound its chance spread.
+//! There are three kinds of looks:
+//!
+//! * the level around every mode, for misfit of the line shape;
+//! * the level over each tenth of the band, for a noise that is not of one level;
+//! * the correlation of neighbouring lines, for leakage, windows and missing modes.
+//!
+//! All looks together call white noise coloured in at most [`limits::WHITE_FALSE_ALARM`] of all
+//! cases. Misfit too small to matter is tolerated on top.
 
 use crate::data::columns::{line_energy, Columns};
 use crate::poles::limits;
@@ -20,17 +23,17 @@ use std::ops::Range;
 /// Verdict, with the evidence in words.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Whiteness {
-    /// True where no look speaks against white noise.
+    /// True if no look speaks against white noise.
     pub white: bool,
-    /// The strongest evidence.
+    /// The strongest evidence, in words.
     pub evidence: String,
-    /// Its ratio to what white noise and tolerated misfit allow.
+    /// Ratio of this evidence to the limit of white noise and tolerated misfit.
     pub excess: f64,
     /// Part of the in-band poles whose neighbourhood is misfitted.
     pub misfit_share: f64,
-    /// True where the misfit around modes has no shape: neighbouring lines there do not
-    /// correlate, as they would beside a missing or misplaced pole. No model order cures
-    /// that; it is noise that follows the response.
+    /// True if the misfit around modes has no shape: neighbouring lines do not correlate there, as
+    /// they would beside a missing or misplaced pole. It is noise that follows the response; no
+    /// number of poles cures it.
     pub shapeless: bool,
 }
 
@@ -43,14 +46,16 @@ pub(crate) enum Residual {
     NotWhite,
 }
 
-/// One look: what was seen, and the most that white noise and tolerated misfit show.
+/// One look at the residual.
 struct Look {
+    /// The ratio seen.
     seen: f64,
+    /// The largest ratio under white noise and tolerated misfit.
     limit: f64,
     words: String,
 }
 
-/// Chance at one of several looks.
+/// Bounds of chance for one of several looks.
 #[derive(Clone, Copy)]
 struct Chance {
     /// e^{−t} is the false-alarm rate of one look.
@@ -71,14 +76,14 @@ impl Chance {
     fn low(self, nu: f64) -> f64 {
         (1.0 - 2.0 * (self.t / nu).sqrt()).max(0.0)
     }
-    /// Mean of `count` products Re(a b*)/σ² of independent circular values (variance ½
-    /// each) stays below this.
+    /// Mean of `count` products Re(a b*)/σ² of independent circular values, each of variance ½,
+    /// stays below this.
     fn correlation(self, count: f64) -> f64 {
         (self.t / count).sqrt()
     }
 }
 
-/// [`judge`] for residual columns that are all there is.
+/// Judges residual columns that stand for all FRFs.
 pub(crate) fn judge_columns(
     work: &Columns,
     lambda: &[Complex64],
@@ -91,7 +96,7 @@ pub(crate) fn judge_columns(
 
 /// Judges the residual.
 ///
-/// * `line_residual`: energy per line summed over `frfs` FRFs
+/// * `line_residual`: energy of each line, summed over `frfs` FRFs
 /// * `sample`: some residual columns, for the correlation of neighbouring lines
 /// * `hz`: frequency of x = 1
 pub(crate) fn judge(
@@ -129,31 +134,31 @@ pub(crate) fn judge(
         |pole: Complex64| work.window(pole, tol::WINDOW_HALF_WIDTHS, tol::WINDOW_LEAST_LINES);
     let mut looks: Vec<Look> = modes
         .iter()
-        .map(|&pole| level.around(window(pole), pole.re.max(0.0).sqrt() * hz))
+        .map(|&pole| level.around_mode(window(pole), pole.re.max(0.0).sqrt() * hz))
         .collect();
     let misfitted: Vec<Complex64> = modes
         .iter()
         .zip(&looks)
-        .filter(|(_, l)| l.seen > l.limit)
+        .filter(|(_, look)| look.seen > look.limit)
         .map(|(pole, _)| *pole)
         .collect();
-    let (along, total) = misfitted
+    let (products, squares) = misfitted
         .iter()
-        .map(|&pole| neighbours(sample, window(pole)))
+        .map(|&pole| neighbour_sums(sample, window(pole)))
         .fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
-    let shapeless = !misfitted.is_empty() && along < limits::SHAPELESS * total;
+    let shapeless = !misfitted.is_empty() && products < limits::SHAPELESS * squares;
     let segments = (0..tenths).map(|tenth| tenth * n / tenths..(tenth + 1) * n / tenths);
-    looks.extend(segments.flat_map(|rows| level.over(rows)));
-    looks.push(correlation(sample, n, frfs, level.chance));
+    looks.extend(segments.flat_map(|rows| level.over_tenth(rows)));
+    looks.push(correlation_look(sample, n, frfs, level.chance));
 
     let misfit_share = misfitted.len() as f64 / modes.len().max(1) as f64;
-    Whiteness::of(&looks, misfit_share, shapeless)
+    Whiteness::by_looks(&looks, misfit_share, shapeless)
 }
 
-/// The level of the residual, seen in parts of the band.
+/// The level of the residual in parts of the band.
 struct Level<'a> {
     line_residual: &'a Array1<f64>,
-    /// Energy of a line, on average.
+    /// Mean energy of a line.
     mean: f64,
     frfs: usize,
     chance: Chance,
@@ -161,7 +166,7 @@ struct Level<'a> {
 
 impl Level<'_> {
     /// The level on `rows` over the average, and its degrees of freedom.
-    fn of(&self, rows: Range<usize>) -> (f64, f64) {
+    fn on_rows(&self, rows: Range<usize>) -> (f64, f64) {
         let lines = rows.len();
         (
             self.line_residual.slice(s![rows]).sum() / lines.max(1) as f64 / self.mean,
@@ -169,21 +174,21 @@ impl Level<'_> {
         )
     }
 
-    /// The look at the lines around a mode at `place` Hz.
-    fn around(&self, rows: Range<usize>, place: f64) -> Look {
-        let (seen, nu) = self.of(rows);
+    /// The look at the lines around a mode.
+    fn around_mode(&self, rows: Range<usize>, mode_hz: f64) -> Look {
+        let (seen, nu) = self.on_rows(rows);
         Look {
             seen,
             limit: self.chance.high(nu) + limits::WHITE_LOCAL,
-            words: format!("residual {seen:.1} times the average around {place:.2} Hz"),
+            words: format!("residual {seen:.1} times the average around {mode_hz:.2} Hz"),
         }
     }
 
-    /// The looks at a tenth of the band, from below and from above.
-    fn over(&self, rows: Range<usize>) -> [Look; 2] {
-        let (seen, nu) = self.of(rows);
+    /// The looks at a tenth of the band, for a level too low and too high.
+    fn over_tenth(&self, rows: Range<usize>) -> [Look; 2] {
+        let (seen, nu) = self.on_rows(rows);
         let words = format!("residual level {seen:.2} times the average over a tenth of the band");
-        // the look from below is the look from above at the inverse
+        // a level too low: its lower limit may not exceed it
         let low = self.chance.low(nu) / limits::WHITE_SEGMENT;
         [
             Look {
@@ -201,9 +206,13 @@ impl Level<'_> {
 }
 
 /// The look at the correlation of neighbouring lines.
-fn correlation(sample: &Array2<Complex64>, lines: usize, frfs: usize, chance: Chance) -> Look {
-    let (along, total) = neighbours(sample, 0..lines);
-    let seen = if total > 0.0 { along / total } else { 0.0 };
+fn correlation_look(sample: &Array2<Complex64>, lines: usize, frfs: usize, chance: Chance) -> Look {
+    let (products, squares) = neighbour_sums(sample, 0..lines);
+    let seen = if squares > 0.0 {
+        products / squares
+    } else {
+        0.0
+    };
     let count = (lines * sample.ncols().min(frfs).max(1)) as f64;
     Look {
         seen,
@@ -213,8 +222,8 @@ fn correlation(sample: &Array2<Complex64>, lines: usize, frfs: usize, chance: Ch
 }
 
 impl Whiteness {
-    /// Judged by the look that comes nearest to its limit, or goes farthest beyond it.
-    fn of(looks: &[Look], misfit_share: f64, shapeless: bool) -> Self {
+    /// The verdict, by the look that comes nearest to its limit or goes farthest beyond it.
+    fn by_looks(looks: &[Look], misfit_share: f64, shapeless: bool) -> Self {
         let ratio = |l: &Look| l.seen / l.limit.max(limits::LOOK_LEAST);
         let (excess, words) = looks
             .iter()
@@ -238,30 +247,30 @@ impl Whiteness {
     }
 }
 
-/// True where neighbouring lines correlate in all parts of the band but a few: windows and
-/// short records do that, a missing mode does it near its own frequency.
+/// True if neighbouring lines correlate in all parts of the band but a few. Windows and short
+/// records make them do so; a missing mode does it near its own frequency only.
 pub(crate) fn correlates_everywhere(residual: &Array2<Complex64>) -> bool {
     let (lines, parts) = (residual.nrows(), limits::BAND_PARTS);
     let chance = Chance::of(parts);
     let correlates = |part: &usize| {
         let rows = part * lines / parts..(part + 1) * lines / parts;
         let count = (rows.len() * residual.ncols()).max(1) as f64;
-        let (along, total) = neighbours(residual, rows);
-        along > (limits::WHITE_CORRELATION + chance.correlation(count)) * total
+        let (products, squares) = neighbour_sums(residual, rows);
+        products > (limits::WHITE_CORRELATION + chance.correlation(count)) * squares
     };
     (0..parts).filter(correlates).count() >= limits::PARTS_CORRELATED
 }
 
 /// Σ Re E_k E*_{k−1} and Σ|E_k|² over `rows` and all columns.
-fn neighbours(residual: &Array2<Complex64>, rows: Range<usize>) -> (f64, f64) {
-    let (mut along, mut total) = (0.0, 0.0);
+fn neighbour_sums(residual: &Array2<Complex64>, rows: Range<usize>) -> (f64, f64) {
+    let (mut products, mut squares) = (0.0, 0.0);
     for column in residual.columns() {
         for k in rows.start + 1..rows.end {
-            along += (column[k] * column[k - 1].conj()).re;
-            total += column[k].norm_sqr();
+            products += (column[k] * column[k - 1].conj()).re;
+            squares += column[k].norm_sqr();
         }
     }
-    (along, total)
+    (products, squares)
 }
 
 #[cfg(test)]

@@ -5,9 +5,9 @@ use chladni_linalg::{eigenvalues, LinalgError};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
-/// Zeros of d + Σ c_q/(λ_q − x), as many as there are poles: all at once from the poles, to
-/// which they are near where these have nearly settled; the eigenvalues of diag(λ) + 1cᵀ/d
-/// where that comes to no end.
+/// Zeros of d + Σ c_q/(λ_q − x), as many as there are poles: by simultaneous iteration from the
+/// poles, which are near once vector fitting has nearly settled. If that does not converge, they
+/// are the eigenvalues of diag(λ) + 1cᵀ/d.
 ///
 /// # Errors
 /// A decomposition that fails.
@@ -17,7 +17,7 @@ pub(crate) fn zeros(
     d: Complex64,
 ) -> Result<Vec<Complex64>, LinalgError> {
     let c: Vec<Complex64> = c.iter().map(|c| c / d).collect();
-    if let Some(found) = together(lambda, &c) {
+    if let Some(found) = by_iteration(lambda, &c) {
         return Ok(found);
     }
     let mut companion = Array2::from_diag(&Array1::from(lambda.to_vec()));
@@ -31,21 +31,22 @@ pub(crate) fn zeros(
 
 /// Zeros of f(x) = 1 + Σ c_q/(λ_q − x) by the iteration of Ehrlich and Aberth on the numerator
 /// P = f·Π(λ_q − x), P'/P = f'/f + Σ 1/(x − λ_q) (Aberth, Math. Comp. 27 (1973) 339). `None`
-/// where some do not settle.
-fn together(lambda: &[Complex64], c: &[Complex64]) -> Option<Vec<Complex64>> {
+/// if some do not settle.
+fn by_iteration(lambda: &[Complex64], c: &[Complex64]) -> Option<Vec<Complex64>> {
     let others = |n: usize| (0..lambda.len()).filter(move |&q| q != n);
-    let first = |n: usize| {
+    let first_guess = |n: usize| {
         let rest: Complex64 = others(n).map(|q| c[q] / (lambda[q] - lambda[n])).sum();
         lambda[n] + c[n] / (1.0 + rest)
     };
-    let mut zeros: Vec<Complex64> = (0..lambda.len()).map(first).collect();
-    let mut open = vec![true; lambda.len()];
+    let mut zeros: Vec<Complex64> = (0..lambda.len()).map(first_guess).collect();
+    let mut moving = vec![true; lambda.len()];
     for _ in 0..limits::ZERO_STEPS {
         for n in 0..lambda.len() {
-            if !open[n] {
+            if !moving[n] {
                 continue;
             }
             let x = zeros[n];
+            // f, f' and Σ 1/(x − λ_q)
             let (mut value, mut slope, mut poles) =
                 (Complex64::ONE, Complex64::ZERO, Complex64::ZERO);
             for (&pole, &c) in lambda.iter().zip(c) {
@@ -54,16 +55,16 @@ fn together(lambda: &[Complex64], c: &[Complex64]) -> Option<Vec<Complex64>> {
                 slope += c * over * over;
                 poles -= over;
             }
-            let apart: Complex64 = others(n).map(|q| (x - zeros[q]).inv()).sum();
-            let step = (slope / value + poles - apart).inv();
+            let repulsion: Complex64 = others(n).map(|q| (x - zeros[q]).inv()).sum();
+            let step = (slope / value + poles - repulsion).inv();
             if !step.is_finite() {
                 // a zero of the sum, or a pole that no fraction moves
                 return None;
             }
             zeros[n] -= step;
-            open[n] = step.norm() > limits::ZERO_SETTLED * x.norm();
+            moving[n] = step.norm() > limits::ZERO_SETTLED * x.norm();
         }
-        if open.iter().all(|open| !open) {
+        if moving.iter().all(|moving| !moving) {
             return Some(zeros);
         }
     }
@@ -99,7 +100,7 @@ mod tests {
             let moves = [1e-9, 1e-3, 0.1, 3.0][case % 4];
             let c: Vec<Complex64> = (0..size).map(|_| drawn(moves, moves)).collect();
             let expected = eigenvalues_of(&lambda, &c);
-            settled += usize::from(together(&lambda, &c).is_some());
+            settled += usize::from(by_iteration(&lambda, &c).is_some());
             let mut found = zeros(&lambda, &c, Complex64::ONE).unwrap();
             assert_eq!(found.len(), size);
             for zero in expected {
