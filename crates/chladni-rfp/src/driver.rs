@@ -354,6 +354,6 @@ fn fit_lean(data: &Screened, options: &FitOptions, watch: &Watch) -> Result<Moda
     let identified = with_free_residues(data, found, options)?;
     watch.stage("shapes")?;
     let shaped = Shaped::new(data, identified)?;
-    let left = shaped.left(data);
-    Ok(shaped.model(data, options, &left))
+    let residual_energy = shaped.residual_energy(data);
+    Ok(shaped.model(data, options, &residual_energy))
 }

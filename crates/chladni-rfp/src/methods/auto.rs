@@ -166,11 +166,11 @@ fn finished<S: Source>(
     };
     let (identified, mut warnings) = decide(data, found, options, watch, &again)?;
     let shaped = Shaped::new(data, identified)?;
-    let left = match data.values() {
-        Some(values) => shaped.left(values),
-        None => shaped.left_by_sums(data),
+    let residual_energy = match data.values() {
+        Some(values) => shaped.residual_energy(values),
+        None => shaped.residual_energy_by_sums(data),
     };
-    let mut model = shaped.model(data, options, &left);
+    let mut model = shaped.model(data, options, &residual_energy);
     if model.quality.relative_error > MOSTLY_LEFT {
         warnings.push(
             Finding::caution(
@@ -187,7 +187,7 @@ fn finished<S: Source>(
     }
     model.quality.findings.append(&mut warnings);
     model.number_findings();
-    Ok((model, left))
+    Ok((model, residual_energy))
 }
 
 fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {

@@ -98,8 +98,8 @@ pub(crate) fn fit_by_method(
     let on_law = note_law(&mut identified, verdict, options, false);
     identified.warnings.extend(on_law);
     let shaped = Shaped::new(data, identified)?;
-    let left = shaped.left(data);
-    let mut model = shaped.model(data, options, &left);
+    let residual_energy = shaped.residual_energy(data);
+    let mut model = shaped.model(data, options, &residual_energy);
     let unexplained = model.quality.relative_error;
     if unexplained > MOST_LEFT {
         model.quality.trusted = false;

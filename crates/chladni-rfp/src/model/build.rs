@@ -12,9 +12,10 @@ use crate::model::free_fit::{expressible, FreeFit};
 use crate::model::identified::{Identified, LawOpen};
 use crate::model::limits;
 use crate::model::modes::{
-    few_modes, modes, rejected_mode, scale_unknown, scales, turned, unscaled, widen_scale,
+    few_modes, modes, rejected_mode, scale_error_by_turns, scale_unknown, scales, unscaled,
+    widen_scale,
 };
-use crate::model::residual_energy::{above_rounding, by_sums, Laid};
+use crate::model::residual_energy::{residuals_above_rounding, residuals_by_sums, ModelOnColumns};
 use crate::poles::estimate::fewer_modes;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
@@ -29,10 +30,9 @@ use chladni_frf::{
 use chladni_linalg::LinalgError;
 use ndarray::Array2;
 use num_complex::Complex64;
-use std::f64::consts::TAU;
 
-/// Identified poles with the residues of every FRF brought into shapes: all but the
-/// scaling.
+/// Identified poles with shapes, their scale and error bars: all of the model but its residual
+/// energy.
 pub(crate) struct Shaped {
     identified: Identified,
     /// The poles of the model, rising in frequency.
@@ -42,24 +42,25 @@ pub(crate) struct Shaped {
     scales: Vec<Scale>,
     scaling: Scaling,
     bars: ShapeBars,
-    /// (term, FRF), work units.
+    /// Residual terms, (term, FRF), work units.
     terms: Array2<Complex64>,
     /// χ² per degree of freedom of the model as saved.
     pub chi2_per_dof: f64,
 }
 
 impl Shaped {
-    /// Residues at the poles, shapes of low rank, residual terms that answer them.
+    /// Finds residues at the poles, shapes of low rank, and the residual terms that go with these.
     ///
     /// # Errors
     /// A kernel that fails.
     pub fn new(data: &DataLayout, mut identified: Identified) -> Result<Self, LinalgError> {
         let mut free = FreeFit::new(data, &mut identified)?;
-        let real = free.real_constraints(&identified);
-        let shapes = free.shapes(data, &identified, real)?;
-        free.doubt_shared(&identified.work, &shapes);
-        free.answer(data, &shapes);
-        let chi2_per_dof = free.chi2_per_dof(&identified, shapes.rise, shapes.constraints + real);
+        let real_constraints = free.real_constraints(&identified);
+        let shapes = free.shapes(data, &identified, real_constraints)?;
+        free.doubt_shared_frequencies(&identified.work, &shapes);
+        free.refit_terms(data, &shapes);
+        let constraints = shapes.constraints + real_constraints;
+        let chi2_per_dof = free.chi2_per_dof(&identified, shapes.rise, constraints);
         let (scales, scaling) = scales(data, identified.damping, &free.poles, &shapes);
         let bars = shape_bars(
             &Noisy {
@@ -85,16 +86,16 @@ impl Shaped {
             chi2_per_dof,
         };
         if let Some(errors) = &data.errors {
-            shaped.hold_errors_of_lines(data, errors)?;
+            shaped.set_bars_by_lines(data, errors)?;
         }
         if shaped.identified.law_open != LawOpen::No {
-            shaped.hold_both_laws();
+            shaped.widen_by_other_law();
         }
         Ok(shaped)
     }
 
-    /// Bars from errors that neighbouring lines share.
-    fn hold_errors_of_lines(
+    /// Replaces error bars by those from errors that neighbouring lines share.
+    fn set_bars_by_lines(
         &mut self,
         data: &DataLayout,
         errors: &BlockErrors,
@@ -111,17 +112,17 @@ impl Shaped {
             shapes: &self.shapes,
             scales: &self.scales,
         };
-        let (terms, drop) = line_bars(&found, errors)?;
-        let of_force = drop.and_then(|drop| drop.finding(data.omega_max / TAU));
-        self.identified.warnings.extend(of_force);
+        let (terms, force_drop) = line_bars(&found, errors)?;
+        let finding = force_drop.and_then(|drop| drop.finding(data.hz()));
+        self.identified.warnings.extend(finding);
         for term in terms {
             term.put(&mut self.poles, &mut self.bars);
         }
         Ok(())
     }
 
-    /// Widens bars by what the other damping law would shift.
-    fn hold_both_laws(&mut self) {
+    /// Widens error bars of poles by their shift under the other damping law.
+    fn widen_by_other_law(&mut self) {
         for pole in &mut self.poles {
             let [omega, loss, _] = shifts(pole.loss_factor);
             pole.omega_std = pole.omega_std.hypot(omega * pole.omega);
@@ -129,13 +130,13 @@ impl Shaped {
         }
     }
 
-    /// Widens the bars of mass-scaled shapes by what the other damping law would turn, and by
-    /// what turned phases suggest where the residual is noise.
-    fn hold_turns(&self, modes: &mut [Mode]) {
+    /// Widens the error bars of mass-scaled shapes by their turn under the other damping law; if the
+    /// residual is noise, also by the error that turned phases suggest.
+    fn widen_by_turns(&self, modes: &mut [Mode]) {
         let unexplained = match self.identified.law_open {
             LawOpen::No => return,
             LawOpen::Light => 0.0,
-            LawOpen::White => turned(modes),
+            LawOpen::White => scale_error_by_turns(modes),
         };
         if self.scaling != Scaling::UnitModalMass {
             return;
@@ -143,18 +144,24 @@ impl Shaped {
         for mode in modes.iter_mut() {
             let [.., turn] = shifts(mode.loss_factor);
             widen_scale(mode, |std, size| {
-                let held = in_either_law(std, turn * size);
-                held.max(std.hypot(unexplained * size))
+                let in_both_laws = in_either_law(std, turn * size);
+                in_both_laws.max(std.hypot(unexplained * size))
             });
         }
     }
 
-    /// Builds the model; `left` as from [`Self::left`].
-    pub fn model(mut self, data: &DataLayout, options: &FitOptions, left: &[f64]) -> ModalModel {
-        let mean_square = left.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64;
+    /// Builds the model; `residual_energy` as from [`Self::residual_energy`].
+    pub fn model(
+        mut self,
+        data: &DataLayout,
+        options: &FitOptions,
+        residual_energy: &[f64],
+    ) -> ModalModel {
+        let values = (data.lines.len() * data.pairs.len()) as f64;
+        let mean_square = residual_energy.iter().sum::<f64>() / values;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
         let mut modes = self.modes(data);
-        self.hold_turns(&mut modes);
+        self.widen_by_turns(&mut modes);
         let mut findings = data.warnings.clone();
         findings.append(&mut self.identified.warnings);
         findings.extend(self.findings(data, &modes));
@@ -254,14 +261,14 @@ impl Shaped {
         }
     }
 
-    /// Sum of squares, in work units, that the model as saved leaves of each FRF in the
-    /// measured kind, over the lines used: from what is known already, or by one more
-    /// pass where rounding would decide.
-    pub fn left(&self, data: &Screened) -> Vec<f64> {
+    /// Residual sum of squares of each FRF under the model as saved, over the lines used, in work
+    /// units of the measured data. It is computed from known sums, or by one more pass if rounding
+    /// would decide.
+    pub fn residual_energy(&self, data: &Screened) -> Vec<f64> {
         let basis = self.synthesis(data);
         let coefficients = |l: usize, factors: &mut [f64]| self.coefficients(data, l, factors);
         let known = match is_rational(self.identified.damping) {
-            true => above_rounding(&self.laid(&basis, &coefficients), data),
+            true => residuals_above_rounding(&self.on_columns(&basis, &coefficients), data),
             false => None,
         };
         known.unwrap_or_else(|| {
@@ -274,19 +281,19 @@ impl Shaped {
         })
     }
 
-    /// The same without another look at the data.
-    pub fn left_by_sums(&self, data: &DataLayout) -> Vec<f64> {
+    /// Residual sum of squares of each FRF without another pass over the data.
+    pub fn residual_energy_by_sums(&self, data: &DataLayout) -> Vec<f64> {
         let basis = self.synthesis(data);
         let coefficients = |l: usize, factors: &mut [f64]| self.coefficients(data, l, factors);
-        by_sums(&self.laid(&basis, &coefficients), data)
+        residuals_by_sums(&self.on_columns(&basis, &coefficients), data)
     }
 
-    fn laid<'a>(
+    fn on_columns<'a>(
         &'a self,
         basis: &'a Array2<f64>,
         coefficients: &'a (dyn Fn(usize, &mut [f64]) + Sync),
-    ) -> Laid<'a> {
-        Laid {
+    ) -> ModelOnColumns<'a> {
+        ModelOnColumns {
             basis,
             coefficients,
             columns: &self.identified.work,
@@ -294,7 +301,7 @@ impl Shaped {
         }
     }
 
-    /// The columns that the coefficients multiply, over the reals: see [`synthesis`].
+    /// Basis of the model over the reals: see [`synthesis`].
     fn synthesis(&self, data: &DataLayout) -> Array2<f64> {
         let values: Vec<Complex64> = self.poles.iter().map(|pole| pole.value).collect();
         synthesis(
@@ -305,9 +312,9 @@ impl Shaped {
         )
     }
 
-    /// Adds the coefficients of one FRF (position among the pairs), real and imaginary
+    /// Adds the coefficients of one FRF (position among the pairs) to `sums`: real and imaginary
     /// part in turn, poles before residual terms.
-    fn coefficients(&self, data: &DataLayout, l: usize, factors: &mut [f64]) {
+    fn coefficients(&self, data: &DataLayout, l: usize, sums: &mut [f64]) {
         let (i, j) = data.pairs[l];
         let Shapes {
             owner,
@@ -316,23 +323,19 @@ impl Shaped {
             ..
         } = &self.shapes;
         let mut add = |n: usize, value: Complex64| {
-            factors[2 * n] += value.re;
-            factors[2 * n + 1] += value.im;
+            sums[2 * n] += value.re;
+            sums[2 * n + 1] += value.im;
         };
-        owner
-            .iter()
-            .enumerate()
-            .for_each(|(term, &n)| add(n, shape[[term, i]] * participation[[term, j]]));
-        self.terms
-            .column(l)
-            .iter()
-            .enumerate()
-            .for_each(|(p, &value)| add(self.poles.len() + p, value));
+        for (term, &n) in owner.iter().enumerate() {
+            add(n, shape[[term, i]] * participation[[term, j]]);
+        }
+        for (p, &value) in self.terms.column(l).iter().enumerate() {
+            add(self.poles.len() + p, value);
+        }
     }
 }
 
-/// The finding of shapes that do not serve all references, or of a model that does not serve
-/// the only one.
+/// The finding that shapes of low rank explain the data worse than free residues.
 fn one_shape_worse(chi2_per_dof: f64, references: usize) -> Finding {
     let (what, why, help) = match references {
         1 => (

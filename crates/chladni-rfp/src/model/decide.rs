@@ -1,5 +1,5 @@
-//! Properties of the structure from the poles found: the damping law, and whether one
-//! shape per mode, real or not, serves all references.
+//! Decisions on the structure: its damping law, and one shape per mode, complex or real, for all
+//! references.
 
 use crate::damping::verdict::{self, Fitted, Verdict};
 use crate::data::error::FitError;
@@ -18,17 +18,16 @@ use ndarray::Axis;
 use num_complex::Complex64;
 
 /// Poles in the damping law that the data prefer, or that is asked for, with one shape per
-/// mode where that serves all references; and the findings on both. Where no law is asked
-/// for:
+/// mode if that serves all references; and the findings on both. If no law is asked for:
 ///
 /// 1. The phases of the residues choose the law.
-/// 2. If they do not decide and one shape per mode is refused, the other law is taken if it
-///    bears such shapes: heavily overlapping modes may have wrong phases. The law stays open if
+/// 2. If they do not decide and one shape per mode is refused, the other law is taken if one shape
+///    per mode holds there: heavily overlapping modes may have wrong phases. The law stays open if
 ///    the phases spoke for the first.
 /// 3. If shapes are complex in the first law and real in the other, the other is taken, on
 ///    condition that phases are true.
 ///
-/// `again`: the poles in another law.
+/// * `again`: finds the poles in another law
 pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     data: &DataLayout,
     found: PoleEstimate,
@@ -37,52 +36,79 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, E>,
 ) -> Result<(Identified, Vec<Finding>), E> {
     watch.stage("damping law")?;
-    let mut preferred = law_verdict(data, &found)?;
-    let law = options
-        .damping
-        .or(preferred.law())
-        .unwrap_or(found.work.law);
-    let mut found = if found.work.law == law {
+    let verdict = law_verdict(data, &found)?;
+    let law = options.damping.or(verdict.law()).unwrap_or(found.work.law);
+    let found = if found.work.law == law {
         found
     } else {
         again(found, law)?
     };
     watch.stage("shapes")?;
-    let mut searched = shape_search(data, &found, options)?;
-    let refused =
-        matches!(searched, Search::Refused(_)) && !matches!(preferred, Verdict::Decided(_));
-    let complex = borne(&searched) && !real(&searched) && options.shapes == ShapeModel::Auto;
-    if (refused || complex) && options.damping.is_none() {
-        let there = again(found.clone(), law.other())?;
-        let other = shape_search(data, &there, options)?;
-        if borne(&other) && (refused || real(&other)) {
-            // a phase that all FRFs share does not make one shape per mode fail, but turns real
-            // shapes into complex ones and back
-            preferred = match (refused, preferred) {
-                (true, Verdict::IfPhasesTrue(..)) => Verdict::Disputed,
-                (true, _) => Verdict::Decided(law.other()),
-                (false, _) => {
-                    let turn = verdict::confusing_turn(&there.work, &there.refined.lambda);
-                    Verdict::IfPhasesTrue(law.other(), turn)
-                }
-            };
-            (found, searched) = (there, other);
-        }
-    }
-    let real = real(&searched);
-    let (refined, unlike) = match searched {
-        Search::Found(structured) => (Some(structured), None),
-        Search::Refused(sigmas) => (None, Some(sigmas)),
-        Search::Inapplicable => (None, None),
+    let mut choice = Choice {
+        search: shape_search(data, &found, options)?,
+        found,
+        verdict,
     };
-    let mut identified = Identified::new(found);
-    let on_law = note_law(&mut identified, preferred, options, real);
-    let warnings = on_law.into_iter().chain(unlike.map(one_shape_refused));
-    let warnings = warnings.collect();
-    if let Some(structured) = refined {
-        identified = identified.structured(structured);
+    if options.damping.is_none() {
+        choice = choice.or_other_law(data, options, law.other(), again)?;
     }
-    Ok((identified, warnings))
+    let real = real_shapes_hold(&choice.search);
+    let mut identified = Identified::new(choice.found);
+    let mut findings = Vec::from_iter(note_law(&mut identified, choice.verdict, options, real));
+    match choice.search {
+        Search::Found(structured) => identified = identified.structured(structured),
+        Search::Refused(sigmas) => findings.push(one_shape_refused(sigmas)),
+        Search::Inapplicable => {}
+    }
+    Ok((identified, findings))
+}
+
+/// Poles in one law, with their shapes and the verdict on the law.
+struct Choice {
+    found: PoleEstimate,
+    search: Search,
+    verdict: Verdict,
+}
+
+impl Choice {
+    /// The poles in the `other` law if their shapes speak for it, else these: steps 2 and 3 of
+    /// [`decide`].
+    fn or_other_law<E: From<LinalgError>>(
+        self,
+        data: &DataLayout,
+        options: &FitOptions,
+        other: Damping,
+        again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, E>,
+    ) -> Result<Self, E> {
+        let refused = matches!(self.search, Search::Refused(_))
+            && !matches!(self.verdict, Verdict::Decided(_));
+        let complex = one_shape_holds(&self.search)
+            && !real_shapes_hold(&self.search)
+            && options.shapes == ShapeModel::Auto;
+        if !(refused || complex) {
+            return Ok(self);
+        }
+        let found = again(self.found.clone(), other)?;
+        let search = shape_search(data, &found, options)?;
+        if !(one_shape_holds(&search) && (refused || real_shapes_hold(&search))) {
+            return Ok(self);
+        }
+        // a phase that all FRFs share does not make one shape per mode fail, but turns real
+        // shapes into complex ones and back
+        let verdict = match (refused, self.verdict) {
+            (true, Verdict::IfPhasesTrue(..)) => Verdict::Disputed,
+            (true, _) => Verdict::Decided(other),
+            (false, _) => {
+                let turn = verdict::confusing_turn(&found.work, &found.refined.lambda);
+                Verdict::IfPhasesTrue(other, turn)
+            }
+        };
+        Ok(Self {
+            found,
+            search,
+            verdict,
+        })
+    }
 }
 
 /// Poles in the damping law that the data prefer, or that is asked for, with free residues.
@@ -102,11 +128,11 @@ pub(crate) fn with_free_residues(
     Ok(identified)
 }
 
-/// Marks a law that the data leave open. Returns the finding on the law: the data contradict it,
+/// Marks a law that the data leave open. Returns the finding on the law if the data contradict it,
 /// or hardly determine it.
 ///
-/// * `verdict`: of the data
-/// * `real`: shapes are real in the law taken
+/// * `verdict`: of the data on the law
+/// * `real`: true if shapes are real in the law taken
 pub(crate) fn note_law(
     identified: &mut Identified,
     verdict: Verdict,
@@ -114,7 +140,6 @@ pub(crate) fn note_law(
     real: bool,
 ) -> Option<Finding> {
     let (law, free) = (identified.damping, options.damping.is_none());
-    // under the other law, in standard deviations
     let shift = identified.shift_by_other_law();
     identified.law_open = match free && verdict.law().is_none() {
         true if identified.measured => LawOpen::Light,
@@ -123,7 +148,7 @@ pub(crate) fn note_law(
     };
     match verdict {
         Verdict::Decided(other) if other != law => Some(verdict::contradicted(law, None)),
-        // phases that every mode has in common cannot contradict shapes that are real
+        // a phase that all modes share cannot contradict real shapes
         Verdict::IfPhasesTrue(other, degrees) if other != law && !real => {
             Some(verdict::contradicted(law, Some(degrees)))
         }
@@ -140,7 +165,7 @@ pub(crate) fn note_law(
     }
 }
 
-/// The finding of references that no shape serves together.
+/// The finding that one shape per mode does not serve all references.
 fn one_shape_refused(sigmas: f64) -> Finding {
     let words = format!(
         "one shape per mode does not explain all references together ({sigmas:.0} sigma beyond \
@@ -152,13 +177,13 @@ fn one_shape_refused(sigmas: f64) -> Finding {
         .help("look for a delay or a gain of one reference, or fit a narrower band")
 }
 
-/// True where one shape for each mode leaves no more than chance.
-fn borne(search: &Search) -> bool {
+/// True if one shape for each mode adds no more than chance to the residual.
+fn one_shape_holds(search: &Search) -> bool {
     matches!(search, Search::Found(structured) if structured.borne)
 }
 
-/// True where one real shape for each mode does.
-fn real(search: &Search) -> bool {
+/// True if one real shape for each mode adds no more than chance to the residual.
+fn real_shapes_hold(search: &Search) -> bool {
     matches!(search, Search::Found(structured) if structured.borne && structured.real)
 }
 
@@ -168,7 +193,7 @@ fn law_verdict(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, Linal
     if found.measured && found.heaviest_sure() < limits::LAW_ALIKE {
         return Ok(Verdict::Undecidable);
     }
-    // faint modes may be what the wrong law left: they have no say in the verdict
+    // faint modes may stand for the misfit of a wrong law: they do not count
     let all = &found.refined.lambda;
     let shown: Vec<usize> = (0..all.len())
         .filter(|&n| !is_faint(&found.grades[n]))
@@ -186,8 +211,8 @@ fn law_verdict(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, Linal
     verdict::verdict(&found.work, &fitted)
 }
 
-/// Structured refinement where it applies: asked for, or the residual is noise that
-/// chance can be judged by.
+/// Structured refinement if it applies: it is asked for, or the residual is white noise, so that
+/// chance can be judged.
 fn shape_search(
     data: &DataLayout,
     found: &PoleEstimate,

@@ -1,5 +1,5 @@
-//! Residues of every FRF at identified poles, each by itself, and the shapes that they
-//! are brought into.
+//! Free residues of every FRF at identified poles, and the shapes of low rank that they are
+//! brought into.
 
 use crate::damping::law::loss_bound;
 use crate::data::columns::Columns;
@@ -17,24 +17,24 @@ use ndarray::{Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Residues of every FRF at identified poles, each by itself.
+/// Free residues of every FRF at identified poles.
 pub(crate) struct FreeFit {
     /// The poles that the model can hold, rising in frequency.
     pub poles: Vec<Pole>,
     pub linear: Linear,
-    /// (pole, pair), response by response, zero where missing; `None`: these are the
-    /// residues of `linear`.
-    all: Option<Array2<Complex64>>,
+    /// Residues in matrix order, (pole, response × references + reference), zero where a pair is
+    /// missing; `None`: the residues of `linear` have that order.
+    in_matrix_order: Option<Array2<Complex64>>,
     /// False where a pair was not measured.
     pub present: Array2<bool>,
     /// Noise variance of a value of an FRF, the mean of all, over that of a work value.
     pub noise: f64,
-    /// That of each response over the mean.
+    /// Noise variance of each response over the mean.
     pub noise_of_response: Array1<f64>,
 }
 
 impl FreeFit {
-    /// On the lines and FRFs of `data`; takes the poles that the model can hold.
+    /// Fits residues at the poles that the model can hold, which are taken out of `identified`.
     pub fn new(data: &DataLayout, identified: &mut Identified) -> Result<Self, LinalgError> {
         let damping = identified.damping;
         let holds = |pole: &Pole| pole.grade.trust != Trust::Rejected && expressible(damping, pole);
@@ -51,43 +51,23 @@ impl FreeFit {
             linear.residues = blocked_matmul_mixed(&linear.residues, back.view());
             linear.terms = blocked_matmul_mixed(&linear.terms, back.view());
         }
-        let (responses, references) = (data.responses.len(), data.references.len());
-        let in_turn = (0..responses * references).map(|l| (l / references, l % references));
-        let by_column = linear.residues.t().is_standard_layout();
-        let mut all = match by_column && in_turn.eq(data.pairs.iter().copied()) {
-            true => None,
-            false => Some(Array2::zeros((values.len(), responses * references).f())),
-        };
-        let mut present = Array2::from_elem((responses, references), false);
+        let mut present = Array2::from_elem((data.responses.len(), data.references.len()), false);
+        data.pairs.iter().for_each(|&pair| present[pair] = true);
         let noise = identified
             .noise_of_frfs()
             .unwrap_or_else(|| Array1::ones(data.pairs.len()));
-        let mean = noise.mean().unwrap_or(1.0);
-        let mut of_response = vec![(0.0, 0.0); responses];
-        for (l, &(i, j)) in data.pairs.iter().enumerate() {
-            present[[i, j]] = true;
-            if let Some(all) = &mut all {
-                all.column_mut(i * references + j)
-                    .assign(&linear.residues.column(l));
-            }
-            of_response[i] = (of_response[i].0 + noise[l] / mean, of_response[i].1 + 1.0);
-        }
-        let noise_of_response = of_response
-            .into_iter()
-            .map(|(sum, count)| if count > 0.0 { sum / count } else { 1.0 })
-            .collect();
+        let mean_noise = noise.mean().unwrap_or(1.0);
         Ok(Self {
             poles,
+            in_matrix_order: in_matrix_order(&linear.residues, data),
             linear,
-            all,
             present,
-            noise: mean,
-            noise_of_response,
+            noise: mean_noise,
+            noise_of_response: noise_of_responses(&noise, mean_noise, data),
         })
     }
 
-    /// Constraints of the poles whose shapes are real: a real term fixes one phase per DOF
-    /// but one.
+    /// Number of constraints that real shapes set: each fixes one phase per DOF but one.
     pub fn real_constraints(&self, identified: &Identified) -> usize {
         if !identified.real_shapes {
             return 0;
@@ -98,63 +78,64 @@ impl FreeFit {
         terms * (responses + references - 1)
     }
 
-    /// Shapes of low rank: one for each mode, of poles outside the band as many as the data
-    /// show, and more together where weak directions of single poles explain something. A pole of
-    /// the band has several where one leaves too much and its residues clearly have more.
+    /// Shapes of low rank. Each mode has one. A pole outside the band has as many as its residues
+    /// show, and more if weak directions of several such poles together explain something. A pole of
+    /// the band has several if one leaves too much and its residues clearly show more.
+    ///
+    /// * `real_constraints`: as from [`Self::real_constraints`]
     pub fn shapes(
         &self,
         data: &DataLayout,
         identified: &Identified,
-        real: usize,
+        real_constraints: usize,
     ) -> Result<Shapes, LinalgError> {
         let work = &identified.work;
         let variance = identified.variance * self.noise;
-        let (responses, references) = self.present.dim();
         let free = Residues {
-            values: self.all.as_ref().unwrap_or(&self.linear.residues),
+            values: self
+                .in_matrix_order
+                .as_ref()
+                .unwrap_or(&self.linear.residues),
             weight: &self.linear.weight,
             present: &self.present,
         };
-        let (low, high) = work.range();
         let given: Vec<&Given> = self.poles.iter().map(|pole| &pole.given).collect();
-        let outside = |n: usize| !(low..=high).contains(&self.poles[n].omega.powi(2));
-        let loose: Vec<usize> = (0..given.len())
-            .filter(|&n| outside(n) && given[n].is_none())
-            .collect();
+        let (inside, outside): (Vec<usize>, Vec<usize>) = (0..given.len())
+            .filter(|&n| given[n].is_none())
+            .partition(|&n| work.in_band(self.poles[n].lambda()));
         let mut ranks = vec![1; given.len()];
-        for &n in &loose {
+        for &n in &outside {
             ranks[n] = significant_values(&free, n, variance)?.len().max(1);
         }
         let mut shapes = low_rank_around(&free, &ranks, &given)?;
-        let full = responses.min(references);
         let rounding = limits::RISE_ROUNDING * work.energy() * self.noise;
         let misfits = |shapes: &Shapes| {
-            let constraints = shapes.constraints + real;
-            let held = (work, data.pairs.len());
-            shapes.rise > most_by_chance(constraints, variance, rounding, held)
+            let constraints = shapes.constraints + real_constraints;
+            let on_columns = (work, data.pairs.len());
+            shapes.rise > most_by_chance(constraints, variance, rounding, on_columns)
         };
-        let ranks_of_one = ranks.clone();
-        // what free residues leave of all FRFs
-        let left = variance * (work.lines() * data.pairs.len()) as f64;
-        // one shape each leaves more than that again: probably several modes at one frequency
-        if misfits(&shapes) && shapes.rise > left {
-            for n in (0..given.len()).filter(|&n| !outside(n) && given[n].is_none()) {
-                let values = significant_values(&free, n, variance)?;
-                let clear = |value: &&f64| **value > limits::SECOND_SHAPE * values[0];
-                ranks[n] = values.iter().filter(clear).count().max(1);
-            }
-            if ranks != ranks_of_one {
+        let free_sse = variance * (work.lines() * data.pairs.len()) as f64;
+        // one shape each adds more than free residues leave of all FRFs: probably several modes
+        // share a frequency
+        if misfits(&shapes) && shapes.rise > free_sse {
+            let shared = shared_ranks(&free, &inside, variance)?;
+            if shared.iter().any(|&rank| rank != 1) {
+                inside
+                    .iter()
+                    .zip(shared)
+                    .for_each(|(&n, rank)| ranks[n] = rank);
                 shapes = low_rank_around(&free, &ranks, &given)?;
             }
         }
+        let (responses, references) = self.present.dim();
+        let full = responses.min(references);
         let mut rounds = 0;
-        while misfits(&shapes) && loose.iter().any(|&n| ranks[n] < full) {
-            let more = if rounds < limits::RANK_ROUNDS {
-                1
-            } else {
-                full
+        while misfits(&shapes) && outside.iter().any(|&n| ranks[n] < full) {
+            let more = match rounds < limits::RANK_ROUNDS {
+                true => 1,
+                false => full,
             };
-            for &n in &loose {
+            for &n in &outside {
                 ranks[n] = (ranks[n] + more).min(full);
             }
             shapes = low_rank_around(&free, &ranks, &given)?;
@@ -164,18 +145,19 @@ impl FreeFit {
     }
 
     /// Grades poles of the band with several shapes as weak.
-    pub fn doubt_shared(&mut self, work: &Columns, shapes: &Shapes) {
+    pub fn doubt_shared_frequencies(&mut self, work: &Columns, shapes: &Shapes) {
         for (n, pole) in self.poles.iter_mut().enumerate() {
             let terms = shapes.owner.iter().filter(|&&owner| owner == n).count();
-            if terms > 1 && pole.given.is_none() && work.in_band((pole.omega * pole.omega).into()) {
+            if terms > 1 && pole.given.is_none() && work.in_band(pole.lambda()) {
                 pole.grade.trust = pole.grade.trust.min(Trust::Weak);
                 pole.grade.reasons.push(shared_frequency(terms));
             }
         }
     }
 
-    /// Residual terms that answer the residues of the shapes in place of the free ones.
-    pub fn answer(&mut self, data: &DataLayout, shapes: &Shapes) {
+    /// Fits the residual terms anew to the residues of the shapes in place of the free ones. The
+    /// residues of `linear` become their change.
+    pub fn refit_terms(&mut self, data: &DataLayout, shapes: &Shapes) {
         let change = &mut self.linear.residues;
         let blocks: Vec<_> = change
             .axis_chunks_iter_mut(Axis(1), limits::BUILD_BLOCK)
@@ -183,9 +165,9 @@ impl FreeFit {
             .collect();
         blocks.into_par_iter().for_each(|(mut change, pairs)| {
             change.mapv_inplace(|v| -v);
-            for (mut change, &(i, j)) in change.columns_mut().into_iter().zip(pairs) {
+            for (mut of_frf, &(i, j)) in change.columns_mut().into_iter().zip(pairs) {
                 for (term, &n) in shapes.owner.iter().enumerate() {
-                    change[n] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
+                    of_frf[n] += shapes.shape[[term, i]] * shapes.participation[[term, j]];
                 }
             }
         });
@@ -198,8 +180,8 @@ impl FreeFit {
         terms_per_residue.apply(terms, residues);
     }
 
-    /// χ² of the model as saved: free residues leave the noise variance per degree of
-    /// freedom, the low-rank form adds its `rise`.
+    /// χ² per degree of freedom of the model as saved: the low-rank form adds its `rise` of the sum of
+    /// squares to the residual of the free fit.
     pub fn chi2_per_dof(&self, identified: &Identified, rise: f64, constraints: usize) -> f64 {
         let Identified { work, powers, .. } = identified;
         let variance = identified.variance * self.noise;
@@ -212,7 +194,48 @@ impl FreeFit {
     }
 }
 
-/// The reason of modes that share one pole.
+/// Residues in matrix order, zero where a pair is missing; `None` if they have that order.
+fn in_matrix_order(residues: &Array2<Complex64>, data: &DataLayout) -> Option<Array2<Complex64>> {
+    let (responses, references) = (data.responses.len(), data.references.len());
+    let in_turn = (0..responses * references).map(|l| (l / references, l % references));
+    let by_column = residues.t().is_standard_layout();
+    if by_column && in_turn.eq(data.pairs.iter().copied()) {
+        return None;
+    }
+    let mut all = Array2::zeros((residues.nrows(), responses * references).f());
+    for (&(i, j), column) in data.pairs.iter().zip(residues.columns()) {
+        all.column_mut(i * references + j).assign(&column);
+    }
+    Some(all)
+}
+
+/// Noise of each response over the mean of all FRFs; 1 for a response without FRF.
+fn noise_of_responses(noise: &Array1<f64>, mean: f64, data: &DataLayout) -> Array1<f64> {
+    let mut sums = vec![(0.0, 0.0); data.responses.len()];
+    for (&(response, _), noise) in data.pairs.iter().zip(noise) {
+        sums[response].0 += noise / mean;
+        sums[response].1 += 1.0;
+    }
+    sums.into_iter()
+        .map(|(sum, count)| if count > 0.0 { sum / count } else { 1.0 })
+        .collect()
+}
+
+/// Number of shapes that the residues of each of these `poles` clearly show.
+fn shared_ranks(
+    free: &Residues,
+    poles: &[usize],
+    variance: f64,
+) -> Result<Vec<usize>, LinalgError> {
+    let rank = |&n: &usize| {
+        let values = significant_values(free, n, variance)?;
+        let clear = |value: &&f64| **value > limits::SECOND_SHAPE * values[0];
+        Ok(values.iter().filter(clear).count().max(1))
+    };
+    poles.iter().map(rank).collect()
+}
+
+/// Reason for a doubt: several modes share one pole.
 fn shared_frequency(modes: usize) -> Reason {
     Reason::new(
         "shared-frequency",
@@ -221,7 +244,7 @@ fn shared_frequency(modes: usize) -> Reason {
     .detail(format!("{modes} shapes"))
 }
 
-/// True where the model's fields can hold the pole.
+/// True if the model's fields can hold the pole.
 pub(crate) fn expressible(damping: Damping, pole: &Pole) -> bool {
     let values =
         pole.omega > limits::NO_FREQUENCY && pole.loss_factor.is_finite() && pole.loss_factor > 0.0;

@@ -1,4 +1,4 @@
-//! Poles of a model, to be fitted to other FRFs of the same structure.
+//! Poles of a known model, for a fit of residues to other FRFs of the same structure.
 
 use crate::damping::places::{lambda_of_value, value_of};
 use crate::data::columns::Columns;
@@ -21,7 +21,7 @@ pub(crate) struct GivenPoles {
 }
 
 impl GivenPoles {
-    /// Those that the model takes for modes, or for what lies outside its band.
+    /// The poles of all modes that are not rejected, those outside the band included.
     pub fn new(model: &ModalModel, omega_max: f64) -> Self {
         let pole = |mode: &Mode| Pole {
             value: value_of(mode, model.damping, omega_max),
@@ -41,8 +41,7 @@ impl GivenPoles {
             .filter(|mode| mode.trust != Trust::Rejected)
             .map(pole)
             .collect();
-        // a pole beside the band may stand for several modes, each of which the model
-        // lists
+        // a model lists a pole outside the band once for each of its shapes
         poles.dedup_by(|b, a| a.value == b.value);
         Self {
             damping: model.damping,
@@ -58,8 +57,8 @@ impl GivenPoles {
 
     /// Poles in the x plane.
     pub fn lambda(&self) -> Vec<Complex64> {
-        let of = |pole: &Pole| lambda_of_value(self.damping, pole.value);
-        self.poles.iter().map(of).collect()
+        let lambda = |pole: &Pole| lambda_of_value(self.damping, pole.value);
+        self.poles.iter().map(lambda).collect()
     }
 
     /// Number of columns of the model.
@@ -67,7 +66,7 @@ impl GivenPoles {
         self.poles.len() + self.powers.len()
     }
 
-    /// With the data that residues are to be found on.
+    /// The poles with the columns that residues are to be found on.
     ///
     /// # Errors
     /// A kernel that fails.

@@ -1,4 +1,4 @@
-//! Poles as the model will show them, with their error bars and grades.
+//! Poles of the model with their error bars and grades.
 
 use crate::damping::bars::UncertainPole;
 use crate::damping::places::value_in;
@@ -15,31 +15,29 @@ use num_complex::Complex64;
 /// Poles of one law with the data they were found on.
 #[derive(Debug)]
 pub(crate) struct Identified {
-    /// Law.
     pub damping: Damping,
-    /// Poles.
     pub poles: Vec<Pole>,
     /// Powers of x of the residual terms.
     pub powers: Vec<i32>,
-    /// Columns the residues are found on.
+    /// Columns that the residues are found on.
     pub work: Columns,
     /// From columns to FRFs; `None`: the columns are the FRFs.
     pub back: Option<Array2<f64>>,
-    /// Noise variance of a work value.
+    /// Noise variance of a value of these columns.
     pub variance: f64,
     /// The path that found them, and the reason for it.
     pub path: String,
     /// Warnings so far.
     pub warnings: Vec<Finding>,
-    /// False where the data as a whole contradict the model.
+    /// False if the data as a whole contradict the model.
     pub consistent: bool,
-    /// True where shapes and participations given with poles are real.
+    /// True if shapes and participations given with poles are real.
     pub real_shapes: bool,
-    /// State of the damping law: where it is open, bars hold both laws.
+    /// State of the damping law: if it is open, error bars cover both laws.
     pub law_open: LawOpen,
-    /// False where the poles were given, and not fitted to these columns.
+    /// False if the poles were given, and not fitted to these columns.
     pub fitted: bool,
-    /// True if errors were found not to be white noise, and deviations come from the residual itself.
+    /// True if the residual is not white noise: the error bars come from the residual itself.
     pub measured: bool,
 }
 
@@ -56,25 +54,23 @@ pub(crate) enum LawOpen {
 }
 
 impl Identified {
-    /// Noise variance of each FRF over that of a work value: columns that are scaled FRFs
-    /// have each its own, mixtures share theirs.
+    /// Noise variance of each FRF over that of a work value, if columns are scaled FRFs; `None` for
+    /// mixtures, which share one variance.
     pub fn noise_of_frfs(&self) -> Option<Array1<f64>> {
         let back = self.back.as_ref()?;
-        let scaled = back.is_square()
+        let is_diagonal = back.is_square()
             && back
                 .indexed_iter()
                 .all(|((a, b), value)| a == b || *value == 0.0);
-        scaled.then(|| back.diag().mapv(|scale| scale * scale))
+        is_diagonal.then(|| back.diag().mapv(|scale| scale * scale))
     }
-}
 
-impl Identified {
-    /// Poles with their deviations.
+    /// The poles of an estimate with their error bars.
     pub fn new(found: PoleEstimate) -> Self {
         let law = found.work.law;
-        let pole = |((&lambda, &c), grade): ((&Complex64, &f64), Grade)| Pole {
+        let pole = |((&lambda, &spread), grade): ((&Complex64, &f64), Grade)| Pole {
             value: value_in(law, lambda),
-            ..Pole::new(UncertainPole::of_lambda(lambda, [0.5 * c; 2]), grade)
+            ..Pole::new(UncertainPole::of_lambda(lambda, [0.5 * spread; 2]), grade)
         };
         let PoleEstimate {
             refined,
@@ -92,12 +88,12 @@ impl Identified {
         } = found;
         let poles = refined.lambda.iter().zip(&spread).zip(grades);
         let no_gain = Reason::new("no-gain", "explains no more of the data than noise would");
-        // as wide as it is uncertain
-        let spreads: Vec<f64> = idle.iter().map(|pole| 2.0 * pole.im * pole.im).collect();
+        // a pole without effect is known to its bandwidth
+        let idle_spreads: Vec<f64> = idle.iter().map(|pole| 2.0 * pole.im * pole.im).collect();
         let rejected = Grade::rejected(no_gain);
         let rejected = idle
             .iter()
-            .zip(&spreads)
+            .zip(&idle_spreads)
             .map(|idle| (idle, rejected.clone()));
         Self {
             damping: law,
@@ -116,12 +112,12 @@ impl Identified {
         }
     }
 
-    /// The most that a sure mode of the band would shift by under the other damping law,
-    /// in error bars.
+    /// Largest shift, in error bars, of a sure mode of the band under the other damping law.
     pub fn shift_by_other_law(&self) -> f64 {
-        let sure = self.poles.iter().filter(|pole| {
-            pole.grade.trust == Trust::Sure && self.work.in_band((pole.omega * pole.omega).into())
-        });
+        let sure = self
+            .poles
+            .iter()
+            .filter(|pole| pole.grade.trust == Trust::Sure && self.work.in_band(pole.lambda()));
         let shifts = sure.map(|pole| {
             shift(
                 pole.loss_factor,
@@ -132,15 +128,15 @@ impl Identified {
         shifts.filter(|shift| shift.is_finite()).fold(0.0, f64::max)
     }
 
-    /// Poles replaced by what structured refinement found for them; a mode seen only
-    /// there is graded by its error bar.
+    /// Replaces poles by those that structured refinement found. A mode that only this refinement
+    /// found is graded by its error bar.
     pub fn structured(mut self, structured: Structured) -> Self {
-        let (known, others): (Vec<Pole>, Vec<Pole>) = std::mem::take(&mut self.poles)
+        let (replaced, others): (Vec<Pole>, Vec<Pole>) = std::mem::take(&mut self.poles)
             .into_iter()
             .partition(|pole| structured.replaced.iter().any(|l| pole.is_at(*l)));
         for mut pole in others {
-            let known = |from: &&(Complex64, Option<Complex64>)| pole.is_at(from.0);
-            match structured.others.iter().find(known) {
+            let is_start = |from: &&(Complex64, Option<Complex64>)| pole.is_at(from.0);
+            match structured.others.iter().find(is_start) {
                 Some((_, None)) => continue,
                 Some((_, Some(to))) => pole.move_to(*to, self.damping),
                 None => {}
@@ -148,8 +144,8 @@ impl Identified {
             self.poles.push(pole);
         }
         for lambda in structured.added {
-            let broad = UncertainPole::of_lambda(lambda, [lambda.im.powi(2); 2]);
-            let mut pole = Pole::new(broad, Grade::SURE);
+            let uncertain = UncertainPole::of_lambda(lambda, [lambda.im.powi(2); 2]);
+            let mut pole = Pole::new(uncertain, Grade::SURE);
             pole.move_to(lambda, self.damping);
             self.poles.push(pole);
         }
@@ -161,14 +157,12 @@ impl Identified {
             );
             pole.move_to(found.lambda, self.damping);
             let unit = pole.residue_unit(self.damping);
-            let nearest = known.iter().min_by(|a, b| {
-                (a.lambda() - found.lambda)
-                    .norm()
-                    .total_cmp(&(b.lambda() - found.lambda).norm())
-            });
-            if let Some(nearest) = nearest.filter(|pole| {
-                pole.grade.trust != Trust::Sure
-                    && (pole.lambda() - found.lambda).norm() < found.lambda.im
+            let distance = |pole: &Pole| (pole.lambda() - found.lambda).norm();
+            let nearest = replaced
+                .iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            if let Some(nearest) = nearest.filter(|nearest| {
+                nearest.grade.trust != Trust::Sure && distance(nearest) < found.lambda.im
             }) {
                 pole.grade = nearest.grade.clone();
             }

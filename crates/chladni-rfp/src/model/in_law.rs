@@ -1,4 +1,4 @@
-//! Poles found in one damping law, taken to the other on the same columns.
+//! Poles found in one damping law, converted to the other on the same columns.
 
 use crate::damping::places::in_plane_of;
 use crate::damping::structural::POWERS;
@@ -10,9 +10,10 @@ use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
-/// The poles of `found` in the law asked for, refined there. `frfs`: number of FRFs if their
-/// residual is noise. The order is settled anew then: a pole that one law needs outside the
-/// band or beside its modes may be useless in the other.
+/// The poles of `found` in another law, refined there.
+///
+/// * `frfs`: number of FRFs if their residual is noise. Their number of poles is settled anew: a pole
+///   that one law needs outside the band or beside its modes may be useless in the other.
 ///
 /// # Errors
 /// A kernel that fails.
@@ -24,23 +25,22 @@ pub(crate) fn in_law(
     if found.work.law == law {
         return Ok(found);
     }
-    let there: Vec<(usize, Complex64)> = found
+    let converted: Vec<(usize, Complex64)> = found
         .refined
         .lambda
         .iter()
         .enumerate()
         .filter_map(|(n, pole)| Some((n, in_plane_of(law, *pole)?)))
         .collect();
-    let start: Vec<Complex64> = there.iter().map(|(_, pole)| *pole).collect();
+    let start: Vec<Complex64> = converted.iter().map(|(_, pole)| *pole).collect();
     let work = found.work.in_law(law);
-    let before = found.refined.projection.sse;
     let mut refined = match work.leakage.is_some() && frfs.is_none() {
         true => refine_inside(&work, &start, &POWERS, tol::FINE)?,
         false => refine(&work, &start, &POWERS, tol::FINE)?,
     };
     let Some(frfs) = frfs else {
-        let of = |n: usize| (found.grades[n].clone(), found.spread[n]);
-        let (grades, spread) = there.iter().map(|(n, _)| of(*n)).unzip();
+        let kept = |&(n, _): &(usize, Complex64)| (found.grades[n].clone(), found.spread[n]);
+        let (grades, spread) = converted.iter().map(kept).unzip();
         return Ok(PoleEstimate {
             grades,
             spread,
@@ -49,12 +49,12 @@ pub(crate) fn in_law(
             ..found
         });
     };
-    let freedom = (work.lines() * frfs) as f64;
-    let rise = |sse: f64| (sse - before) / freedom;
     let mut variance = found.variance;
     settle(&work, &mut refined, &mut variance, frfs, &mut Vec::new())?;
     refined = refine(&work, &refined.lambda, &POWERS, tol::FINE)?;
-    let variance = (found.variance + rise(refined.projection.sse)).max(f64::MIN_POSITIVE);
+    let rise = refined.projection.sse - found.refined.projection.sse;
+    let rise_of_variance = rise / (work.lines() * frfs) as f64;
+    let variance = (found.variance + rise_of_variance).max(f64::MIN_POSITIVE);
     let (grades, spread) = graded(&refined, &work, variance);
     Ok(PoleEstimate {
         grades,

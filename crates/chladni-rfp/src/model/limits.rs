@@ -83,6 +83,6 @@ pub(super) const TRACK_LOSS_STEP: f64 = 0.5;
 
 /// Part of an FRF's energy that the difference of such sums knows a residual to; less,
 /// and it is rounding.
-pub(super) const KNOWN: f64 = 1e-9;
+pub(super) const RESIDUAL_KNOWN: f64 = 1e-9;
 /// FRFs per block.
 pub(super) const RESIDUAL_ENERGY_BLOCK: usize = 256;

@@ -1,4 +1,4 @@
-//! Modes in SI units, scaled.
+//! Modes of the model, scaled and in SI units.
 
 use crate::data::layout::DataLayout;
 use crate::model::limits;
@@ -7,62 +7,72 @@ use crate::shapes::error_bars::ShapeBars;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
 use crate::validation::complexity::mpc;
-use chladni_frf::{ComplexVector, Damping, Finding, Mode, ReferenceUnit, Scaling, Trust};
+use chladni_frf::{ComplexVector, Damping, Dof, Finding, Mode, ReferenceUnit, Scaling, Trust};
 use ndarray::Array1;
 use num_complex::Complex64;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::FRAC_PI_2;
 
-/// Factor that takes a participation in work units to SI units of receptance residues.
-fn to_si(data: &DataLayout, damping: Damping, pole: &Pole) -> Complex64 {
-    // R = ω_max²(λ − x) × receptance
+/// Factor from a participation in work units to one in SI units of receptance residues.
+fn si_factor(data: &DataLayout, damping: Damping, pole: &Pole) -> Complex64 {
     let size = data.rms * data.omega_max.powi(2 - data.kind.omega_power());
     size * pole.residue_unit(damping)
 }
 
-/// Shape and participations of one term as the measured FRFs have them, weights undone.
-fn measured(
+/// Shape and participations of one term with the weights of FRFs undone.
+fn unweighted(
     data: &DataLayout,
     shapes: &Shapes,
     n: usize,
 ) -> (Array1<Complex64>, Array1<Complex64>) {
     let (shape, participation) = (shapes.shape.row(n), shapes.participation.row(n));
-    let of_responses = Array1::from_shape_fn(shape.len(), |i| shape[i] / data.weight(i, 0)[0]);
+    let of_response = |i| shape[i] / data.weight(i, 0)[0];
+    let of_reference = |j| participation[j] / data.weight(0, j)[1];
     (
-        of_responses,
-        Array1::from_shape_fn(participation.len(), |j| {
-            participation[j] / data.weight(0, j)[1]
-        }),
+        Array1::from_shape_fn(shape.len(), of_response),
+        Array1::from_shape_fn(participation.len(), of_reference),
     )
 }
 
-/// Response index, reference index, and the sign between their directions.
-type DrivingPoint = (usize, usize, f64);
+/// A response and a reference at one DOF.
+struct DrivingPoint {
+    response: usize,
+    reference: usize,
+    /// Sign between their directions.
+    sign: f64,
+}
 
-/// Scale of the shapes: of unit modal mass where the set has driving points and forces,
-/// one at the largest response otherwise.
+/// All driving points of the set.
+fn driving_points(data: &DataLayout) -> Vec<DrivingPoint> {
+    let of_response = |(i, r): (usize, &Dof)| {
+        let r = *r;
+        let references = data.references.iter().enumerate();
+        references
+            .filter(move |(_, f)| r.same_axis(**f))
+            .map(move |(j, f)| DrivingPoint {
+                response: i,
+                reference: j,
+                sign: r.direction.sign() * f.direction.sign(),
+            })
+    };
+    let responses = data.responses.iter().enumerate();
+    responses.flat_map(of_response).collect()
+}
+
+/// Scale of each shape: unit modal mass if the set has driving points and forces, else one at the
+/// largest response.
 pub(crate) fn scales(
     data: &DataLayout,
     damping: Damping,
     poles: &[Pole],
     shapes: &Shapes,
 ) -> (Vec<Scale>, Scaling) {
-    let references = || data.references.iter().enumerate();
-    let driving: Vec<DrivingPoint> = data
-        .responses
-        .iter()
-        .enumerate()
-        .flat_map(|(i, r)| {
-            references()
-                .filter(move |(_, f)| r.same_axis(**f))
-                .map(move |(j, f)| (i, j, r.direction.sign() * f.direction.sign()))
-        })
-        .collect();
-    let massed = !driving.is_empty() && data.reference_unit == ReferenceUnit::Newton;
+    let driving = driving_points(data);
+    let has_mass_scale = !driving.is_empty() && data.reference_unit == ReferenceUnit::Newton;
     let of_term = |n: usize| {
-        let (shape, participation) = measured(data, shapes, n);
-        let scale = match massed {
+        let (shape, participation) = unweighted(data, shapes, n);
+        let scale = match has_mass_scale {
             true => {
-                let si = to_si(data, damping, &poles[shapes.owner[n]]);
+                let si = si_factor(data, damping, &poles[shapes.owner[n]]);
                 of_unit_mass(data, &driving, &shape, &participation, si)
             }
             false => of_unit_largest(data, &shape),
@@ -73,18 +83,16 @@ pub(crate) fn scales(
             reference: Vec::new(),
         })
     };
-    (
-        (0..shapes.owner.len()).map(of_term).collect(),
-        if massed {
-            Scaling::UnitModalMass
-        } else {
-            Scaling::Unscaled
-        },
-    )
+    let scaling = match has_mass_scale {
+        true => Scaling::UnitModalMass,
+        false => Scaling::Unscaled,
+    };
+    ((0..shapes.owner.len()).map(of_term).collect(), scaling)
 }
 
-/// The scale of unit modal mass; `None` where the mode does not move at driving points.
-/// `si`: what takes the participation to SI units.
+/// The scale of unit modal mass; `None` if the mode does not move at driving points.
+///
+/// * `si`: factor from the participation to SI units
 fn of_unit_mass(
     data: &DataLayout,
     driving: &[DrivingPoint],
@@ -94,26 +102,32 @@ fn of_unit_mass(
 ) -> Option<Scale> {
     // t² = Σ sign·conj(s)·L / Σ|s|² makes shape·t and participation/t agree at the
     // driving points
-    let up: Complex64 = driving
-        .iter()
-        .map(|&(i, j, sign)| shape[i].conj() * participation[j] * si * sign)
-        .sum();
-    let down: f64 = driving.iter().map(|&(i, _, _)| shape[i].norm_sqr()).sum();
-    let factor = (up / down).sqrt();
-    let of_response =
-        |&(i, _, _): &DrivingPoint| (i, -0.5 * shape[i].conj() / (down * data.weight(i, 0)[0]));
-    let of_reference = |&(i, j, sign): &DrivingPoint| {
-        let over = 2.0 * down * factor * factor * data.weight(0, j)[1];
-        (j, sign * shape[i].conj() * si / over)
+    let product = |point: &DrivingPoint| {
+        shape[point.response].conj() * participation[point.reference] * si * point.sign
     };
-    (down > 0.0 && factor.norm() > 0.0).then(|| Scale {
+    let products: Complex64 = driving.iter().map(product).sum();
+    let square = |point: &DrivingPoint| shape[point.response].norm_sqr();
+    let squares: f64 = driving.iter().map(square).sum();
+    let factor = (products / squares).sqrt();
+    let of_response = |point: &DrivingPoint| {
+        let i = point.response;
+        let weight = data.weight(i, 0)[0];
+        (i, -0.5 * shape[i].conj() / (squares * weight))
+    };
+    let of_reference = |point: &DrivingPoint| {
+        let weight = data.weight(0, point.reference)[1];
+        let over = 2.0 * squares * factor * factor * weight;
+        let value = point.sign * shape[point.response].conj() * si / over;
+        (point.reference, value)
+    };
+    (squares > 0.0 && factor.norm() > 0.0).then(|| Scale {
         factor,
         response: driving.iter().map(of_response).collect(),
         reference: driving.iter().map(of_reference).collect(),
     })
 }
 
-/// The scale of one at the largest response; `None` where no response moves.
+/// The scale of one at the largest response; `None` if no response moves.
 fn of_unit_largest(data: &DataLayout, shape: &Array1<Complex64>) -> Option<Scale> {
     let (i, &largest) = shape
         .indexed_iter()
@@ -138,12 +152,12 @@ pub(crate) fn modes(
         .map(|n| {
             let pole = &poles[shapes.owner[n]];
             let factor = scales[n].factor;
-            let si = to_si(data, damping, pole);
-            let (shape, participation) = measured(data, shapes, n);
+            let si = si_factor(data, damping, pole);
+            let (shape, participation) = unweighted(data, shapes, n);
             let shape: Vec<Complex64> = shape.iter().map(|v| v * factor).collect();
             let participation = participation.iter().map(|v| v * si / factor).collect();
-            // a shape that is not known may be anything of its own size
-            let largest = norm_of_largest(&shape);
+            // an unknown error bar is stated as the size of the shape
+            let largest = shape.iter().map(|v| v.norm()).fold(0.0, f64::max);
             let deviation = |(i, v): (usize, &f64)| {
                 if v.is_finite() {
                     v / data.weight(i, 0)[0]
@@ -173,9 +187,11 @@ pub(crate) fn modes(
         .collect()
 }
 
-/// Widens the bars of a mass-scaled shape by a doubt of its scale; `widened`: by bar and size of
-/// a value. The bar of the scale takes what is added, in the mean over the shape, so that what is
-/// known of a shape beside its scale stays.
+/// Widens the error bars of a mass-scaled shape by a doubt about its scale. The error bar of the scale
+/// widens by the same variance, in the mean over the shape, so that the errors of the shape beside
+/// its scale stay.
+///
+/// * `widened`: the new error bar of a value, from the old one and the size of the value
 pub(crate) fn widen_scale(mode: &mut Mode, widened: impl Fn(f64, f64) -> f64) {
     let (mut added, mut power) = (0.0, 0.0);
     for (value, std) in mode.shape.0.iter().zip(&mut mode.shape_std) {
@@ -193,22 +209,23 @@ pub(crate) fn widen_scale(mode: &mut Mode, widened: impl Fn(f64, f64) -> f64) {
 }
 
 /// Relative error of the scale that turned phases suggest: √2 times the rms angle of the
-/// mass-normalised shapes of the band, without what their error bars explain. A sensor that
-/// is turned round turns shapes by 90 degrees and changes no size.
-pub(crate) fn turned(modes: &[Mode]) -> f64 {
-    let angle = |mode: &Mode| -> Option<f64> {
+/// mass-normalised shapes of the band, less the part that their error bars explain. A sensor with
+/// the wrong sign turns shapes by 90 degrees and changes no size, so angles are taken from the
+/// nearer axis.
+pub(crate) fn scale_error_by_turns(modes: &[Mode]) -> f64 {
+    let excess_square = |mode: &Mode| -> Option<f64> {
         let known = mode.scale_std.filter(|std| *std < limits::SCALE_TELLS)?;
         let squares: Complex64 = mode.shape.0.iter().map(|v| v * v).sum();
         let angle = 0.5 * squares.arg().abs();
         let square = angle.min(FRAC_PI_2 - angle).powi(2) - 0.5 * known.powi(2);
         mode.in_band.then_some(square.max(0.0))
     };
-    let squares: Vec<f64> = modes.iter().filter_map(angle).collect();
+    let squares: Vec<f64> = modes.iter().filter_map(excess_square).collect();
     let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
     (2.0 * mean).sqrt()
 }
 
-/// The reason that shapes have no absolute scale.
+/// The finding that shapes have no absolute scale.
 pub(crate) fn unscaled(unit: ReferenceUnit) -> Finding {
     match unit {
         ReferenceUnit::Volt => Finding::note(
@@ -224,7 +241,7 @@ pub(crate) fn unscaled(unit: ReferenceUnit) -> Finding {
     }
 }
 
-/// The finding of a band without a mode, or without a sure one.
+/// The finding that the band has no mode, or no sure one.
 pub(crate) fn few_modes(modes: &[Mode]) -> Option<Finding> {
     let mut inside = modes.iter().filter(|mode| mode.counts()).peekable();
     if inside.peek().is_none() {
@@ -238,12 +255,12 @@ pub(crate) fn few_modes(modes: &[Mode]) -> Option<Finding> {
     })
 }
 
-/// Modes of the band whose driving points say nothing of their scale.
+/// The finding of modes of the band whose driving points do not determine their scale.
 pub(crate) fn scale_unknown<'a>(
     data: &DataLayout,
     poles: impl Iterator<Item = &'a Pole>,
 ) -> Option<Finding> {
-    let hz = data.omega_max / TAU;
+    let hz = data.hz();
     let inside = poles
         .map(|pole| pole.omega * hz)
         .filter(|f| (data.band_hz[0]..=data.band_hz[1]).contains(f));
@@ -263,7 +280,7 @@ pub(crate) fn scale_unknown<'a>(
     })
 }
 
-/// A rejected pole as it is listed: no shape, no part in the synthesis.
+/// A rejected pole as models list it: its shape is zero, so that it takes no part in the synthesis.
 pub(crate) fn rejected_mode(data: &DataLayout, pole: &Pole) -> Mode {
     let zeros = |count| ComplexVector(vec![Complex64::default(); count]);
     let (responses, references) = (data.responses.len(), data.references.len());
@@ -276,12 +293,8 @@ pub(crate) fn rejected_mode(data: &DataLayout, pole: &Pole) -> Mode {
     )
 }
 
-fn norm_of_largest(shape: &[Complex64]) -> f64 {
-    shape.iter().map(|v| v.norm()).fold(0.0, f64::max)
-}
-
 /// A pole in Hz with its shape. An unknown standard deviation is stated as the width of the
-/// band. (JSON has no infinity, and readers expect a number.)
+/// band, for JSON has no infinity and readers expect a number.
 fn mode(
     data: &DataLayout,
     pole: &Pole,
@@ -289,7 +302,7 @@ fn mode(
     shape_std: Vec<f64>,
     participation: ComplexVector,
 ) -> Mode {
-    let hz = data.omega_max / TAU;
+    let hz = data.hz();
     let frequency_hz = pole.omega * hz;
     let width_hz = data.band_hz[1] - data.band_hz[0];
     Mode {
@@ -298,7 +311,7 @@ fn mode(
         loss_factor: pole.loss_factor,
         loss_factor_std: pole.loss_factor_std.min(limits::LOSS_FACTOR_UNKNOWN),
         damping_ratio: 0.5 * pole.loss_factor,
-        in_band: frequency_hz >= data.band_hz[0] && frequency_hz <= data.band_hz[1],
+        in_band: (data.band_hz[0]..=data.band_hz[1]).contains(&frequency_hz),
         trust: pole.grade.trust,
         reasons: pole.grade.reasons.clone().into(),
         mpc: mpc(&shape.0),

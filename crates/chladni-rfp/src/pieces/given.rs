@@ -44,6 +44,6 @@ pub fn residues(
         given.on(projected.work, Some(projected.back))?
     };
     let shaped = Shaped::new(&data, given)?;
-    let left = shaped.left(&data);
-    Ok(shaped.model(&data, &options, &left))
+    let residual_energy = shaped.residual_energy(&data);
+    Ok(shaped.model(&data, &options, &residual_energy))
 }
