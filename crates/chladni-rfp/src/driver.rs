@@ -194,7 +194,7 @@ pub(crate) fn walk<S: Source>(
         Weights::OfResidual | Weights::None => None,
     };
     let given = given.and_then(|(noise, giver)| {
-        let weights = PairWeights::of_given(&data, &noise)?;
+        let weights = PairWeights::by_noise(&data, &noise)?;
         Some((weights, Some(giver)))
     });
     let mut fitted = match given {
@@ -259,7 +259,7 @@ fn checked<S: Source>(
     residual: Residual,
     model: &mut ModalModel,
 ) {
-    model.quality.findings.extend(outliers::words(fitted));
+    model.quality.findings.extend(outliers::finding(fitted));
     let noise = noise_variance(fitted, seen, model.quality.relative_error);
     examine(
         fitted,

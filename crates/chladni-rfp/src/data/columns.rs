@@ -1,10 +1,9 @@
-//! The data as the pole finders see them: receptance-like columns in the plane x =
-//! ω²/ω_max² (theory.md, eq. 5).
+//! The data in the form that pole finders take: columns of receptance in the plane x = ω²/ω_max²
+//! (theory.md, eq. 5).
 //!
-//! A structural mode contributes R/(λ − x) with λ = x_n(1 + jη_n): each pole counts once,
-//! without its conjugate, and every derivative is complex-analytic. The weight g turns
-//! receptance back into the measured kind, so that residuals are those of the measurement
-//! and white noise stays white.
+//! A structural mode contributes R/(λ − x) with λ = x_n(1 + jη_n): each pole occurs once, without its
+//! conjugate, and every derivative is complex-analytic. The weight g turns receptance back into the
+//! measured kind. So residuals are those of the measurement, and white noise stays white.
 
 use crate::data::inner_products::sum_of_squares;
 use crate::data::window::leakage::LeakingLines;
@@ -20,11 +19,11 @@ pub(crate) struct Columns {
     pub x: Vec<f64>,
     /// Weight of receptance per line: |jω|^p normalised, times the line's 1/σ.
     pub g: Vec<f64>,
-    /// Data, weighted alike; axes (line, column), column-major.
+    /// Data with the same weights; axes (line, column), column-major.
     pub b: Array2<Complex64>,
     /// The law that poles follow: see [`crate::damping::columns`].
     pub law: Damping,
-    /// Effect of records and windows on the columns of poles, where it is known.
+    /// Effect of records and windows on the columns of poles, if it is known.
     pub leakage: Option<LeakingLines>,
 }
 
@@ -37,7 +36,7 @@ impl Columns {
     pub fn columns(&self) -> usize {
         self.b.ncols()
     }
-    /// Line spacing around x: the distance of its neighbours, halved at the ends.
+    /// Line spacing around x.
     pub fn spacing(&self, x: f64) -> f64 {
         let n = self.x.len();
         if n < 2 {
@@ -53,7 +52,7 @@ impl Columns {
             self.x.last().copied().unwrap_or(0.0),
         )
     }
-    /// True where the pole's natural frequency lies between the first and the last line.
+    /// True if the pole's natural frequency lies between the first and the last line.
     pub fn in_band(&self, lambda: Complex64) -> bool {
         let (low, high) = self.range();
         lambda.re >= low && lambda.re <= high
@@ -62,8 +61,7 @@ impl Columns {
     pub fn energy(&self) -> f64 {
         sum_of_squares(&self.b)
     }
-    /// Lines first..last around x that lie within `half_widths` half-bandwidths of the
-    /// pole, at least `least` on both sides.
+    /// The lines within `half_widths` half-bandwidths of the pole, at least `least` on both sides.
     pub fn window(&self, lambda: Complex64, half_widths: f64, least: usize) -> Range<usize> {
         let reach = half_widths * lambda.im.abs();
         let centre = self.x.partition_point(|v| *v < lambda.re);
@@ -91,7 +89,7 @@ impl Columns {
     pub fn in_law(self, law: Damping) -> Self {
         Self { law, ..self }
     }
-    /// Lines of records whose first 1/`factor` alone holds samples.
+    /// The same data, of records that hold samples in their first 1/`factor` alone.
     pub fn of_padded(self, factor: usize) -> Self {
         let leakage = self.leakage.map(|leaking| leaking.padded(factor));
         Self { leakage, ..self }
@@ -107,7 +105,7 @@ impl Columns {
             g: self.g[rows.clone()].to_vec(),
             b: Array2::zeros((rows.len(), 0)),
             law: self.law,
-            leakage: self.leaking(rows),
+            leakage: self.leakage_on(rows),
         }
     }
     /// Only the given lines.
@@ -121,11 +119,11 @@ impl Columns {
             g: lines.iter().map(|&k| self.g[k]).collect(),
             b,
             law: self.law,
-            leakage: self.leaking(lines.iter().copied()),
+            leakage: self.leakage_on(lines.iter().copied()),
         }
     }
     /// A stretch of lines.
-    pub fn rows(&self, rows: std::ops::Range<usize>) -> Self {
+    pub fn rows(&self, rows: Range<usize>) -> Self {
         let mut b = Array2::zeros((rows.len(), self.columns()).f());
         b.assign(&self.b.slice(ndarray::s![rows.clone(), ..]));
         Self {
@@ -133,19 +131,19 @@ impl Columns {
             g: self.g[rows.clone()].to_vec(),
             b,
             law: self.law,
-            leakage: self.leaking(rows),
+            leakage: self.leakage_on(rows),
         }
     }
-    fn leaking(&self, lines: impl Iterator<Item = usize>) -> Option<LeakingLines> {
+    fn leakage_on(&self, lines: impl Iterator<Item = usize>) -> Option<LeakingLines> {
         Some(self.leakage.as_ref()?.select(lines))
     }
-    /// Rows multiplied by `weights`, in the data and in g.
+    /// The same data with each line multiplied by its weight.
     pub fn reweighted(&self, weights: &[f64]) -> Self {
         let mut out = self.clone();
         out.weigh(weights);
         out
     }
-    /// The same in place; nothing changes where there are no weights.
+    /// Multiplies data and g of each line by its weight. Empty `weights` change nothing.
     pub fn weigh(&mut self, weights: &[f64]) {
         for (k, &w) in weights.iter().enumerate() {
             self.g[k] *= w;
@@ -154,12 +152,12 @@ impl Columns {
     }
 }
 
-/// Mean of |row|² over the columns, per line.
+/// Mean square over the columns, of each line.
 pub(crate) fn line_energy(b: &Array2<Complex64>) -> Array1<f64> {
     let mut energy = Array1::zeros(b.nrows());
     for column in b.columns() {
-        for (e, v) in energy.iter_mut().zip(column) {
-            *e += v.norm_sqr();
+        for (sum, value) in energy.iter_mut().zip(column) {
+            *sum += value.norm_sqr();
         }
     }
     energy / b.ncols().max(1) as f64

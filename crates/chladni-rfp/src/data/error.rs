@@ -7,7 +7,7 @@ use chladni_frf::{Error as FileError, ErrorKind};
 use chladni_linalg::LinalgError;
 use std::fmt;
 
-/// A fit that cannot be done. A fit that was done but cannot be trusted is no error: see
+/// The reason that a fit cannot be done. A fit that was done but cannot be trusted is no error: see
 /// the result's quality.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

@@ -1,5 +1,5 @@
-//! FRFs that lack values on some lines. A line serves a fit only where every FRF has it, so each of
-//! them costs lines; where it costs more values than it brings, it is left out.
+//! FRFs that lack values on some lines. A fit uses only lines that every FRF has, so each of them
+//! costs lines. It is left out if it costs more values than it brings.
 
 use crate::data::limits;
 use std::collections::BTreeSet;
@@ -9,15 +9,15 @@ use std::ops::Range;
 pub(crate) struct Incomplete<'a> {
     /// Response and reference.
     pub pair: (usize, usize),
-    /// True for a driving point: it gives modes their scale, and stays.
+    /// True for a driving point, which is never left out: it gives modes their scale.
     pub driving_point: bool,
-    /// Lines (positions) without one.
+    /// Lines (positions) without a value.
     pub rows: &'a [Range<usize>],
 }
 
-/// Those of `incomplete` that are to be left out, so that as many values as possible are left:
-/// lines that all others have, times these. The ones that lack most go first. No response and no
-/// reference loses its last FRF, and an FRF that lacks few lines stays.
+/// The FRFs of `incomplete` to leave out, so that as many values as possible stay: FRFs times lines
+/// that they all have. FRFs that lack most lines go first. No response and no reference loses its
+/// last FRF, and an FRF that lacks few lines stays.
 ///
 /// * `pairs`: all FRFs
 /// * `lines`: their number
@@ -26,24 +26,28 @@ pub(crate) fn left_out(
     incomplete: &[Incomplete],
     lines: usize,
 ) -> BTreeSet<(usize, usize)> {
-    let dofs = |of: fn(&(usize, usize)) -> usize| {
-        let mut frfs = vec![0; pairs.iter().map(|pair| of(pair) + 1).max().unwrap_or(0)];
-        pairs.iter().for_each(|pair| frfs[of(pair)] += 1);
+    let count_frfs = |dof: fn(&(usize, usize)) -> usize| {
+        let mut frfs = vec![0; pairs.iter().map(|pair| dof(pair) + 1).max().unwrap_or(0)];
+        pairs.iter().for_each(|pair| frfs[dof(pair)] += 1);
         frfs
     };
-    let (mut of_response, mut of_reference) = (dofs(|pair| pair.0), dofs(|pair| pair.1));
+    let mut frfs_of_response = count_frfs(|pair| pair.0);
+    let mut frfs_of_reference = count_frfs(|pair| pair.1);
     let lacking = |frf: &Incomplete| frf.rows.iter().map(Range::len).sum::<usize>();
     let mut by_gaps: Vec<(usize, &Incomplete)> =
         incomplete.iter().map(|frf| (lacking(frf), frf)).collect();
     by_gaps.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.pair.cmp(&b.1.pair)));
     let mut order = Vec::new();
-    // how many of `order` must go before a line is whole
+    // for each line, the number of FRFs in `order` that must go before all others have it
     let mut needed = vec![0; lines];
     for (lacking, frf) in by_gaps {
         let pair = frf.pair;
-        let (responses, references) = (&mut of_response[pair.0], &mut of_reference[pair.1]);
+        let (responses, references) = (
+            &mut frfs_of_response[pair.0],
+            &mut frfs_of_reference[pair.1],
+        );
         let many = lacking as f64 > limits::LINES_LOST * lines as f64;
-        let own = match many && !frf.driving_point && *responses > 1 && *references > 1 {
+        let position = match many && !frf.driving_point && *responses > 1 && *references > 1 {
             true => {
                 *responses -= 1;
                 *references -= 1;
@@ -53,17 +57,17 @@ pub(crate) fn left_out(
             false => usize::MAX,
         };
         let rows = frf.rows.iter().cloned().flatten();
-        rows.for_each(|row| needed[row] = own.max(needed[row]));
+        rows.for_each(|row| needed[row] = position.max(needed[row]));
     }
-    let mut freed = vec![0; order.len() + 1];
-    let within = needed.into_iter().filter(|needed| *needed <= order.len());
-    within.for_each(|needed| freed[needed] += 1);
-    let (mut whole, mut most, mut best) = (0, 0, 0);
-    for (gone, freed) in freed.into_iter().enumerate() {
-        whole += freed;
-        let values = whole * (pairs.len() - gone);
-        if values > most {
-            (most, best) = (values, gone);
+    let mut freed_lines = vec![0; order.len() + 1];
+    let can_be_whole = needed.into_iter().filter(|needed| *needed <= order.len());
+    can_be_whole.for_each(|needed| freed_lines[needed] += 1);
+    let (mut whole_lines, mut most_values, mut best) = (0, 0, 0);
+    for (gone, freed) in freed_lines.into_iter().enumerate() {
+        whole_lines += freed;
+        let values = whole_lines * (pairs.len() - gone);
+        if values > most_values {
+            (most_values, best) = (values, gone);
         }
     }
     order.into_iter().take(best).collect()

@@ -1,6 +1,6 @@
-//! Covariances from information matrices, and normal equations, where the data do not determine
-//! some directions: these have an infinite variance, or no part in the answer, and no fit stops
-//! for them.
+//! Covariances from information matrices, and normal equations, even if the data do not determine
+//! some directions. These get an infinite variance, or no part in the solution; no fit stops for
+//! them.
 
 use crate::data::limits;
 use crate::tolerances as tol;
@@ -10,85 +10,84 @@ use chladni_linalg::{
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 use num_complex::Complex64;
 
-/// Inverse of a Hermitian information matrix. Unknowns that the data do not tell have an
+/// Inverse of a Hermitian information matrix. Unknowns that the data do not determine have an
 /// infinite variance and no covariance.
 pub(crate) fn covariance<T: Scalar>(information: ArrayView2<T>) -> Array2<T> {
     inverse_hermitian(information)
         .ok()
         .filter(|inverse| inverse.iter().all(Scalar::is_finite_value))
-        .or_else(|| Some(Informed::by(information).ok()?.covariance()))
+        .or_else(|| Some(Determined::new(information).ok()?.covariance()))
         .unwrap_or_else(|| Array2::from_diag_elem(information.nrows(), T::of_real(f64::INFINITY)))
 }
 
-/// Solution of normal equations; directions that the matrix does not tell have no part in
-/// it.
+/// Solution of normal equations. Directions that the matrix does not determine have no part in it.
 ///
 /// # Errors
-/// A matrix that is no number.
+/// A matrix with a value that is not finite.
 pub(crate) fn answer<T: Scalar>(
     matrix: ArrayView2<T>,
     right: ArrayView2<T>,
 ) -> Result<Array2<T>, LinalgError> {
     let solved = solve_hermitian(matrix, right).ok();
-    match solved.filter(|answer| answer.iter().all(Scalar::is_finite_value)) {
-        Some(answer) => Ok(answer),
+    match solved.filter(|solution| solution.iter().all(Scalar::is_finite_value)) {
+        Some(solution) => Ok(solution),
         None => {
-            let root = Informed::by(matrix)?.root;
+            let root = Determined::new(matrix)?.root;
             Ok(matmul_h(root.view(), matmul(root.view(), right).view()))
         }
     }
 }
 
-/// Coefficients of columns from R and Qᴴb of their QR; columns that are alike share theirs.
+/// Coefficients of columns from R and Qᴴb of their QR. Equal columns share theirs evenly.
 ///
 /// # Errors
 /// As [`answer`].
 pub(crate) fn coefficients<T: Scalar>(
     r: ArrayView2<T>,
-    along: ArrayView2<T>,
+    qb: ArrayView2<T>,
 ) -> Result<Array2<T>, LinalgError> {
-    let solved = solve_upper(r, along).ok();
+    let solved = solve_upper(r, qb).ok();
     match solved.filter(|all| all.iter().all(Scalar::is_finite_value)) {
         Some(solved) => Ok(solved),
-        None => answer(matmul_h(r, r).view(), matmul_h(r, along).view()),
+        None => answer(matmul_h(r, r).view(), matmul_h(r, qb).view()),
     }
 }
 
-/// The directions that an information matrix tells.
-struct Informed<T> {
+/// The directions that an information matrix determines.
+struct Determined<T> {
     /// (direction, unknown): the inverse on these directions is rootᴴ·root.
     root: Array2<T>,
-    /// False for unknowns with a part in other directions.
+    /// False for unknowns with a part in undetermined directions.
     known: Vec<bool>,
 }
 
-impl<T: Scalar> Informed<T> {
-    /// By the eigenvectors of the matrix brought to a unit diagonal.
-    fn by(matrix: ArrayView2<T>) -> Result<Self, LinalgError> {
+impl<T: Scalar> Determined<T> {
+    /// Uses the eigenvectors of the matrix, scaled to a unit diagonal.
+    fn new(matrix: ArrayView2<T>) -> Result<Self, LinalgError> {
         let n = matrix.nrows();
-        let size: Vec<f64> = matrix
+        let scale: Vec<f64> = matrix
             .diag()
             .iter()
-            .map(|own| own.modulus().sqrt().recip())
-            .map(|size| if size.is_finite() { size } else { 0.0 })
+            .map(|value| value.modulus().sqrt().recip())
+            .map(|scale| if scale.is_finite() { scale } else { 0.0 })
             .collect();
-        let even = Array2::from_shape_fn((n, n), |(a, b)| {
-            matrix[[a, b]] * T::of_real(size[a] * size[b])
+        let unit_diagonal = Array2::from_shape_fn((n, n), |(a, b)| {
+            matrix[[a, b]] * T::of_real(scale[a] * scale[b])
         });
-        let (values, vectors) = eigh(even.view())?;
-        let (told, dark): (Vec<usize>, Vec<usize>) =
+        let (values, vectors) = eigh(unit_diagonal.view())?;
+        let (determined, others): (Vec<usize>, Vec<usize>) =
             (0..n).partition(|&c| values[c] > tol::UNINFORMED);
         let known = |a: usize| {
             let part = |&c: &usize| vectors[[a, c]].modulus().powi(2);
-            size[a] > 0.0 && dark.iter().map(part).sum::<f64>() < limits::IN_THE_DARK
+            scale[a] > 0.0 && others.iter().map(part).sum::<f64>() < limits::IN_THE_DARK
         };
-        let sizes = Array2::from_shape_fn((n, n), |(a, b)| {
-            T::of_real(if a == b { size[a] } else { 0.0 })
+        let scales = Array2::from_shape_fn((n, n), |(a, b)| {
+            T::of_real(if a == b { scale[a] } else { 0.0 })
         });
-        let mut root = matmul_h(vectors.select(Axis(1), &told).view(), sizes.view());
+        let mut root = matmul_h(vectors.select(Axis(1), &determined).view(), scales.view());
         root.rows_mut()
             .into_iter()
-            .zip(&told)
+            .zip(&determined)
             .for_each(|(mut row, &c)| row.mapv_inplace(|v| v.divided_by(values[c].sqrt())));
         Ok(Self {
             root,
@@ -107,17 +106,20 @@ impl<T: Scalar> Informed<T> {
     }
 }
 
-/// Share of an error of each line that stays in the residual: the fit takes the rest
-/// along (leverage; MacKinnon & White 1985, HC3). An error common to all FRFs moves the
-/// poles too, so their derivatives count.
+/// Share of an error of each line that stays in the residual; the fit absorbs the rest (leverage;
+/// MacKinnon & White 1985, HC3). An error common to all FRFs moves the poles too, so the derivatives
+/// by the poles count.
+///
+/// * `q`: orthonormal basis of the model, (line, m)
+/// * `derivative`: by the poles, (line, pole)
 pub(crate) fn kept_share(q: &Array2<Complex64>, derivative: &Array2<Complex64>) -> Vec<f64> {
     let energy = |v: ArrayView1<Complex64>| v.iter().map(|c| c.norm_sqr()).sum::<f64>();
-    let columns: Vec<f64> = derivative.columns().into_iter().map(energy).collect();
+    let derivative_energy: Vec<f64> = derivative.columns().into_iter().map(energy).collect();
     let of_poles = |k: usize| {
         derivative
             .row(k)
             .iter()
-            .zip(&columns)
+            .zip(&derivative_energy)
             .map(|(d, all)| d.norm_sqr() / all)
             .sum::<f64>()
     };

@@ -1,5 +1,5 @@
-//! Inner products of matrices that lie column after column in memory. Taken row by row they
-//! would last many times as long.
+//! Inner products of matrices that lie column after column in memory. Row by row they would take
+//! many times as long.
 
 use crate::data::reading::squares;
 use ndarray::{Array2, ArrayView2};

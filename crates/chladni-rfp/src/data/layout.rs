@@ -1,5 +1,5 @@
-//! The data without their values: lines, FRFs, scale. All that comes after the passes
-//! over the data needs no more.
+//! The data without their values: lines, FRFs, scale. The steps after the passes over the data need
+//! no more.
 
 use crate::data::columns::Columns;
 use crate::data::limits;
@@ -53,49 +53,48 @@ pub(crate) struct DataLayout {
     pub g: Vec<f64>,
     /// The law that poles are sought in.
     pub law: Damping,
-    /// The window of the records, where it is known.
+    /// The window of the records, if it is known.
     pub window: Option<Window>,
-    /// Length of records, s, if the set says that they are blows under a Hann window: the
-    /// columns of the fit do not have that line shape.
+    /// Length of the records, s, if the set says that they are blows under a Hann window. The fit has
+    /// no columns with that line shape.
     pub hann_on_blows_s: Option<f64>,
-    /// True where the set says that local fits made it of a force that does not suit them.
+    /// True if the set says that a local method estimated it from a force that does not suit it.
     pub local_on_smooth_force: bool,
-    /// FRFs are means of H2 or Hv.
+    /// True if the FRFs are means of H2 or Hv.
     pub unlike_h1: bool,
-    /// Part of a record that holds samples, s; 0 where it is not known.
+    /// Part of a record that holds samples, s; 0 if it is not known.
     pub record_s: f64,
-    /// Its effect on the columns of poles; `None` where it has none.
+    /// Effect of the window on the columns of poles; `None` if there is none.
     pub leakage: Option<Arc<Leakage>>,
-    /// Errors that neighbouring lines share; `None` if they share none, or that is not known.
+    /// Errors that neighbouring lines share; `None` if they share none, or this is not known.
     pub errors: Option<Arc<BlockErrors>>,
-    /// Variance of lines, where the set tells it and errors of lines are independent; else
-    /// empty.
+    /// Variance of lines, if the set gives it and errors of lines are independent; else empty.
     pub line_variance: LineVariance,
-    /// The data left out, in words.
+    /// Findings on data that were left out.
     pub warnings: Vec<Finding>,
     /// Effort spent on finding poles.
     pub effort: Effort,
-    /// Sum of squares of each pair on these lines, in SI units of the kind; empty where
+    /// Sum of squares of each pair on these lines, in SI units of the kind; empty if
     /// it is not known.
     pub energy: Arc<[f64]>,
-    /// The weighting, where the data used are the measurement weighted by its noise.
+    /// The weighting, if the data used are the measurement weighted by its noise.
     pub weighting: Option<Weighting>,
     /// Weights that may be tried after these.
     pub weights_left: Weights,
     /// Outlier lines left out, Hz.
     pub dropped_hz: Vec<f64>,
-    /// Rounds of leaving them out.
+    /// Number of rounds in which outlier lines were left out.
     pub outlier_rounds: usize,
 }
 
-/// The way back from weighted data to the measured ones.
+/// Weights of the data, and the scale of the measured data.
 #[derive(Debug, Clone)]
 pub(crate) struct Weighting {
     /// Factors on the FRFs.
     pub weights: PairWeights,
     /// Root mean square of the FRFs as they were measured.
     pub rms: f64,
-    /// Their source; `None`: the residual of a fit without weights.
+    /// Source of the noise; `None`: the residual of a fit without weights.
     pub giver: Option<Giver>,
 }
 
@@ -111,7 +110,7 @@ impl Weighting {
 }
 
 impl DataLayout {
-    /// Of the lines of `frf` with these indices and no pairs yet, scale 1.
+    /// Layout of the lines of `frf` with these indices, without pairs and with scale 1.
     ///
     /// * `band_hz`: as asked for; it is narrowed to the lines
     pub fn new(
@@ -132,7 +131,7 @@ impl DataLayout {
         }
     }
 
-    /// Of the lines of an axis with these indices, without DOFs.
+    /// Layout of the lines of an axis with these indices, without DOFs.
     pub fn on_lines(
         frequency_hz: ArrayView1<f64>,
         kind: FrfKind,
@@ -188,11 +187,11 @@ impl DataLayout {
         layout
     }
 
-    /// Records under `window`, as `made` or, where that is not known, of the inverse of the
-    /// line spacing.
+    /// With the window and the length of the records.
     ///
-    /// * `decay_per_s`: of an exponential window that is known
+    /// * `decay_per_s`: of an exponential window
     /// * `record_s`: part of a record that holds samples
+    /// * `made`: the estimation of the FRFs, if the set describes it
     pub fn windowed(
         self,
         window: Option<Window>,
@@ -220,28 +219,28 @@ impl DataLayout {
         }
     }
 
-    /// True where records do not last as long as the distance of lines says: padded, or of lines that
-    /// were thinned.
+    /// True if the length of the records differs from the inverse of the line spacing: they were
+    /// padded, or lines were thinned.
     pub fn is_padded(&self) -> bool {
-        let lengths = self.record_s * self.line_spacing_hz();
-        (lengths - 1.0).abs() > limits::OTHER_LENGTH
+        let cycles_per_spacing = self.record_s * self.line_spacing_hz();
+        (cycles_per_spacing - 1.0).abs() > limits::OTHER_LENGTH
     }
 
     /// Only the lines at `kept` (positions among those used); the scale stays.
     pub fn select(&self, kept: &[usize]) -> Self {
-        let of = |values: &[f64]| kept.iter().map(|&place| values[place]).collect();
+        let select = |values: &[f64]| kept.iter().map(|&place| values[place]).collect();
         Self {
             lines: kept.iter().map(|&place| self.lines[place]).collect(),
-            line_hz: of(&self.line_hz),
-            x: of(&self.x),
-            g: of(&self.g),
-            line_variance: self.line_variance.map(of),
+            line_hz: select(&self.line_hz),
+            x: select(&self.x),
+            g: select(&self.g),
+            line_variance: self.line_variance.map(select),
             energy: Arc::default(),
             ..self.clone()
         }
     }
 
-    /// With the variances that the set tells of its lines.
+    /// With the variance of lines that the set gives.
     pub fn with_line_variance(self, line_variance: Option<LineVariance>) -> Self {
         let Some(line_variance) = line_variance else {
             return self;
@@ -260,18 +259,19 @@ impl DataLayout {
             .unwrap_or(1.0)
     }
 
-    /// Variance of the errors of the line at x over the power of its FRFs, where it is known.
+    /// Variance of the errors of the line at x over the power of its FRFs, if it is known.
     pub fn share_at(&self, x: f64) -> Option<f64> {
         self.nearest(&self.line_variance.over_power, x)
     }
 
-    /// Part of the variance that FRFs share by the way they were estimated, on a line where it
-    /// is this `share` of their power.
+    /// Part of the variance that FRFs share by the way they were estimated.
+    ///
+    /// * `share`: variance over power of the FRFs on this line
     pub fn shared_part(&self, share: f64) -> f64 {
         self.line_variance.shared_at(share)
     }
 
-    /// The value of the line next to x; `None` without values.
+    /// The value of the line nearest to x; `None` without values.
     fn nearest(&self, values: &[f64], x: f64) -> Option<f64> {
         let last = values.len().checked_sub(1)?;
         let after = self.x.partition_point(|other| *other < x).min(last);
@@ -280,20 +280,20 @@ impl DataLayout {
         Some(values[if nearer { after } else { before }])
     }
 
-    /// Without the lines at `places` (among those used), which are outliers; and where the
-    /// others stood.
+    /// Without the lines at `places` (among those used), which are outliers; with the places of the
+    /// other lines.
     pub fn without(&self, places: &[usize]) -> (Self, Vec<usize>) {
         let kept: Vec<usize> = (0..self.lines.len())
             .filter(|place| !places.contains(place))
             .collect();
-        let mut left = self.select(&kept);
-        left.dropped_hz
+        let mut rest = self.select(&kept);
+        rest.dropped_hz
             .extend(places.iter().map(|&place| self.line_hz[place]));
-        left.outlier_rounds += 1;
-        (left, kept)
+        rest.outlier_rounds += 1;
+        (rest, kept)
     }
 
-    /// Usual distance of neighbouring lines, Hz: the median, which gaps do not move.
+    /// Median distance of neighbouring lines, Hz.
     pub fn line_spacing_hz(&self) -> f64 {
         let mut gaps: Vec<f64> = self
             .line_hz
@@ -304,7 +304,7 @@ impl DataLayout {
         gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
     }
 
-    /// Mean square of the data, where the energies are known.
+    /// Mean square of the data, if the energies are known.
     pub fn mean_square(&self) -> f64 {
         self.energy.iter().sum::<f64>() / (self.lines.len() * self.pairs.len()) as f64
     }
@@ -314,7 +314,7 @@ impl DataLayout {
         self.omega_max / TAU
     }
 
-    /// Factor on FRFs of response i and of reference j.
+    /// Weights of response i and of reference j.
     pub fn weight(&self, i: usize, j: usize) -> [f64; 2] {
         self.weighting.as_ref().map_or([1.0; 2], |weighting| {
             [
@@ -324,7 +324,7 @@ impl DataLayout {
         })
     }
 
-    /// The product of both.
+    /// Weight of an FRF: the product of both.
     pub fn weight_of(&self, (i, j): (usize, usize)) -> f64 {
         self.weight(i, j).iter().product()
     }
@@ -344,8 +344,8 @@ impl DataLayout {
         }
     }
 
-    /// Factor that takes a measured value to a work value: the kind's phase undone, unit
-    /// rms.
+    /// Factor from a measured value to a work value: it undoes the phase of the kind, and brings the
+    /// rms to one.
     pub fn factor(&self) -> Complex64 {
         let phase = self.kind.from_receptance(1.0);
         phase.conj() / (phase.norm() * self.rms)
@@ -358,13 +358,13 @@ impl DataLayout {
 
     /// The lines used with data, (line, column).
     pub fn columns(&self, b: Array2<Complex64>) -> Columns {
-        let leaking = |leakage: &Arc<Leakage>| LeakingLines::new(leakage.clone(), &self.x);
+        let on_lines = |leakage: &Arc<Leakage>| LeakingLines::new(leakage.clone(), &self.x);
         Columns {
             x: self.x.clone(),
             g: self.g.clone(),
             b,
             law: self.law,
-            leakage: self.leakage.as_ref().map(leaking),
+            leakage: self.leakage.as_ref().map(on_lines),
         }
     }
 }

@@ -1,42 +1,42 @@
-//! Every constant of this room: meaning, unit, where it comes from, and what happens at other
-//! values where that was tried.
+//! Every constant of this room: meaning, unit, origin, and the effect of other values if they were
+//! tried.
 //!
-//! A value without an origin is judgement: nobody has calibrated it.
+//! A value without an origin is judgement; it was not calibrated.
 
 // incomplete.rs
 
-/// Part of the lines that gaps may cost before this is a caution, and from which on an FRF may be
-/// left out for its own: modes of a part of the band may be lost then.
+/// Part of the lines that gaps may cost without a caution. An FRF whose own gaps cost more may be left
+/// out. Beyond it modes of a part of the band may be lost.
 pub(super) const LINES_LOST: f64 = 0.1;
 
 // information.rs
 
-/// Part of an unknown (its square) in directions without information from which on it is
-/// not known. Rounding of the eigenvectors reaches 1e-12.
+/// Part (square) of an unknown in directions without information, from which the unknown is not
+/// determined. Rounding of the eigenvectors reaches 1e-12.
 pub(super) const IN_THE_DARK: f64 = 1e-6;
-/// Least share of an error of a line that counts as left in the residual: a line that is all
-/// but interpolated says nothing of its own error.
+/// Least share of an error of a line that counts as staying in the residual: a line that the model
+/// interpolates shows nothing of its own error.
 pub(super) const LEAST_KEPT: f64 = 0.1;
 
 // layout.rs
 
-/// Relative difference of the record length from the inverse of the line spacing, from which on
-/// records have another line shape: rounding of the axis is far below it.
+/// Relative difference of the record length from the inverse of the line spacing, from which
+/// records count as padded. Rounding of the axis is far below it.
 pub(super) const OTHER_LENGTH: f64 = 0.01;
 
 // line_variance.rs
 
-/// Part that the denominator of the local rational method adds to the variance of an FRF, where
-/// one response tells it alone; L responses that tell it together have 1/L of that, the same
-/// error in all. Against the truth of simulated tests sums over three responses had 1.23 times the
+/// Part that the denominator of the local rational method adds to the variance of an FRF if it is
+/// estimated from one response alone. Estimated from L responses together it adds 1/L of that, by the
+/// same error in all. Against the truth of simulated tests sums over three responses had 1.23 times the
 /// variance of independent errors, (1 + 0.4)/(1 + 0.4/3), near modes and far from them, at 30 and
 /// 50 dB, half a line to two lines per bandwidth; measured once, with three responses.
 pub(super) const OF_DENOMINATOR: f64 = 0.4;
-/// Part that noise on both sides of the equations of this denominator adds, the same in all
-/// responses however many tell it: at 30 dB errors of poles had 2.6 and 3.0 times the variance
-/// that bars without it hold for 20 and 30 responses, at 50 dB 1.3 and 1.4 times.
+/// Part that noise on both sides of the equations of this denominator adds. It is the same error in
+/// all responses, whatever their number: at 30 dB errors of poles had 2.6 and 3.0 times the variance
+/// of error bars without it for 20 and 30 responses, at 50 dB 1.3 and 1.4 times.
 pub(super) const OF_NOISE: f64 = 0.12;
-/// Variance over power of an FRF at which it is half of that.
+/// Variance over power of an FRF at which half of [`OF_NOISE`] is added.
 pub(super) const NOISY_SHARE: f64 = 2e-6;
 
 // memory.rs
@@ -49,8 +49,8 @@ pub(super) const GROUP_FRFS: usize = 128;
 /// FRFs from which the sums of the first pass are kept for later use: with 80 columns they are
 /// a fiftieth of the data and less, and a pass is a tenth of the fit and more.
 pub(super) const SUMS_KEPT_FRFS: usize = 4000;
-/// Groups of a set that has FRFs for them, whatever memory their sums take: work for as many
-/// threads.
+/// Least number of groups, whatever memory their sums take, if there are FRFs enough: work for as
+/// many threads.
 pub(super) const GROUPS_LEAST: usize = 2;
 
 // noise_weights.rs
@@ -58,7 +58,7 @@ pub(super) const GROUPS_LEAST: usize = 2;
 /// Loss of variance by equal weights, mean(σ²)·mean(1/σ²) − 1, from which FRFs are
 /// weighted. Noise within a factor 1.5 stays below.
 pub(super) const WORTH_WEIGHING: f64 = 0.1;
-/// Residual over data below which it is rounding and not noise.
+/// Relative error of a fit below which its residual is rounding and not noise.
 pub(super) const ROUNDING: f64 = 1e-7;
 /// Sweeps of the two-way mean; a complete set is exact after one.
 pub(super) const SWEEPS: usize = 20;
@@ -72,11 +72,11 @@ pub(super) const FAR: f64 = 8.0;
 /// Largest share of the FRFs that may go: beyond it there is no usual noise to compare
 /// with.
 pub(super) const NOISY_FRFS_SHARE_MOST: f64 = 0.25;
-/// Stencils of five lines that the noise is estimated from: in all, and of one FRF. 16
+/// Stencils of five lines that the noise is estimated from, in all FRFs together. 16 of one FRF
 /// give it to a quarter, and many FRFs together still cost far less than a pass over the
 /// data.
 pub(super) const STENCILS_IN_ALL: usize = 50_000;
-/// See above: fewest and most of one FRF.
+/// Fewest and most stencils of one FRF, see [`STENCILS_IN_ALL`].
 pub(super) const STENCILS: (usize, usize) = (16, 200);
 
 // options.rs
@@ -94,18 +94,18 @@ pub(super) const EXTRA_PASSES: usize = 3;
 /// Residual energy over the level around it from which a line is an outlier. (One FRF of
 /// white noise reaches 20 times its median on one line of a million.)
 pub(super) const OVER_LEVEL: f64 = 30.0;
-/// Level up to which a neighbour is sound.
+/// Residual energy over the level around it, up to which a neighbour is sound.
 pub(super) const SOUND: f64 = 8.0;
 /// Share of the model's own energy on the line that the residual must reach: less is
 /// misfit of a resonance.
 pub(super) const OF_MODEL: f64 = 0.1;
 /// Most neighbouring outliers.
 pub(super) const RUN_MOST: usize = 2;
-/// Largest share of the lines that may go; more than that is no matter of outliers.
+/// Largest share of the lines that may be left out: more are no outliers.
 pub(super) const OUTLIERS_SHARE_MOST: f64 = 0.15;
 /// Lines on both sides that the level is taken from.
 pub(super) const AROUND: usize = 20;
-/// One in so many lines, the strongest of the model, tells the usual share of misfit.
+/// The usual share of misfit is taken from the strongest lines of the model, one in so many.
 pub(super) const STRONGEST_ONE_IN: usize = 7;
 /// Outlier lines that a finding lists before it only counts.
 pub(super) const OUTLIERS_SHOWN: usize = 8;
@@ -119,7 +119,7 @@ pub(super) const SEED_OVER_NOISE_DB: f64 = 6.0;
 /// Prominence and height over the local noise of a peak that must be explained, dB. Side
 /// lobes and noise stay below.
 pub(super) const STRIKING_PROMINENCE_DB: f64 = 12.0;
-/// See above, dB.
+/// See [`STRIKING_PROMINENCE_DB`].
 pub(super) const STRIKING_OVER_NOISE_DB: f64 = 20.0;
 /// Most seeds.
 pub(super) const SEEDS_MOST: usize = 100;
@@ -133,8 +133,8 @@ pub(super) const PEAKS_LEAST_LINES: usize = 5;
 pub(super) const MEDIANS_PER_HALF_WINDOW: usize = 8;
 /// Fall from a peak at which its width is taken, dB: half power.
 pub(super) const WIDTH_DROP_DB: f64 = 3.0;
-/// Half-bandwidth of a starting pole over half of the width between lines: they lie
-/// outside it.
+/// Half-bandwidth of a starting pole over half of the width of its peak, which is measured between
+/// lines outside it.
 pub(super) const START_OF_WIDTH: f64 = 0.7;
 /// Least half-width of a peak in lines, for what is kept around it.
 pub(super) const KEPT_LEAST_HALF_WIDTH: f64 = 0.5;
@@ -143,22 +143,22 @@ pub(super) const KEPT_AROUND: (f64, f64) = (25.0, 30.0);
 
 // products.rs
 
-/// Least share of a line's noise that a model leaves: less, and the residual there tells
-/// rounding, not noise.
+/// Least share of a line's noise that a model leaves in the residual, to divide by: below it the
+/// residual is rounding.
 pub(super) const LEVERAGE_LEFT: f64 = 0.05;
 /// Directions of the second pass weaker than this part of the strongest (in energy) are
 /// rounding: the Gram matrix holds them to about 1e-16 of it.
 pub(super) const GRAM_ROUNDING: f64 = 1e-13;
-/// Part of a direction of the second pass outside those before it from which on none is
-/// near rounding.
+/// Part of each direction of the second pass outside those before it, above which all are far from
+/// rounding.
 pub(super) const GRAM_SOUND: f64 = 1e-6;
-/// FRFs of a partial sum for each of its columns: the sums of several groups take an eighth of the
-/// data at most.
+/// Least FRFs of a partial sum for each of its columns: so the sums of all groups take an eighth of
+/// the data at most.
 pub(super) const GROUP_COLUMNS: usize = 8;
 
 // reading.rs
 
-/// Sums that need not wait for each other.
+/// Partial sums, which the processor adds in parallel.
 pub(super) const READING_LANES: usize = 4;
 
 // screening.rs
@@ -176,16 +176,16 @@ pub(super) const PAIRS_SHOWN: usize = 6;
 
 // sketch.rs
 
-/// Sums that need not wait for each other.
+/// Partial sums, which the processor adds in parallel.
 pub(super) const SKETCH_LANES: usize = 8;
 
 // window/band.rs
 
 /// Decay after which a response has forgotten its force, nepers (1 %).
 pub(super) const MEMORY_NEPERS: f64 = 4.6;
-/// Records that it is followed back at most.
+/// Records that the memory of a response goes back at most.
 pub(super) const MEMORY_RECORDS: f64 = 3.0;
-/// Least decay over a record, nepers, that a memory is counted by.
+/// Least decay over a record, nepers, to divide by.
 pub(super) const DECAY_LEAST_NEPERS: f64 = 1e-3;
 
 // window/block_errors.rs
@@ -193,10 +193,10 @@ pub(super) const DECAY_LEAST_NEPERS: f64 = 1e-3;
 /// Places of a record at which force and windows are taken: lines up to half as many cycles
 /// from the middle of a band.
 pub(super) const RECORD_POINTS: usize = 64;
-/// Distance of blocks over the record length, where it is not known.
+/// Distance of blocks over the record length, if it is not known.
 pub(super) const HOP_ASSUMED: f64 = 0.5;
-/// Part of the transform that a gate fills where nothing was padded: less, and zeros
-/// follow.
+/// Part of the transform length that a gate fills if nothing was padded. A shorter gate is followed
+/// by zeros.
 pub(super) const GATE_WHOLE: f64 = 0.99;
 
 // window/kernel.rs
@@ -211,15 +211,14 @@ pub(super) const BETA_MOST: f64 = 40.0;
 /// Parts of a record that a burst under Hann's window may last: the window rises with the square of the
 /// time, and of a shorter burst nothing is left beside what rounding leaves.
 pub(super) const HANN_BURST_PARTS: std::ops::RangeInclusive<f64> = 0.05..=1.0;
-/// Values and harmonics that a window without a closed form is taken by.
+/// Numbers of values and of harmonics for a window without a closed form.
 pub(super) const BY_VALUES: (usize, usize) = (1024, 256);
 
 // window/leakage.rs
 
-/// Least part of its decay that a pole keeps where a window's broadening is taken off
-/// roughly.
+/// Least part of its decay that a pole keeps when the broadening by a window is taken off roughly.
 pub(super) const LEAST_DECAY_LEFT: f64 = 0.3;
-/// Halvings of an interval that ends at what is known: to 1e-9 of it.
+/// Halvings of an interval for the decay without broadening: to 1e-9 of the interval.
 pub(super) const HALVINGS: usize = 30;
 
 // window/ramps.rs

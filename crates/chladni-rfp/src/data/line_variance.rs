@@ -1,5 +1,5 @@
-//! Variance of lines, which local methods tell: it follows the power of the force, and as a
-//! part of the FRFs it is what noise of the force would make of all of them.
+//! Variance of lines, from sets that local methods made. It follows the power of the force. Over the
+//! power of the FRFs it is the relative variance that noise of the force would give to all of them.
 
 use crate::data::limits;
 use chladni_frf::{Estimator, FrfSet};
@@ -7,17 +7,20 @@ use chladni_frf::{Estimator, FrfSet};
 /// Variance of lines.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LineVariance {
-    /// That of each line over that of the median line: with the power of the force it differs
-    /// from line to line. The mean over FRFs, each over its own median.
+    /// Variance of each line over that of the median line, which differs with the power of the
+    /// force. It is the mean over FRFs, each over its own median.
     pub over_median: Vec<f64>,
     /// Σ_l Var H_l/Σ_l |H_l|² of each line.
     pub over_power: Vec<f64>,
-    /// Part of the variance that FRFs without noise share by the way they were estimated.
+    /// Part of the variance that FRFs share by the way they were estimated, in the limit of little
+    /// noise.
     shared: f64,
 }
 
 impl LineVariance {
-    /// Part of the variance that FRFs share on a line where it is this `share` of their power.
+    /// Part of the variance that FRFs share on a line.
+    ///
+    /// * `share`: variance over power of the FRFs on this line
     pub fn shared_at(&self, share: f64) -> f64 {
         match self.shared > 0.0 {
             true => self.shared + limits::OF_NOISE * share / (share + limits::NOISY_SHARE),
@@ -25,7 +28,7 @@ impl LineVariance {
         }
     }
 
-    /// With other lines; empty ones stay so.
+    /// The variances on other lines: `lines` takes values on these lines to values on those.
     pub fn map(&self, lines: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         match self.over_median.is_empty() {
             true => Self::default(),
@@ -38,49 +41,49 @@ impl LineVariance {
     }
 }
 
-/// The variance that a local method tells; `None` where none does.
+/// Variance of lines from a set that a local method made; `None` for others.
 pub(crate) fn line_variance(
     frf: &FrfSet,
     pairs: &[(usize, usize)],
     lines: &[usize],
 ) -> Option<LineVariance> {
-    let local = frf.estimation.filter(|made| made.estimator.is_local());
-    let (Some(variance), Some(made)) = (&frf.variance, local) else {
+    let by_local_method = frf.estimation.filter(|made| made.estimator.is_local());
+    let (Some(variance), Some(made)) = (&frf.variance, by_local_method) else {
         return None;
     };
     let mut sum = vec![0.0; lines.len()];
     for &(i, j) in pairs {
-        let own: Vec<f64> = lines.iter().map(|&k| variance[[i, j, k]]).collect();
-        let middle = median(own.clone())?;
+        let of_frf: Vec<f64> = lines.iter().map(|&k| variance[[i, j, k]]).collect();
+        let middle = median(of_frf.clone())?;
         sum.iter_mut()
-            .zip(own)
-            .for_each(|(sum, own)| *sum += own / middle);
+            .zip(of_frf)
+            .for_each(|(sum, value)| *sum += value / middle);
     }
     let middle = median(sum.clone())?;
-    let relative: Vec<f64> = sum.iter().map(|sum| sum / middle).collect();
-    // one denominator for all responses of a force
+    let over_median: Vec<f64> = sum.iter().map(|sum| sum / middle).collect();
+    // all responses of a force have one denominator
     let shared = match made.estimator {
         Estimator::Lrm => {
             limits::OF_DENOMINATOR / (frf.responses.len() as f64 + limits::OF_DENOMINATOR)
         }
         _ => 0.0,
     };
-    let usable = relative.iter().all(|v| v.is_finite() && *v > 0.0);
+    let usable = over_median.iter().all(|v| v.is_finite() && *v > 0.0);
     let over_power = |&k: &usize| {
-        let all = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
-            pairs.iter().map(|&(i, j)| of(i, j)).sum()
+        let sum = |value: &dyn Fn(usize, usize) -> f64| -> f64 {
+            pairs.iter().map(|&(i, j)| value(i, j)).sum()
         };
-        let power = all(&|i, j| frf.values.get(i, j, k).norm_sqr());
-        all(&|i, j| variance[[i, j, k]]) / power.max(f64::MIN_POSITIVE)
+        let power = sum(&|i, j| frf.values.get(i, j, k).norm_sqr());
+        sum(&|i, j| variance[[i, j, k]]) / power.max(f64::MIN_POSITIVE)
     };
     usable.then(|| LineVariance {
         over_power: lines.iter().map(over_power).collect(),
         shared,
-        over_median: relative,
+        over_median,
     })
 }
 
-/// `None` where it is not above 0.
+/// The median; `None` unless it is above 0.
 fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     if values.is_empty() {

@@ -1,5 +1,5 @@
-//! A set in memory as the source of a fit, and its passes over the data, FRF by FRF: groups
-//! that run side by side, each read block by block.
+//! A set in memory as the source of a fit. Its passes read groups of FRFs in parallel, each group
+//! block by block.
 
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
@@ -30,17 +30,17 @@ impl Screened<'_> {
             .collect()
     }
 
-    /// FRFs of a group, `least` of them where that leaves [`limits::GROUPS_LEAST`] groups; the
-    /// last may have fewer. Their number depends on nothing but the set, so that sums over
-    /// groups have the same bits on any number of threads.
+    /// Number of FRFs of a group: `least` at least, unless fewer than [`limits::GROUPS_LEAST`] groups
+    /// would result; the last group may have fewer. It depends on nothing but the set, so that sums
+    /// over groups have the same bits on any number of threads.
     pub fn group_size(&self, least: usize) -> usize {
         let total = self.pairs.len();
         let fewest = (total / limits::GROUP_FRFS).clamp(1, limits::GROUPS_LEAST);
         total.div_ceil((total / least).clamp(fewest, tol::PASS_GROUPS))
     }
 
-    /// Reads a group: `see` is given a range of FRFs and their values, (real and
-    /// imaginary part of each line in turn, FRF), not yet in work units.
+    /// Reads a group. `see` gets a range of FRFs and their values, (real and imaginary part of each
+    /// line in turn, FRF), not in work units but weighted.
     pub fn each_block(
         &self,
         group: Range<usize>,
@@ -60,7 +60,7 @@ impl Screened<'_> {
         }
     }
 
-    /// The same with blocks that can be changed, each FRF times its `weight`.
+    /// Reads a group into blocks that `see` may change, each FRF times its `weight`.
     fn each_copy(
         &self,
         group: Range<usize>,
@@ -92,7 +92,7 @@ impl Screened<'_> {
     /// Sum of squares of each measured FRF less basis·coefficients, in one pass.
     ///
     /// * `basis`: (real and imaginary part of each line, column)
-    /// * `coefficients`: adds those of one FRF (position among the pairs), one per column
+    /// * `coefficients`: adds those of one FRF (position among the pairs) to zeros, one per column
     pub fn misfit(
         &self,
         basis: &Array2<f64>,
@@ -100,6 +100,7 @@ impl Screened<'_> {
     ) -> Vec<f64> {
         let columns = basis.ncols();
         let inverse = -self.factor().inv();
+        // in measured units, with the opposite sign
         let mut model = basis.clone();
         for mut column in model.columns_mut() {
             for mut line in column.exact_chunks_mut(2) {
@@ -114,17 +115,17 @@ impl Screened<'_> {
             self.each_copy(
                 group,
                 |_| 1.0,
-                |frfs, mut left| {
+                |frfs, mut values| {
                     let factors = &mut factors[..columns * frfs.len()];
                     factors.fill(0.0);
                     factors
                         .chunks_exact_mut(columns.max(1))
                         .zip(frfs.clone())
-                        .for_each(|(own, l)| coefficients(l, own));
+                        .for_each(|(of_frf, l)| coefficients(l, of_frf));
                     let factors = ArrayView2::from_shape((columns, frfs.len()).f(), factors)
                         .expect("one per column and FRF");
-                    add_matmul(left.view_mut(), model.view(), factors);
-                    sums.extend(left.columns().into_iter().map(|frf| {
+                    add_matmul(values.view_mut(), model.view(), factors);
+                    sums.extend(values.columns().into_iter().map(|frf| {
                         unit * squares(frf.to_slice().expect("one FRF after the other"))
                     }));
                 },
@@ -142,7 +143,7 @@ impl Source for Screened<'_> {
     type Stop = FitError;
 
     /// Count sketch: each FRF is added with a random sign to one of a few columns, scaled
-    /// so that the noise keeps its variance. Few FRFs are left as they are.
+    /// so that the noise keeps its variance. Sets of few FRFs are their own sketch.
     fn sketch(&self, seed: u64) -> (Columns, Array1<f64>) {
         let (total, width) = (self.pairs.len(), self.effort.sketch_columns.max(1));
         if total <= width {
@@ -155,7 +156,7 @@ impl Source for Screened<'_> {
             let columns = sums.columns.mapv(|sum| sum * scale);
             (columns, &sums.line_energy * self.factor().norm_sqr())
         };
-        let made = || {
+        let compute = || {
             scaled(&Sums::new(
                 &self.frf.values,
                 &self.pairs,
@@ -164,12 +165,12 @@ impl Source for Screened<'_> {
                 self.weighting.as_ref().map(|weighting| &weighting.weights),
             ))
         };
-        let (columns, energy) = self.first_pass.of(seed, scaled).unwrap_or_else(made);
+        let (columns, energy) = self.first_pass.of(seed, scaled).unwrap_or_else(compute);
         (self.axis().with_columns(columns), energy)
     }
 
     fn end_first_pass(&self) {
-        // of many FRFs it is a small part, and takes long
+        // for many FRFs the sums are a small part of the data, and take long to compute
         if self.pairs.len() < limits::SUMS_KEPT_FRFS {
             self.first_pass.end();
         }
@@ -213,33 +214,28 @@ impl Source for Screened<'_> {
     fn weighted(
         &self,
         weights: Option<(PairWeights, Option<Giver>)>,
-        left: Weights,
+        still_to_try: Weights,
     ) -> Result<Self, FitError> {
         let mut other = self.clone();
         let layout = &mut other.layout;
-        layout.weights_left = left;
-        let rms = layout.measured_rms();
+        layout.weights_left = still_to_try;
+        let measured_rms = layout.measured_rms();
         if weights.is_none() && layout.weighting.is_none() {
             return Ok(other);
         }
         layout.weighting = weights.map(|(weights, giver)| Weighting {
             weights,
-            rms,
+            rms: measured_rms,
             giver,
         });
-        let weighted = |&pair: &(usize, usize)| {
-            energy(
-                &self.frf.values,
-                pair,
-                &layout.lines,
-                layout.weight_of(pair),
-            )
-            .0
+        let weighted_energy = |&pair: &(usize, usize)| {
+            let weight = layout.weight_of(pair);
+            energy(&self.frf.values, pair, &layout.lines, weight).sum
         };
-        layout.energy = layout.pairs.par_iter().map(weighted).collect();
+        layout.energy = layout.pairs.par_iter().map(weighted_energy).collect();
         layout.rms = match layout.weighting {
             Some(_) => layout.mean_square().sqrt(),
-            None => rms,
+            None => measured_rms,
         };
         other.first_pass = FirstPass::default();
         Ok(other)

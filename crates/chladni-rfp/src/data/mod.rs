@@ -1,5 +1,4 @@
-//! Enters: FRFs and what is asked of them; leaves: sketches, products, and numbers of each
-//! FRF.
+//! Enters: FRFs and options; leaves: sketches, products, and numbers of each FRF.
 
 pub(crate) mod columns;
 pub(crate) mod error;

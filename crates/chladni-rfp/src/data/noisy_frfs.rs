@@ -1,10 +1,10 @@
 //! FRFs that are far noisier than the others: a loose cable, a point where the laser sees
 //! speckle.
 //!
-//! All FRFs weigh the same in the fit. One that is many times noisier would spoil the others,
+//! All FRFs have the same weight in the fit. One that is many times noisier would spoil the others,
 //! and adds next to no information (1/ratio² of theirs). So it is left out like a pair that was
-//! not measured; its values follow from the shapes, as long as its response and its reference
-//! are measured elsewhere.
+//! not measured. Its values follow from the shapes if its response and its reference occur in other
+//! FRFs; it stays if they do not.
 
 use crate::data::limits;
 use chladni_frf::FrfSet;
@@ -17,6 +17,7 @@ pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize
         .clamp(limits::STENCILS.0, limits::STENCILS.1);
     let level =
         |&(i, j): &(usize, usize)| noise(|k| frf.values.get(i, j, lines[k]), lines.len(), stencils);
+    // absolute, and relative to the FRF
     let levels: Vec<[f64; 2]> = pairs.par_iter().map(level).collect();
     if levels.is_empty() {
         return Vec::new();
@@ -27,23 +28,26 @@ pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize
         *all.select_nth_unstable_by(middle, f64::total_cmp).1
     };
     let usual = [median(0), median(1)];
-    let far: Vec<usize> = (0..pairs.len())
+    let noisy: Vec<usize> = (0..pairs.len())
         .filter(|&l| (0..2).all(|which| levels[l][which] > limits::FAR * usual[which]))
         .collect();
-    let elsewhere = |l: usize| {
-        let sound = |m: &usize| !far.contains(m);
-        let (i, j) = pairs[l];
-        (0..pairs.len()).filter(sound).any(|m| pairs[m].0 == i)
-            && (0..pairs.len()).filter(sound).any(|m| pairs[m].1 == j)
+    let is_replaceable = |l: usize| {
+        let sound = || (0..pairs.len()).filter(|m| !noisy.contains(m));
+        let (response, reference) = pairs[l];
+        sound().any(|m| pairs[m].0 == response) && sound().any(|m| pairs[m].1 == reference)
     };
-    match far.len() as f64 <= limits::NOISY_FRFS_SHARE_MOST * pairs.len() as f64 {
-        true => far.iter().copied().filter(|&l| elsewhere(l)).collect(),
+    match noisy.len() as f64 <= limits::NOISY_FRFS_SHARE_MOST * pairs.len() as f64 {
+        true => noisy
+            .iter()
+            .copied()
+            .filter(|&l| is_replaceable(l))
+            .collect(),
         false => Vec::new(),
     }
 }
 
-/// Noise of one FRF from fourth differences, which smooth curves do not have, as an
-/// amplitude, and over its rms.
+/// Noise amplitude of one FRF, absolute and over its rms. It comes from fourth differences, which
+/// are next to nothing for smooth curves.
 fn noise(value: impl Fn(usize) -> Complex64, lines: usize, stencils: usize) -> [f64; 2] {
     let stride = (lines / stencils).max(1);
     let (mut energy, mut count, mut differences) = (0.0, 0.0, Vec::new());
@@ -51,10 +55,9 @@ fn noise(value: impl Fn(usize) -> Complex64, lines: usize, stencils: usize) -> [
         let centre = value(k);
         energy += centre.norm_sqr();
         count += 1.0;
-        differences.push(
-            (value(k - 2) - 4.0 * value(k - 1) + 6.0 * centre - 4.0 * value(k + 1) + value(k + 2))
-                .norm_sqr(),
-        );
+        let difference =
+            value(k - 2) - 4.0 * value(k - 1) + 6.0 * centre - 4.0 * value(k + 1) + value(k + 2);
+        differences.push(difference.norm_sqr());
     }
     if differences.is_empty() {
         return [0.0; 2];

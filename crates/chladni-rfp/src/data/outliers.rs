@@ -1,10 +1,9 @@
-//! Lines that none of their neighbours supports: a dropped sample, a mains harmonic, a
-//! spoilt average.
+//! Outlier lines: a dropped sample, a mains harmonic, a spoilt average.
 //!
-//! The residual alone does not see them: a pole narrower than a line absorbs each. So
-//! such poles do not count, and a line is an outlier where what is left of it exceeds
-//! many times the level around it while its neighbours are sound. A resonance, however
-//! narrow, has tails on the lines beside it.
+//! The residual of a whole fit does not show them, because a pole narrower than a line absorbs
+//! each. So the residual is taken without such poles. A line is an outlier if its residual is many
+//! times the level around it while its neighbours are sound. A resonance, however narrow, has tails
+//! on the lines beside it.
 
 use crate::data::layout::DataLayout;
 use crate::data::limits;
@@ -20,25 +19,22 @@ pub(crate) enum OutlierLines {
     Keep,
 }
 
-/// The lines whose residual energy `left` stands alone above what it is around them;
-/// `fitted` is the energy of the model.
-pub(crate) fn single_lines(left: &[f64], fitted: &[f64]) -> Vec<usize> {
-    let level = level(left, fitted);
-    let n = left.len();
-    let high = |k: usize| {
-        left[k] > limits::OVER_LEVEL * level[k] && left[k] > limits::OF_MODEL * fitted[k]
+/// The lines whose residual energy stands alone above the level around them.
+///
+/// * `residual`, `fitted`: energies of residual and model on each line
+pub(crate) fn single_lines(residual: &[f64], fitted: &[f64]) -> Vec<usize> {
+    let level = level(residual, fitted);
+    let n = residual.len();
+    let is_high = |k: usize| {
+        residual[k] > limits::OVER_LEVEL * level[k] && residual[k] > limits::OF_MODEL * fitted[k]
     };
+    let is_sound = |k: usize| residual[k] < limits::SOUND * level[k];
     let mut found = Vec::new();
     let mut k = 0;
     while k < n {
-        let run = (k..n).take_while(|&i| high(i)).count();
+        let run = (k..n).take_while(|&i| is_high(i)).count();
         let beside = [k.checked_sub(1), Some(k + run).filter(|&i| i < n)];
-        if (1..=limits::RUN_MOST).contains(&run)
-            && beside
-                .into_iter()
-                .flatten()
-                .all(|i| left[i] < limits::SOUND * level[i])
-        {
+        if (1..=limits::RUN_MOST).contains(&run) && beside.into_iter().flatten().all(is_sound) {
             found.extend(k..k + run);
         }
         k += run.max(1);
@@ -49,28 +45,28 @@ pub(crate) fn single_lines(left: &[f64], fitted: &[f64]) -> Vec<usize> {
     found
 }
 
-/// The usual residual on each line: its running median, and the usual share of the model
-/// on the strongest lines.
-fn level(left: &[f64], fitted: &[f64]) -> Vec<f64> {
-    let n = left.len();
+/// The usual residual on each line: its running median, and a share of the model that is usual on
+/// the strongest lines.
+fn level(residual: &[f64], fitted: &[f64]) -> Vec<f64> {
+    let n = residual.len();
     let mut strongest: Vec<usize> = (0..n).collect();
     strongest.sort_by(|&a, &b| fitted[b].total_cmp(&fitted[a]));
     strongest.truncate((n / limits::STRONGEST_ONE_IN).max(1));
     let mut shares: Vec<f64> = strongest
         .iter()
-        .map(|&k| left[k] / fitted[k].max(f64::MIN_POSITIVE))
+        .map(|&k| residual[k] / fitted[k].max(f64::MIN_POSITIVE))
         .collect();
     let middle = shares.len() / 2;
     let share = *shares.select_nth_unstable_by(middle, f64::total_cmp).1;
-    running_median(left, limits::AROUND)
+    running_median(residual, limits::AROUND)
         .iter()
         .zip(fitted)
-        .map(|(l, f)| l + share * f)
+        .map(|(noise, fitted)| noise + share * fitted)
         .collect()
 }
 
 /// The finding on the lines left out, if any.
-pub(crate) fn words(data: &DataLayout) -> Option<Finding> {
+pub(crate) fn finding(data: &DataLayout) -> Option<Finding> {
     let mut dropped = data.dropped_hz.clone();
     if dropped.is_empty() {
         return None;

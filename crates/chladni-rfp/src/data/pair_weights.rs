@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Source of the noise of a set, where the set tells it.
+/// Part of a set that gives the noise of its FRFs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Giver {
     Variance,
@@ -10,7 +10,7 @@ pub(crate) enum Giver {
 }
 
 impl Giver {
-    /// For the path.
+    /// The source in words, for the path.
     pub fn words(self) -> &'static str {
         match self {
             Self::Variance => "the variances of the set say",
@@ -22,15 +22,16 @@ impl Giver {
 /// Weights of FRFs that may still be tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) enum Weights {
-    /// None.
+    /// No other weights.
     None,
     /// Weights from the residual of a fit.
     OfResidual,
-    /// Weights from the noise that the data give, then those from a residual.
+    /// Weights from the noise that the set gives, then those from the residual.
     Given,
 }
 
-/// 1/(s_i·t_j), about one in the mean.
+/// Weights 1/(s_i·t_j) of FRFs, about one in the mean: s_i is the noise of response i, t_j that of
+/// reference j.
 #[derive(Debug, Clone)]
 pub(crate) struct PairWeights {
     pub response: Vec<f64>,
@@ -38,7 +39,7 @@ pub(crate) struct PairWeights {
 }
 
 impl PairWeights {
-    /// Of a pair (response, reference).
+    /// Weight of a pair (response, reference).
     pub fn of(&self, (i, j): (usize, usize)) -> f64 {
         self.response[i] * self.reference[j]
     }

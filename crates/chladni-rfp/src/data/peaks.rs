@@ -1,4 +1,4 @@
-//! Visible peaks: seeds of poles, and the yardstick of what a person would call a mode.
+//! Visible peaks of the mean FRF: they seed poles, and a model should explain the striking ones.
 
 use crate::data::columns::Columns;
 use crate::data::limits;
@@ -6,10 +6,10 @@ use crate::tolerances as tol;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
-/// A local maximum of the mean |FRF|² that stands out of its surroundings.
+/// A local maximum of the mean |FRF|² above its surroundings.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Peak {
-    /// Row of the work data.
+    /// Line (position).
     pub row: usize,
     /// Height over the higher of the two saddles, dB.
     pub prominence_db: f64,
@@ -22,8 +22,7 @@ pub(crate) struct Peak {
 }
 
 impl Peak {
-    /// A person would call it a mode: it deserves a try of its own, and a word where it
-    /// stays unexplained.
+    /// True for a peak that a person would call a mode: a finding names it if no pole explains it.
     pub fn is_striking(&self) -> bool {
         self.prominence_db >= limits::STRIKING_PROMINENCE_DB
             && self.over_noise_db > limits::STRIKING_OVER_NOISE_DB
@@ -43,9 +42,8 @@ pub(crate) fn peaks_at(rows: &[usize]) -> Vec<Peak> {
     rows.iter().map(peak).collect()
 }
 
-/// Noise variance per line from fourth differences of neighbouring lines: what no smooth
-/// FRF can have. E|Δ⁴n|² = 70σ²; the median of an exponential variable is ln 2 times its
-/// mean.
+/// Noise variance of each line from fourth differences of neighbouring lines, which are next to
+/// nothing for smooth FRFs: E|Δ⁴n|² = 70σ².
 pub(crate) fn fourth_difference_noise(b: &Array2<Complex64>, half_window: usize) -> Array1<f64> {
     let n = b.nrows();
     let mut energy = Array1::zeros(n);
@@ -54,15 +52,15 @@ pub(crate) fn fourth_difference_noise(b: &Array2<Complex64>, half_window: usize)
     }
     for column in b.columns() {
         for k in 2..n - 2 {
-            let d = column[k - 2] - 4.0 * column[k - 1] + 6.0 * column[k] - 4.0 * column[k + 1]
+            let difference = column[k - 2] - 4.0 * column[k - 1] + 6.0 * column[k]
+                - 4.0 * column[k + 1]
                 + column[k + 2];
-            energy[k] += d.norm_sqr() / 70.0;
+            energy[k] += difference.norm_sqr() / 70.0;
         }
     }
     energy /= b.ncols() as f64;
     let raw: Vec<f64> = energy.iter().skip(2).take(n - 4).copied().collect();
-    // the median of a mean over r columns approaches its mean as r grows: χ²_{2r} median
-    // ≈ 1 − 1/(9r) cubed
+    // median of χ²_{2r} over its mean, for the mean over r columns
     let r = b.ncols() as f64;
     let bias = (1.0 - 1.0 / (9.0 * r)).powi(3);
     let smooth = running_median(&raw, half_window);
@@ -71,8 +69,8 @@ pub(crate) fn fourth_difference_noise(b: &Array2<Complex64>, half_window: usize)
     })
 }
 
-/// Median over a sliding window, shrunk at the ends; evaluated on a coarse grid and held
-/// in between for long records.
+/// Median over a sliding window, which is shorter at the ends. For wide windows it is evaluated on a
+/// coarse grid, and held in between.
 pub(crate) fn running_median(values: &[f64], half_window: usize) -> Vec<f64> {
     let n = values.len();
     let stride = (half_window / limits::MEDIANS_PER_HALF_WINDOW).max(1);
@@ -80,9 +78,9 @@ pub(crate) fn running_median(values: &[f64], half_window: usize) -> Vec<f64> {
     let mut buffer = Vec::new();
     let mut k = 0;
     while k < n {
-        let (a, b) = (k.saturating_sub(half_window), (k + half_window + 1).min(n));
+        let window = k.saturating_sub(half_window)..(k + half_window + 1).min(n);
         buffer.clear();
-        buffer.extend_from_slice(&values[a..b]);
+        buffer.extend_from_slice(&values[window]);
         let middle = buffer.len() / 2;
         let (_, median, _) = buffer.select_nth_unstable_by(middle, f64::total_cmp);
         let median = *median;
@@ -108,10 +106,10 @@ pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -
         .iter()
         .map(|e| 10.0 * e.max(tol::TINY).log10())
         .collect();
-    // what the largest of n lines of pure noise, averaged over the columns, may reach
-    // (Laurent & Massart 2000)
-    let looks = (n as f64).ln() / work.columns() as f64;
-    let chance_db = 10.0 * (1.0 + 2.0 * looks.sqrt() + looks).log10();
+    // bound of the largest of n lines of pure noise, averaged over the columns (Laurent &
+    // Massart 2000)
+    let t = (n as f64).ln() / work.columns() as f64;
+    let chance_db = 10.0 * (1.0 + 2.0 * t.sqrt() + t).log10();
     let over_noise_least = limits::SEED_OVER_NOISE_DB.max(chance_db);
     let mut found = Vec::new();
     for k in 1..n - 1 {
@@ -123,29 +121,17 @@ pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -
         if prominence_db < limits::SEED_PROMINENCE_DB || over_noise_db < over_noise_least {
             continue;
         }
-        // −3 dB width, or what is visible of it
-        let drop = (level[k] - limits::WIDTH_DROP_DB).max(level[k] - prominence_db);
-        let left = (0..k)
-            .rev()
-            .take_while(|&i| level[i] > drop && level[i] < level[k])
-            .last()
-            .unwrap_or(k)
-            .saturating_sub(1);
-        let right = ((k + 1..n)
-            .take_while(|&i| level[i] > drop && level[i] < level[k])
-            .last()
-            .unwrap_or(k)
-            + 1)
-        .min(n - 1);
-        let width = 0.5 * (work.x[right] - work.x[left]);
+        let half_width = half_width(work, &level, k, prominence_db);
         let half_line = 0.5 * work.spacing(work.x[k]);
-        let lambda = Complex64::new(work.x[k], (limits::START_OF_WIDTH * width).max(half_line));
         found.push(Peak {
             row: k,
             prominence_db,
             over_noise_db,
             level_db: level[k],
-            lambda,
+            lambda: Complex64::new(
+                work.x[k],
+                (limits::START_OF_WIDTH * half_width).max(half_line),
+            ),
         });
     }
     found.sort_by(|a, b| b.prominence_db.total_cmp(&a.prominence_db));
@@ -153,8 +139,17 @@ pub(crate) fn peaks(work: &Columns, energy: &Array1<f64>, noise: &Array1<f64>) -
     found
 }
 
-/// Height of peak k over the higher of the lowest points on the way to higher ground on
-/// both sides.
+/// Half of the −3 dB width of peak k, in x; of a less prominent peak half of the visible width.
+fn half_width(work: &Columns, level: &[f64], k: usize, prominence_db: f64) -> f64 {
+    let foot = (level[k] - limits::WIDTH_DROP_DB).max(level[k] - prominence_db);
+    let belongs = |i: &usize| level[*i] > foot && level[*i] < level[k];
+    let left = (0..k).rev().take_while(belongs).last().unwrap_or(k);
+    let right = (k + 1..level.len()).take_while(belongs).last().unwrap_or(k);
+    0.5 * (work.x[(right + 1).min(level.len() - 1)] - work.x[left.saturating_sub(1)])
+}
+
+/// Height of peak k over its saddle: on each side the lowest point before the level exceeds the
+/// peak; the higher of both counts.
 fn prominence(level: &[f64], k: usize) -> f64 {
     let walk = |indices: &mut dyn Iterator<Item = usize>| {
         let mut lowest = level[k];

@@ -1,10 +1,10 @@
-//! Second and last pass over the data: everything that poles *and* all residues need
-//! (theory.md, eq. 13–15).
+//! Second pass over the data: compressed columns for poles *and* all residues (theory.md, eq.
+//! 13–15).
 //!
-//! With Q an orthonormal basis of the model, R₀ = QᴴB and T = B·R₀ᵀ (real and imaginary
-//! parts apart, so that every mixture of FRFs stays real and both damping laws can use
-//! it): the columns of T·(R₀R₀ᵀ)^{-1/2} carry what the poles need at the signal-to-noise
-//! ratio of the whole set, and the residues of any nearby poles follow from them.
+//! Q is an orthonormal basis of the model, R₀ = QᴴB and T = B·R₀ᵀ. Real and imaginary parts are
+//! apart, so that every mixture of FRFs stays real and both damping laws can use it. The columns
+//! T·(R₀R₀ᵀ)^{-1/2} determine the poles at the signal-to-noise ratio of the whole set, and the
+//! residues of any nearby poles follow from them.
 
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
@@ -22,11 +22,11 @@ pub(crate) struct Projected {
     /// Compressed columns, real mixtures of FRFs: at most twice as many as the model has
     /// unknowns.
     pub work: Columns,
-    /// (compressed column, FRF), real, rows orthonormal: B ≈ work.b · back on what the
-    /// model can reach.
+    /// (compressed column, FRF), real, rows orthonormal: B ≈ work.b · back in the part of B that the
+    /// model can explain.
     pub back: Array2<f64>,
-    /// Energy of each line over all FRFs that the columns do not hold: noise that no
-    /// model near Q can reach.
+    /// Energy of each line, over all FRFs, that the columns do not hold: noise that no model near Q
+    /// can explain.
     beyond: Array1<f64>,
 }
 
@@ -34,16 +34,16 @@ impl Projected {
     /// The columns of T·G^{-1/2} with the way back to FRFs.
     ///
     /// * `t`, `gram`: as in [`Products`]
-    /// * `turned`: XᵀR₀ of an X
+    /// * `by_r0`: computes XᵀR₀ of an X
     /// * `line_energy`: of each line over all FRFs, before weights
-    /// * `weights`: of lines, where they do not count alike
+    /// * `weights`: of lines; empty: all count alike
     ///
     /// # Errors
     /// A decomposition that fails.
     pub fn new(
         data: &DataLayout,
         [t, gram]: [&Array2<f64>; 2],
-        turned: impl FnOnce(&Array2<f64>) -> Array2<f64>,
+        by_r0: impl FnOnce(&Array2<f64>) -> Array2<f64>,
         line_energy: &Array1<f64>,
         weights: &[f64],
     ) -> Result<Self, LinalgError> {
@@ -57,38 +57,35 @@ impl Projected {
         let b = Array2::from_shape_fn((lines, half.ncols()).f(), complex);
         let mut beyond = line_energy.clone();
         add_energy(&mut beyond, &b, -1.0);
-        let squares = weights.iter().map(|weight| weight * weight);
-        beyond
-            .iter_mut()
-            .zip(squares)
-            .for_each(|(energy, square)| *energy *= square);
+        for (energy, weight) in beyond.iter_mut().zip(weights) {
+            *energy *= weight * weight;
+        }
         beyond.mapv_inplace(|energy| energy.max(0.0));
         let mut work = data.columns(b);
         work.weigh(weights);
         Ok(Projected {
             work,
-            back: turned(&half),
+            back: by_r0(&half),
             beyond,
         })
     }
 
-    /// Residual energy of each line over all FRFs without a model, if noise is all there
-    /// is: a model takes up the share of noise that its leverage Σ|Q_k|² says, most of it
-    /// at its poles.
+    /// Noise energy of each line over all FRFs, from the residual of a model. The model absorbs a share
+    /// Σ|Q_k|² of the noise (its leverage), most of it at its poles.
     ///
     /// * `q`: orthonormal basis of the model, (line, m)
     /// * `residual`: of the compressed columns, (line, column)
     pub fn line_noise(&self, q: &Array2<Complex64>, residual: &Array2<Complex64>) -> Array1<f64> {
         let mut energy = self.line_residual(residual);
         for (energy, q) in energy.iter_mut().zip(q.rows()) {
-            *energy /=
-                (1.0 - q.iter().map(|v| v.norm_sqr()).sum::<f64>()).max(limits::LEVERAGE_LEFT);
+            let leverage = q.iter().map(|v| v.norm_sqr()).sum::<f64>();
+            *energy /= (1.0 - leverage).max(limits::LEVERAGE_LEFT);
         }
         energy
     }
 
-    /// Residual energy of each line over all FRFs, where a model near Q leaves `residual`
-    /// of the compressed columns.
+    /// Residual energy of each line over all FRFs, from the `residual` of the compressed columns under
+    /// a model near Q.
     pub fn line_residual(&self, residual: &Array2<Complex64>) -> Array1<f64> {
         let mut energy = self.beyond.clone();
         add_energy(&mut energy, residual, 1.0);
@@ -96,16 +93,16 @@ impl Projected {
     }
 }
 
-/// G^{-1/2} in the directions above rounding, up to the rotation that is cheapest to compute.
+/// G^{-1/2} in the directions above rounding, up to a rotation: the one that is cheapest to compute.
 fn inverse_root(gram: &Array2<f64>) -> Result<Array2<f64>, LinalgError> {
-    let carries_all = |lower: &Array2<f64>| {
+    let well_conditioned = |lower: &Array2<f64>| {
         lower
             .diag()
             .iter()
             .zip(gram.diag())
             .all(|(pivot, all)| pivot * pivot > limits::GRAM_SOUND * all)
     };
-    if let Some(lower) = cholesky(gram.view()).ok().filter(carries_all) {
+    if let Some(lower) = cholesky(gram.view()).ok().filter(well_conditioned) {
         return solve_lower_adjoint(lower.view(), Array2::eye(gram.nrows()).view());
     }
     let (values, vectors) = eigh(gram.view())?;
@@ -126,8 +123,8 @@ fn add_energy(energy: &mut Array1<f64>, columns: &Array2<Complex64>, sign: f64) 
     }
 }
 
-/// Columns q and j·q in turn, real and imaginary part of each line in turn: what complex
-/// coefficients multiply, over the reals.
+/// A complex basis over the reals: columns q and j·q in turn, real and imaginary part of each line
+/// in turn.
 pub(crate) fn real_basis(q: &Array2<Complex64>) -> Array2<f64> {
     let (lines, m) = q.dim();
     Array2::from_shape_fn((2 * lines, 2 * m).f(), |(row, c)| {
@@ -141,7 +138,7 @@ pub(crate) fn real_basis(q: &Array2<Complex64>) -> Array2<f64> {
     })
 }
 
-/// The result of the pass: all that the compressed columns are made of.
+/// The result of the pass; the compressed columns are made from it.
 #[derive(Debug, Clone)]
 pub(crate) struct Products {
     /// T = B·R₀ᵀ, (real and imaginary part of each line, unknown).
@@ -152,8 +149,10 @@ pub(crate) struct Products {
     pub r0: Array2<f64>,
 }
 
-/// Runs the pass with a [`measured_basis`] on all FRFs; `line_energy` comes from the first
-/// pass. `weights`: of lines, which the basis holds already.
+/// Runs the pass with a [`measured_basis`] on all FRFs.
+///
+/// * `line_energy`: from the first pass
+/// * `weights`: of lines, which the basis holds already
 pub(crate) fn project(
     data: &Screened,
     basis: Array2<f64>,
@@ -162,11 +161,11 @@ pub(crate) fn project(
 ) -> Result<Projected, LinalgError> {
     let Products { t, gram, r0 } = products(data, &basis);
     drop(basis);
-    let turned = |x: &Array2<f64>| blocked_matmul_h(x.view(), r0.view());
-    Projected::new(data, [&t, &gram], turned, line_energy, weights)
+    let by_r0 = |x: &Array2<f64>| blocked_matmul_h(x.view(), r0.view());
+    Projected::new(data, [&t, &gram], by_r0, line_energy, weights)
 }
 
-/// The pass itself, with a [`measured_basis`].
+/// Computes the products of all FRFs with a [`measured_basis`].
 pub(crate) fn products(data: &Screened, basis: &Array2<f64>) -> Products {
     let (lines, total, m) = (data.lines.len(), data.pairs.len(), basis.ncols());
     let mut r0 = Array2::zeros((m, total).f());
@@ -199,7 +198,7 @@ pub(crate) fn products(data: &Screened, basis: &Array2<f64>) -> Products {
     Products { t, gram, r0 }
 }
 
-/// Energy Σ|qᴴb|² that each column of `q` sees of all FRFs: a light pass.
+/// Energy Σ|qᴴb|² of all FRFs along each column of `q`, in one pass that is cheaper than [`products`].
 pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
     let basis = measured_basis(data, q, &[]);
     let sums = |group: Range<usize>| {
@@ -221,17 +220,19 @@ pub(crate) fn energies(data: &Screened, q: &Array2<Complex64>) -> Vec<f64> {
     })
 }
 
-/// The basis over the reals as it meets values in the measured kind: the factor to work
-/// units waits until all is small. `weights`: of lines, where they do not count alike.
+/// The basis over the reals for products with values of the measured kind: it holds the
+/// factor to work units, so that the FRFs themselves need not be multiplied.
+///
+/// * `weights`: of lines; empty: all count alike
 pub(crate) fn measured_basis(
     data: &DataLayout,
     q: &Array2<Complex64>,
     weights: &[f64],
 ) -> Array2<f64> {
     let factor = data.factor();
-    let mut met = q.mapv(|v| v * factor.conj());
-    for (mut row, weight) in met.rows_mut().into_iter().zip(weights) {
+    let mut measured = q.mapv(|v| v * factor.conj());
+    for (mut row, weight) in measured.rows_mut().into_iter().zip(weights) {
         row.mapv_inplace(|v| v * weight);
     }
-    real_basis(&met)
+    real_basis(&measured)
 }

@@ -19,7 +19,7 @@ pub(crate) fn visit<I: Iterator>(
     see: impl FnMut(I::Item, Complex64),
 ) {
     match values {
-        FrfValues::F64(values) => each(
+        FrfValues::F64(values) => visit_lines(
             values.slice(ndarray::s![i, j, ..]),
             lines,
             targets,
@@ -27,7 +27,7 @@ pub(crate) fn visit<I: Iterator>(
             see,
         ),
         FrfValues::F32(values) => {
-            each(
+            visit_lines(
                 values.slice(ndarray::s![i, j, ..]),
                 lines,
                 targets,
@@ -38,9 +38,9 @@ pub(crate) fn visit<I: Iterator>(
     }
 }
 
-/// Lines without gaps are read as one stretch.
+/// Calls `see` for the lines of one FRF. Lines without gaps are read as one stretch.
 #[inline]
-fn each<T: Copy, I: Iterator>(
+fn visit_lines<T: Copy, I: Iterator>(
     frf: ArrayView1<T>,
     lines: &[usize],
     targets: I,
@@ -68,8 +68,7 @@ fn each<T: Copy, I: Iterator>(
 }
 
 /// `lines` of some pairs as they lie in memory, (real and imaginary part of each line in
-/// turn, pair); `None` where they are not doubles, or lines or pairs are left out between
-/// them.
+/// turn, pair); `None` if they are not doubles, or not consecutive lines and pairs.
 pub(crate) fn in_place<'a>(
     values: &'a FrfValues,
     pairs: &[(usize, usize)],
@@ -81,12 +80,11 @@ pub(crate) fn in_place<'a>(
     let (_, references, all) = values.dim();
     let place = |&(i, j): &(usize, usize)| i * references + j;
     let (first, last, first_pair) = (*lines.first()?, *lines.last()?, place(pairs.first()?));
-    if last - first + 1 != lines.len()
-        || !pairs
-            .iter()
-            .map(place)
-            .eq(first_pair..first_pair + pairs.len())
-    {
+    let consecutive = pairs
+        .iter()
+        .map(place)
+        .eq(first_pair..first_pair + pairs.len());
+    if last - first + 1 != lines.len() || !consecutive {
         return None;
     }
     let parts: &[f64] = bytemuck::cast_slice(values.as_slice()?);
@@ -94,21 +92,31 @@ pub(crate) fn in_place<'a>(
     ArrayView2::from_shape(shape, &parts[2 * (first_pair * all + first)..]).ok()
 }
 
-/// Sum of squares of one pair times its `weight` on `lines`, and whether one of its values
-/// is zero.
+/// Energy of one FRF.
+pub(crate) struct FrfEnergy {
+    /// Sum of squares.
+    pub sum: f64,
+    /// True if a value is zero.
+    pub has_zeros: bool,
+}
+
+/// Energy of one pair times its `weight` on `lines`.
 pub(crate) fn energy(
     values: &FrfValues,
     pair: (usize, usize),
     lines: &[usize],
     weight: f64,
-) -> (f64, bool) {
-    let (mut sums, mut zero) = ([0.0; limits::READING_LANES], false);
+) -> FrfEnergy {
+    let (mut sums, mut has_zeros) = ([0.0; limits::READING_LANES], false);
     visit(values, pair, lines, 0.., |row: usize, value| {
         let square = (value * weight).norm_sqr();
         sums[row % limits::READING_LANES] += square;
-        zero |= square == 0.0;
+        has_zeros |= square == 0.0;
     });
-    (sums.iter().sum(), zero)
+    FrfEnergy {
+        sum: sums.iter().sum(),
+        has_zeros,
+    }
 }
 
 /// Sum of squares of the values on `lines` of one pair.
@@ -139,86 +147,102 @@ pub(crate) fn squares(values: &[f64]) -> f64 {
     sums.iter().sum()
 }
 
-/// The result of a first look at all values.
+/// The FRFs and lines of a set that hold values.
 pub(crate) struct Usable {
     /// Pairs with at least one finite value that is not zero, without those of `left_out`.
     pub pairs: Vec<(usize, usize)>,
     /// Pairs whose gaps cost more values than they bring.
     pub left_out: BTreeSet<(usize, usize)>,
-    /// Lines (positions) on which one of `pairs` is not finite, or all are zero.
+    /// True for lines (positions) on which one of `pairs` is not finite, or all are zero.
     pub bad: Vec<bool>,
-    /// Number of those that some of `pairs` have.
+    /// Number of bad lines on which some of `pairs` hold values.
     pub lost: usize,
-    /// Sum of squares by response and reference, row by row; right where no line is bad.
+    /// Sum of squares of all pairs, row by row; correct if no line is bad.
     pub energy: Vec<f64>,
 }
 
 /// An FRF in which some values are not finite, or zero.
 struct Flawed {
     pair: (usize, usize),
+    /// Lines (positions) whose value is not finite.
     gaps: Vec<Range<usize>>,
+    /// Lines (positions) whose value is zero.
     zeros: Vec<Range<usize>>,
 }
 
+impl Flawed {
+    /// The gaps and zeros of one pair; `None` if it holds nothing else.
+    fn new(frf: &FrfSet, pair: (usize, usize), lines: &[usize]) -> Option<Self> {
+        let (mut any, mut gaps, mut zeros) = (false, Vec::new(), Vec::new());
+        visit(&frf.values, pair, lines, 0.., |row, value| match value {
+            value if !value.is_finite() => add(&mut gaps, row),
+            value if value == Complex64::default() => add(&mut zeros, row),
+            _ => any = true,
+        });
+        any.then_some(Self { pair, gaps, zeros })
+    }
+}
+
 impl Usable {
+    /// All pairs and lines of a set without missing values.
+    pub fn all(pairs: Vec<(usize, usize)>, lines: usize, energy: Vec<f64>) -> Self {
+        Self {
+            pairs,
+            left_out: BTreeSet::new(),
+            bad: vec![false; lines],
+            lost: 0,
+            energy,
+        }
+    }
+
     /// Looks at `lines` of all pairs.
     ///
-    /// * `whole`: no FRF may be left out for its gaps
+    /// * `whole`: true if no FRF may be left out for its gaps
     pub fn new(frf: &FrfSet, lines: &[usize], whole: bool) -> Self {
         let all: Vec<(usize, usize)> = frf.all_pairs().collect();
-        let sums: Vec<(f64, bool)> = all
+        let energies: Vec<FrfEnergy> = all
             .par_iter()
             .map(|&pair| energy(&frf.values, pair, lines, 1.0))
             .collect();
         let (mut flawed, mut pairs) = (Vec::new(), Vec::new());
-        for (&pair, &(sum, zero)) in all.iter().zip(&sums) {
-            if sum.is_finite() && !zero {
+        for (&pair, energy) in all.iter().zip(&energies) {
+            if energy.sum.is_finite() && !energy.has_zeros {
                 pairs.push(pair);
-                continue;
-            }
-            let (mut any, mut gaps, mut zeros) = (false, Vec::new(), Vec::new());
-            visit(&frf.values, pair, lines, 0.., |row, value| match value {
-                value if !value.is_finite() => add(&mut gaps, row),
-                value if value == Complex64::default() => add(&mut zeros, row),
-                _ => any = true,
-            });
-            if any {
+            } else if let Some(of_frf) = Flawed::new(frf, pair, lines) {
                 pairs.push(pair);
-                flawed.push(Flawed { pair, gaps, zeros });
+                flawed.push(of_frf);
             }
         }
         let incomplete: Vec<Incomplete> = flawed
             .iter()
-            .filter(|own| !whole && !own.gaps.is_empty())
-            .map(|own| {
-                let (response, reference) = (frf.responses[own.pair.0], frf.references[own.pair.1]);
-                Incomplete {
-                    pair: own.pair,
-                    driving_point: response.same_axis(reference),
-                    rows: &own.gaps,
-                }
+            .filter(|of_frf| !whole && !of_frf.gaps.is_empty())
+            .map(|&Flawed { pair, ref gaps, .. }| Incomplete {
+                pair,
+                driving_point: frf.responses[pair.0].same_axis(frf.references[pair.1]),
+                rows: gaps,
             })
             .collect();
         let left_out = left_out(&pairs, &incomplete, lines.len());
         pairs.retain(|pair| !left_out.contains(pair));
-        flawed.retain(|frf| !left_out.contains(&frf.pair));
-        let count = |of: fn(&Flawed) -> &Vec<Range<usize>>| {
+        flawed.retain(|of_frf| !left_out.contains(&of_frf.pair));
+        let count_frfs = |rows: fn(&Flawed) -> &Vec<Range<usize>>| {
             let mut frfs = vec![0; lines.len()];
-            let rows = flawed.iter().flat_map(of).cloned().flatten();
+            let rows = flawed.iter().flat_map(rows).cloned().flatten();
             rows.for_each(|row| frfs[row] += 1);
             frfs
         };
-        let (gaps, zeros) = (count(|frf| &frf.gaps), count(|frf| &frf.zeros));
-        let of_none = |k: usize| gaps[k] + zeros[k] == pairs.len();
+        let with_gap = count_frfs(|of_frf| &of_frf.gaps);
+        let with_zero = count_frfs(|of_frf| &of_frf.zeros);
+        let is_empty = |k: usize| with_gap[k] + with_zero[k] == pairs.len();
         let bad: Vec<bool> = (0..lines.len())
-            .map(|k| gaps[k] > 0 || (of_none(k) && !pairs.is_empty()))
+            .map(|k| with_gap[k] > 0 || (is_empty(k) && !pairs.is_empty()))
             .collect();
         Self {
-            lost: (0..lines.len()).filter(|&k| bad[k] && !of_none(k)).count(),
+            lost: (0..lines.len()).filter(|&k| bad[k] && !is_empty(k)).count(),
             pairs,
             left_out,
             bad,
-            energy: sums.into_iter().map(|(sum, _)| sum).collect(),
+            energy: energies.into_iter().map(|energy| energy.sum).collect(),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Screening: which lines and FRFs are used, and their scale (theory.md, eq. 5).
+//! Screening: the choice of lines and FRFs, and their scale (theory.md, eq. 5).
 
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
@@ -22,14 +22,14 @@ use std::sync::{Arc, RwLock};
 #[derive(Debug, Clone)]
 pub(crate) struct Screened<'a> {
     pub layout: DataLayout,
-    /// The data as they were measured; they are weighted as they are read.
+    /// The data as they were measured. Weights are applied as they are read.
     pub frf: &'a FrfSet,
-    /// The first pass, where it is made already.
+    /// The first pass, if it is made already.
     pub first_pass: FirstPass,
 }
 
-/// The first pass over a set and the seed that it was drawn with, until it is freed; shared by
-/// clones. Whoever needs it then makes it again.
+/// The first pass over a set, with its seed, until it is freed. Clones share it. If it is needed after
+/// that, it is made again.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FirstPass(Arc<RwLock<Option<(u64, Sums)>>>);
 
@@ -38,11 +38,11 @@ impl FirstPass {
         Self(Arc::new(RwLock::new(made)))
     }
 
-    /// The value that `take` makes of the pass drawn with `seed`; `None` where that is gone.
+    /// The value that `take` makes of the pass with this `seed`; `None` if there is no such pass.
     pub fn of<T>(&self, seed: u64, take: impl FnOnce(&Sums) -> T) -> Option<T> {
         let held = self.0.read().ok()?;
-        let drawn = held.as_ref().filter(|(drawn, _)| *drawn == seed);
-        drawn.map(|(_, sums)| take(sums))
+        let (held_seed, sums) = held.as_ref()?;
+        (*held_seed == seed).then(|| take(sums))
     }
 
     /// The pass of the lines `kept` alone.
@@ -52,7 +52,7 @@ impl FirstPass {
         Self::new(held.map(|(seed, sums)| (*seed, sums.select(kept))))
     }
 
-    /// Frees its memory.
+    /// Frees the memory of the pass.
     pub fn end(&self) {
         if let Ok(mut held) = self.0.write() {
             *held = None;
@@ -77,7 +77,7 @@ impl<'a> Screened<'a> {
         let (mut lines, [low, high]) = lines_in_band(frf.frequency_hz.view(), options.band_hz)?;
         let mut warnings = Vec::new();
         let all: Vec<(usize, usize)> = frf.all_pairs().collect();
-        let sums = of_whole(frf, &all, &lines, options);
+        let sums = first_pass_of_complete_set(frf, &all, &lines, options);
         let Usable {
             mut pairs,
             left_out,
@@ -85,15 +85,11 @@ impl<'a> Screened<'a> {
             lost,
             energy: sum_of_pair,
         } = match &sums {
-            Some(sums) => Usable {
-                pairs: all,
-                left_out: Default::default(),
-                bad: vec![false; lines.len()],
-                lost: 0,
-                energy: sums.frf_energy.clone(),
-            },
-            // this method needs the whole matrix
-            None => Usable::new(frf, &lines, options.method == Method::Plscf),
+            Some(sums) => Usable::all(all, lines.len(), sums.frf_energy.clone()),
+            None => {
+                let needs_whole_matrix = options.method == Method::Plscf;
+                Usable::new(frf, &lines, needs_whole_matrix)
+            }
         };
         if pairs.is_empty() {
             return Err(FitError::NoData);
@@ -106,16 +102,9 @@ impl<'a> Screened<'a> {
             warnings.push(incomplete(frf, &Vec::from_iter(left_out)));
         }
         warnings.extend(drop_bad(&mut lines, &bad, lost));
-        let noisy: Vec<(usize, usize)> = far_noisier(frf, &pairs, &lines)
-            .into_iter()
-            .map(|l| pairs[l])
-            .collect();
-        if !noisy.is_empty() {
-            pairs.retain(|pair| !noisy.contains(pair));
-            warnings.push(noisier(frf, &noisy));
-        }
+        warnings.extend(drop_noisy(&mut pairs, frf, &lines));
         enough(lines.len(), [low, high], options.modes)?;
-        let of_lines = line_variance(frf, &pairs, &lines);
+        let line_variance = line_variance(frf, &pairs, &lines);
         let mut layout = DataLayout {
             pairs: pairs.into(),
             warnings,
@@ -126,7 +115,7 @@ impl<'a> Screened<'a> {
                     record_s(frf, options)?,
                     frf.estimation.as_ref(),
                 )
-                .with_line_variance(of_lines)
+                .with_line_variance(line_variance)
         };
         layout.energy = energies(frf, &layout, bad.contains(&true), &sum_of_pair).into();
         layout.rms = layout.mean_square().sqrt();
@@ -141,7 +130,7 @@ impl<'a> Screened<'a> {
         })
     }
 
-    /// Lines, pairs and scale that were chosen elsewhere, in a part of the data.
+    /// A part of the data, with lines, pairs and scale that were chosen for all.
     pub fn part(frf: &'a FrfSet, layout: DataLayout) -> Self {
         Self {
             layout,
@@ -150,8 +139,8 @@ impl<'a> Screened<'a> {
         }
     }
 
-    /// Writes the values of `pairs[range]` times their weights on lines `lines[rows]` into
-    /// a (line, column) array.
+    /// Values of the FRFs `pairs[columns]` on the lines `lines[rows]`, weighted and in work units:
+    /// (line, column).
     pub fn block(&self, columns: Range<usize>, rows: Range<usize>) -> Array2<Complex64> {
         let factor = self.factor();
         let lines = &self.lines[rows];
@@ -175,9 +164,9 @@ impl<'a> Screened<'a> {
     }
 }
 
-/// The first pass over a set in which nothing is missing, which is the usual case: one
-/// look for all.
-fn of_whole(
+/// The first pass over a set without missing values, which is the usual case: it replaces the search
+/// for missing values. `None` if some are missing, or for few FRFs.
+fn first_pass_of_complete_set(
     frf: &FrfSet,
     all: &[(usize, usize)],
     lines: &[usize],
@@ -191,7 +180,9 @@ fn of_whole(
     sums.filter(|sums| !sums.flawed)
 }
 
-/// Leaves out lines that are bad, and says how many; `lost`: those that some FRF has.
+/// Takes `bad` lines out; the finding says how many.
+///
+/// * `lost`: number of bad lines on which some FRF has a value
 fn drop_bad(lines: &mut Vec<usize>, bad: &[bool], lost: usize) -> Option<Finding> {
     let dropped = bad.iter().filter(|bad| **bad).count();
     let mut places = bad.iter();
@@ -199,14 +190,30 @@ fn drop_bad(lines: &mut Vec<usize>, bad: &[bool], lost: usize) -> Option<Finding
     (dropped > 0).then(|| lines_left_out(dropped, lost, bad.len()))
 }
 
-/// Energy of each FRF used, as the look at all lines told it (`sum_of_pair`) unless some
-/// lines are left out.
-fn energies(frf: &FrfSet, layout: &DataLayout, left_out: bool, sum_of_pair: &[f64]) -> Vec<f64> {
-    if left_out {
+/// Takes out FRFs that are far noisier than the others.
+fn drop_noisy(pairs: &mut Vec<(usize, usize)>, frf: &FrfSet, lines: &[usize]) -> Option<Finding> {
+    let noisy: Vec<(usize, usize)> = far_noisier(frf, pairs, lines)
+        .into_iter()
+        .map(|l| pairs[l])
+        .collect();
+    pairs.retain(|pair| !noisy.contains(pair));
+    (!noisy.is_empty()).then(|| noisier(frf, &noisy))
+}
+
+/// Energy of each FRF used.
+///
+/// * `sum_of_pair`: that over all lines of the band, which holds unless some are left out
+fn energies(
+    frf: &FrfSet,
+    layout: &DataLayout,
+    lines_left_out: bool,
+    sum_of_pair: &[f64],
+) -> Vec<f64> {
+    if lines_left_out {
         layout
             .pairs
             .par_iter()
-            .map(|&pair| energy(&frf.values, pair, &layout.lines, 1.0).0)
+            .map(|&pair| energy(&frf.values, pair, &layout.lines, 1.0).sum)
             .collect()
     } else {
         layout
@@ -217,8 +224,7 @@ fn energies(frf: &FrfSet, layout: &DataLayout, left_out: bool, sum_of_pair: &[f6
     }
 }
 
-/// Indices of the lines above 0 Hz of a band (all, where none is asked for), and the
-/// band.
+/// Indices of the lines above 0 Hz in a band (`None`: that of all lines), and the band.
 ///
 /// # Errors
 /// [`FitError::BandOutsideData`].
@@ -246,8 +252,8 @@ pub(crate) fn lines_in_band(
     }
 }
 
-/// The finding on `dropped` lines of `all` without values: a caution where many are `lost` that some
-/// FRF has.
+/// The finding that `dropped` of `all` lines lack values: a caution if many are `lost`, on which some
+/// FRF has values.
 pub(crate) fn lines_left_out(dropped: usize, lost: usize, all: usize) -> Finding {
     let words = format!(
         "{dropped} of {all} lines hold no finite value in at least one FRF, or zeros in all, and \
@@ -261,8 +267,8 @@ pub(crate) fn lines_left_out(dropped: usize, lost: usize, all: usize) -> Finding
     finding.value("lines_left_out", dropped as f64)
 }
 
-/// Checks that so many lines can bear the modes asked for, one where none are, and that
-/// powers of ω differ over the band.
+/// Checks that there are lines enough for the modes asked for (`None`: for one), and that powers of ω
+/// differ over the band.
 ///
 /// # Errors
 /// [`FitError::TooFewLines`], [`FitError::NarrowBand`].

@@ -1,5 +1,5 @@
-//! First pass over the data: the count sketch (theory.md, eq. 6), and with it the energy
-//! of each line and each FRF.
+//! First pass over the data: the count sketch (theory.md, eq. 6), the energy of each line and the
+//! energy of each FRF.
 
 use crate::data::limits;
 use crate::data::pair_weights::PairWeights;
@@ -13,19 +13,19 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// The column of the sketch that each FRF is added to, and its sign.
+/// The column of the sketch that each FRF is added to, and the sign.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Mixing {
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Of each FRF.
+    /// Column of each FRF.
     pub column: Vec<usize>,
-    /// Of each FRF: 1 or −1.
+    /// Sign of each FRF: 1 or −1.
     pub sign: Vec<f64>,
 }
 
 impl Mixing {
-    /// As many FRFs in one column as in another, at random.
+    /// A random mixing with as many FRFs in one column as in another.
     pub fn even(frfs: usize, width: usize, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut order: Vec<usize> = (0..frfs).collect();
@@ -54,17 +54,16 @@ pub(crate) struct Sums {
     pub line_energy: Array1<f64>,
     /// Sum of squares of each FRF.
     pub frf_energy: Vec<f64>,
-    /// True where an FRF holds a value that is not finite, or an FRF or a line nothing
-    /// but zeros.
+    /// True if an FRF holds a value that is not finite, or an FRF or a line holds zeros only.
     pub flawed: bool,
 }
 
-/// Adds `signs` times two FRFs to their column and their squares to the energy of the
-/// lines; the sum of squares of each. Two at a time are waited for together. Inlined, the
-/// compiler would no longer know that the slices do not overlap, and add one value at a
-/// time.
+/// Adds two FRFs times their `signs` to a column, and their squares to the energy of the lines.
+/// Returns the sum of squares of each FRF. Two at a time share the waits for memory. The function is
+/// not inlined: the compiler would no longer know that the slices do not overlap, and would add one
+/// value at a time.
 #[inline(never)]
-fn add(
+fn add_two(
     column: &mut [f64],
     energy: &mut [f64],
     one: &[f64],
@@ -104,8 +103,8 @@ fn add(
     sums.map(|sums| sums.iter().sum())
 }
 
-/// Sums FRFs into some of the columns: squares of each line, real and imaginary part in
-/// turn, and of each FRF.
+/// Sums FRFs into some of the columns, `frfs_of` each. Returns the squares of each line, real and
+/// imaginary part in turn, and those of each FRF.
 fn summed(
     values: &FrfValues,
     pairs: &[(usize, usize)],
@@ -118,29 +117,29 @@ fn summed(
     let size = 2 * lines.len();
     let (mut energy, mut copies, mut of_frfs) =
         (vec![0.0; size], [Vec::new(), Vec::new()], Vec::new());
-    let nothing = vec![0.0; size];
+    let zeros = vec![0.0; size];
     for (mut column, frfs) in columns.columns_mut().into_iter().zip(frfs_of) {
         let column: &mut [f64] =
             bytemuck::cast_slice_mut(column.as_slice_mut().expect("column-major"));
         for two in frfs.chunks(2) {
             let [first, second] = &mut copies;
-            let one = stretch(values, pairs[two[0]], lines, weights, first);
-            let other = two.get(1).map_or(nothing.as_slice(), |&l| {
-                stretch(values, pairs[l], lines, weights, second)
+            let one = values_of(values, pairs[two[0]], lines, weights, first);
+            let other = two.get(1).map_or(zeros.as_slice(), |&l| {
+                values_of(values, pairs[l], lines, weights, second)
             });
             let signs = [
                 mixing.sign[two[0]],
                 two.get(1).map_or(0.0, |&l| mixing.sign[l]),
             ];
-            let sums = add(column, &mut energy, one, other, signs);
+            let sums = add_two(column, &mut energy, one, other, signs);
             of_frfs.extend(two.iter().copied().zip(sums));
         }
     }
     (energy, of_frfs)
 }
 
-/// An FRF where it lies, or copied into `copy` with its weight.
-fn stretch<'a>(
+/// An FRF as it lies in memory, or copied into `copy` with its weight.
+fn values_of<'a>(
     values: &'a FrfValues,
     pair: (usize, usize),
     lines: &[usize],
@@ -165,8 +164,8 @@ fn stretch<'a>(
 }
 
 impl Sums {
-    /// Runs the pass over `pairs` times their `weights` on `lines`: column by column, so
-    /// that every FRF is read in one stretch.
+    /// Runs the pass over `pairs` times their `weights` on `lines`. It goes column by column, so that
+    /// every FRF is read in one stretch.
     pub fn new(
         values: &FrfValues,
         pairs: &[(usize, usize)],

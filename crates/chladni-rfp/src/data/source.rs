@@ -1,9 +1,9 @@
 //! The source of a fit's data: it holds the FRFs, and makes the passes over them that a fit
 //! asks for.
 //!
-//! A set in memory makes every pass at once. Merged partials answer what they were made for. At
-//! the next question they stop the fit, with all that it needs to go on from there once other
-//! machines have made the pass.
+//! A set in memory makes every pass at once. Merged partials hold the passes that other machines
+//! have made. At the next pass they stop the fit, with all that it needs to go on from there once
+//! that pass is made.
 
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
@@ -19,8 +19,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 
-/// Data that a fit may ask. What is known of them besides their values is their
-/// [`DataLayout`].
+/// Data of a fit. All but their values stands in their [`DataLayout`].
 pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     /// The reason that a fit does not go on: an error, or a pass that others must make.
     type Stop: From<FitError> + From<LinalgError>;
@@ -29,12 +28,12 @@ pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     /// them.
     fn sketch(&self, seed: u64) -> (Columns, Array1<f64>);
 
-    /// Frees what is kept of the first pass, if that is a good part of the data and can be made
-    /// again. Called once the sketch is not needed any more.
+    /// Frees the sums of the first pass, if they take a good part of the memory of the data and can be
+    /// made again. Called once the sketch is not needed any more.
     fn end_first_pass(&self) {}
 
-    /// Second pass: all FRFs compressed on the basis of a model with the poles of `way`, and
-    /// weighted as its lines are.
+    /// Second pass: all FRFs, weighted by the lines of `way`, are compressed on the basis of a model
+    /// with its poles.
     ///
     /// * `q`: that basis, orthonormal on weighted lines, (line, unknown)
     /// * `energy`: of each line over all FRFs
@@ -59,28 +58,29 @@ pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     /// The same data, whose poles are sought in another law.
     fn in_law(&self, law: Damping) -> Self;
 
-    /// Noise energy of each FRF on the lines used, where the data tell it themselves.
+    /// Noise energy of each FRF on the lines used, and its source, if the set gives it.
     fn given_noise(&self) -> Option<(Vec<f64>, Giver)>;
 
-    /// The same data times `weights`, as measured where there are none; `left`: those that
-    /// may be tried after these.
+    /// The same data times `weights`; without weights they are as measured.
+    ///
+    /// * `still_to_try`: weights that may be tried after these
     ///
     /// # Errors
     /// As [`Self::projected`].
     fn weighted(
         &self,
         weights: Option<(PairWeights, Option<Giver>)>,
-        left: Weights,
+        still_to_try: Weights,
     ) -> Result<Self, Self::Stop>;
 
-    /// The same data with one more thing to say of them.
+    /// The same data with one more finding.
     fn noted(&self, finding: Option<Finding>) -> Self;
 
-    /// The single FRFs, where they are at hand.
+    /// The single FRFs, if they are in memory.
     fn values(&self) -> Option<&Screened<'_>>;
 }
 
-/// Poles that a second pass is made for, and how they were found.
+/// Poles that a pass is made for, and the path that found them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Way {
     /// The law that they follow.
@@ -91,7 +91,7 @@ pub(crate) struct Way {
 }
 
 impl Way {
-    /// Weight of each line used; empty where all count alike.
+    /// Weight of each line used; empty if all count alike.
     pub fn weights(&self) -> &[f64] {
         match &self.by {
             By::Measured { weights, .. } => weights,
@@ -109,7 +109,7 @@ pub(crate) enum By {
         history: Vec<(usize, f64)>,
         /// Passes made beyond the second.
         extra_passes: usize,
-        /// Evidence against the other law, where this one is the second tried.
+        /// Evidence against the other damping law, if that was tried before.
         doubt: Option<String>,
     },
     /// Measured-data path.
@@ -122,15 +122,15 @@ pub(crate) enum By {
         grades: Vec<Grade>,
         #[serde(with = "as_json")]
         findings: Vec<Finding>,
-        /// 1/σ of each line used, of unit mean square; empty where they count alike.
+        /// 1/σ of each line used, of unit mean square; empty if all count alike.
         weights: Vec<f64>,
     },
-    /// Stopped: every resonance turns the wrong way.
+    /// The fit was stopped: every resonance turns the wrong way.
     Conjugated,
 }
 
-/// Values that tell their own kind, in the content of a file that does not: findings and
-/// reasons leave out what is empty, and hold values of several kinds.
+/// Findings and reasons as JSON text inside files of a format that does not describe itself: they
+/// leave out empty fields, and hold values of several types.
 pub(crate) mod as_json {
     use serde::{de, de::DeserializeOwned, ser, Deserialize, Deserializer, Serialize, Serializer};
 

@@ -1,4 +1,4 @@
-//! Observer of a fit: told each stage as it begins, and free to stop it there.
+//! Observer of a fit: it is told each stage as that begins, and may stop the fit there.
 
 use crate::data::error::FitError;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,7 +1,7 @@
-//! Every constant of this room: meaning, unit, where it comes from, and what happens at other
-//! values where that was tried.
+//! Every constant of this room: meaning, unit, origin, and the effect of other values if they were
+//! tried.
 //!
-//! A value without an origin is judgement: nobody has calibrated it.
+//! A value without an origin is judgement; it was not calibrated.
 
 // build.rs
 
@@ -13,7 +13,7 @@ pub(super) const SHAPE_MISFIT: f64 = 1.5;
 /// Loss factor below which the two damping laws differ by less (about η²/4 in frequency)
 /// than measured line shapes can tell.
 pub(super) const LAW_ALIKE: f64 = 0.02;
-/// Error bars that the wrong law must shift a mode by to be worth a word.
+/// Shift of a mode under the other law, in error bars, from which a finding names it.
 pub(super) const LAW_SHIFTS: f64 = 1.0;
 
 // exponential.rs
@@ -24,8 +24,8 @@ pub(super) const CLEARLY_SLOWER: f64 = 5.0;
 
 // free_fit.rs
 
-/// Rounds in which poles outside the band get one direction more each; where these are not enough
-/// all of them hardly are, and are tried at once. Judgement: no model of
+/// Rounds in which poles outside the band get one more direction each. If these are not enough, all
+/// directions are tried at once. Judgement: no model of
 /// `scripts/record_results.sh` changes by it.
 pub(super) const RANK_ROUNDS: usize = 8;
 /// Least singular value of a pole's residues, over the largest, that counts as another mode: 1 % of
@@ -33,9 +33,9 @@ pub(super) const RANK_ROUNDS: usize = 8;
 pub(super) const SECOND_SHAPE: f64 = 0.1;
 /// Natural frequency over that of the last line below which a pole has none.
 pub(super) const NO_FREQUENCY: f64 = 1e-6;
-/// FRFs per block of what is done FRF by FRF.
+/// FRFs per block of loops over FRFs.
 pub(super) const BUILD_BLOCK: usize = 1024;
-/// Part of the data's energy that a rise of the sum of squares loses to rounding.
+/// Rounding error of a rise of the sum of squares, over the energy of the data.
 pub(super) const RISE_ROUNDING: f64 = 1e-12;
 
 // modes.rs
@@ -43,46 +43,43 @@ pub(super) const RISE_ROUNDING: f64 = 1e-12;
 /// Largest standard deviation of a loss factor in the file: a mode that vibrates has one
 /// below 2.
 pub(super) const LOSS_FACTOR_UNKNOWN: f64 = 2.0;
-/// Relative error bar of a mass scale below which the angle of its shape says something of
-/// phases.
+/// Relative error bar of a mass scale below which the angle of its shape is evidence on phases.
 pub(super) const SCALE_TELLS: f64 = 0.1;
 
 // moved_poles.rs
 
 /// Gauss-Newton steps on the poles of a known model; five are usual.
 pub(super) const TRACK_STEPS: usize = 20;
-/// Change of a natural frequency, bandwidths, from which on they are done.
+/// Change of a natural frequency, in bandwidths, below which a step is the last.
 pub(super) const TRACK_CHANGE: f64 = 1e-6;
-/// Largest common shift that is looked for, relative: 200 K in glass.
+/// Largest relative common shift that is tried: 200 K in glass.
 pub(super) const MOST_TRACKED_SHIFT: f64 = 0.02;
-/// Spacing of the trials for it, bandwidths of the narrowest mode: a quarter of one leads
-/// to the nearest minimum.
+/// Spacing of the trials, in bandwidths of the narrowest mode: from within a quarter of one, steps
+/// lead to the nearest minimum.
 pub(super) const TRACK_SPACING: f64 = 0.25;
-/// Trials on either side at most.
+/// Most trials on either side.
 pub(super) const MOST_TRACK_TRIALS: f64 = 60.0;
-/// Standard deviation of each natural frequency about the common shift, and of each loss
-/// factor, relative, before any data: wide, and enough to hold modes that the FRFs do not
-/// show.
+/// Relative prior standard deviation of each natural frequency about the common shift: wide, and
+/// enough to hold modes that the FRFs do not show.
 pub(super) const TRACK_FREQUENCY_PRIOR: f64 = 3e-3;
-/// See [`TRACK_FREQUENCY_PRIOR`].
+/// Relative prior standard deviation of each loss factor.
 pub(super) const TRACK_LOSS_PRIOR: f64 = 0.3;
-/// Noise that FRFs are taken to have at least, over their rms: rounding.
+/// Least noise of FRFs, over their rms: rounding.
 pub(super) const TRACK_ROUNDING: f64 = 1e-9;
 /// Relative step of numerical slopes: differences keep ten digits.
 pub(super) const TRACK_SLOPE_STEP: f64 = 1e-5;
-/// Misfit over that of the model from which on its shapes no longer hold.
+/// Relative error over that of the model, from which its shapes no longer hold.
 pub(super) const TRACK_MISFIT: f64 = 3.0;
-/// Misfit from which on the FRFs are not those of the model at all: half of their power is left.
+/// Relative error from which the FRFs are of another structure: half of their power is left.
 pub(super) const TRACK_LOST: f64 = 0.7;
-/// Misfit that is granted to any model.
+/// Least relative error of a model for this comparison.
 pub(super) const LEAST_MISFIT: f64 = 0.01;
-/// Part of itself by which a loss factor changes at most in a step.
+/// Largest relative change of a loss factor in a step.
 pub(super) const TRACK_LOSS_STEP: f64 = 0.5;
 
 // residual_energy.rs
 
-/// Part of an FRF's energy that the difference of such sums knows a residual to; less,
-/// and it is rounding.
+/// Residual of an FRF over its energy, below which the difference of these sums is rounding.
 pub(super) const RESIDUAL_KNOWN: f64 = 1e-9;
 /// FRFs per block.
 pub(super) const RESIDUAL_ENERGY_BLOCK: usize = 256;

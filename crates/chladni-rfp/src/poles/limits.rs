@@ -1,17 +1,17 @@
-//! Every constant of this room: meaning, unit, where it comes from, and what happens at other
-//! values where that was tried.
+//! Every constant of this room: meaning, unit, origin, and the effect of other values if they were
+//! tried.
 //!
-//! A value without an origin is judgement: nobody has calibrated it.
+//! A value without an origin is judgement; it was not calibrated.
 
 // several files
 
-/// Part of the modes whose neighbourhood is misfitted beyond which the fast chain gives
-/// up before it settles the order.
+/// Part of the modes with misfitted neighbourhood, beyond which the fast chain gives up before it
+/// settles the number of poles.
 pub(super) const MISFIT_SHARE: f64 = 0.4;
 
 // by_hand.rs
 
-/// A pole so many half-bandwidths away from a place explains it: nothing is added there.
+/// Distance in half-bandwidths within which a pole explains a place: nothing is added there.
 pub(super) const BY_HAND_EXPLAINED: f64 = 1.0;
 /// Narrowest start, line spacings of half-bandwidth: a narrower pole would see one line.
 pub(super) const BY_HAND_NARROWEST: f64 = 1.0;
@@ -21,43 +21,41 @@ pub(super) const CARRIED_AWAY: f64 = 8.0;
 
 // descent.rs
 
-/// Promised decrease of the sum of squares by a step, in units of the noise variance,
-/// below which it is the last: no pole moves by more than 1e-3 of its error bar in it,
-/// and what is left after it is a tenth and less of that.
+/// Promised decrease of the sum of squares by a step, in units of the noise variance, below which the
+/// step is the last. It moves no pole by more than 1e-3 of its error bar, and the distance that remains
+/// is a tenth of that or less.
 pub(super) const PROMISED: f64 = 1e-6;
-/// Part of itself that a step leaves of a pole's loss and of the square of its natural
-/// frequency where it would take all of it.
+/// Least part of a pole's loss, and of the square of its natural frequency, that a step leaves.
 pub(super) const KEPT: f64 = 0.2;
-/// Largest step of a pole, half-bandwidths, and over its distance outside the band.
+/// Largest step of a pole, half-bandwidths.
 pub(super) const STEP_INSIDE: f64 = 0.5;
-/// See [`STEP_INSIDE`].
+/// Addition to [`STEP_INSIDE`] for a pole outside the band, over its distance from it.
 pub(super) const STEP_OUTSIDE: f64 = 0.3;
-/// Least damping where the system cannot be solved as it is.
+/// Least damping after a system that could not be solved.
 pub(super) const LM_LEAST_UNSOLVED: f64 = 1e-8;
 
 // estimate.rs
 
 /// Standard deviation of a pole, in half-bandwidths, beyond which its mode is not sure.
 pub(crate) const UNCERTAIN: f64 = 0.3;
-/// Standard deviation of a pole, in half-bandwidths, from which it may be called faint, and
-/// that over the usual one of the band. Modes that random structures did not have stood at
-/// 0.02 to 0.2 where their neighbours stood at 1e-6.
+/// Standard deviation of a pole, in half-bandwidths, from which it may be called faint. Modes that
+/// random structures did not have had 0.02 to 0.2 while their neighbours had 1e-6.
 pub(super) const FAINT: f64 = 0.01;
-/// See above.
+/// Standard deviation of a faint pole over the usual one of the band, both in half-bandwidths.
 pub(super) const FAINT_OVER_USUAL: f64 = 300.0;
 
 // first_look.rs
 
-/// Visible peaks from which the strongest sections of the band are judged before the
-/// chain begins: below, the whole chain costs no more than a few such looks.
+/// Number of visible peaks from which the strongest sections of the band are judged before the
+/// chain begins. For fewer peaks the whole chain costs no more than a few such looks.
 pub(super) const FIRST_LOOK_ABOVE: usize = 50;
-/// Sections that are asked.
+/// Number of sections that are judged.
 pub(super) const ASKED: usize = 3;
-/// Excess over what white noise allows that a mode missed by a rough fit hardly makes.
+/// Excess over the limit of white noise that a mode hardly makes if a rough fit misses it.
 pub(super) const CLEAR: f64 = 3.0;
-/// Part of a section's energy below which what a rough fit leaves is no misfit of measured
-/// data, which is 1 % of the values and more: a hundred modes in twelve exact FRFs leave 4e-8
-/// of it, of no shape.
+/// Part of a section's energy below which the residual of a rough fit is no misfit of measured data,
+/// which is 1 % of the values and more. A hundred modes in twelve exact FRFs leave 4e-8 of it,
+/// without shape.
 pub(super) const NEXT_TO_NOTHING: f64 = 1e-6;
 /// Half-bandwidths of a peak within which a pole explains it.
 pub(super) const PEAK_EXPLAINED: f64 = 1.5;
@@ -67,20 +65,19 @@ pub(super) const PEAK_EXPLAINED: f64 = 1.5;
 /// Part of the residual's energy that the rounding of normal equations may reach: a
 /// thousandth of the noise of one value in a set of some 10⁵.
 pub(super) const NORMAL_ROUNDING: f64 = 1e-8;
-/// Part of a derivative outside the columns (its square) that normal equations still tell
-/// from rounding.
+/// Part (square) of a derivative outside the columns that normal equations still distinguish from
+/// rounding.
 pub(super) const DERIVATIVE_OUTSIDE: f64 = 1e-9;
 
 // passes.rs
 
-/// The part that a place must take out of all FRFs beyond their noise, as part of what a
-/// pole there would have to, before a pass is spent on it: the place is not refined yet,
-/// and sees at least this much of a mode next to it.
+/// Energy that a place must take out of all FRFs before a pass is spent on it, over the energy that a
+/// pole there must take out. The place is not refined yet, and takes at least this part of a mode next
+/// to it.
 pub(super) const CONFIRMED: f64 = 0.5;
-/// The same of a place that the sketch has refined, before a whole pass is made for it:
-/// it sees nearly all of a mode.
+/// The same for a place that was refined on the sketch: it takes nearly all of a mode.
 pub(super) const CONFIRMED_REFINED: f64 = 0.9;
-/// Most places that one such look asks for.
+/// Most places that one such search tries.
 pub(super) const PLACES: usize = 16;
 /// Distance in half-bandwidths within which two passes found the same pole.
 pub(super) const SAME_POLE: f64 = 0.3;
@@ -92,22 +89,21 @@ pub(super) const SAME: f64 = 1e-12;
 
 // pool.rs
 
-/// Change of what a step leaves, as part of it, after which there is no further one: a
-/// panel then stands still after four, heavy overlap and wide bands take all eight.
+/// Relative change of the residual in a step, below which it is the last. A panel then takes four
+/// steps; heavy overlap and wide bands take all eight.
 pub(super) const POOL_SETTLED: f64 = 2e-3;
 /// Part of a basis column outside those before it below which it is rounding.
 pub(super) const DEPENDENT: f64 = 1e-11;
-/// Loss factor of a pole that no peak gives, and its half-bandwidth over the highest x at
-/// least.
+/// Loss factor of a starting pole without a peak.
 pub(super) const START_LOSS: f64 = 0.01;
-/// See [`START_LOSS`].
+/// Least half-bandwidth of such a pole, over the highest x.
 pub(super) const START_WIDTH_LEAST: f64 = 1e-6;
-/// Half-bandwidths of the narrower up to which starting poles are moved apart.
+/// Distance, in half-bandwidths of the narrower, to which starting poles are moved apart.
 pub(super) const START_GAP: f64 = 0.05;
-/// Half-bandwidth of a relocated pole over the highest x at least.
+/// Least half-bandwidth of a relocated pole over the highest x.
 pub(super) const RELOCATED_WIDTH_LEAST: f64 = 1e-9;
-/// Ridge on the scaled normal equations at first, that beyond which something else is
-/// wrong, and the step between.
+/// Ridge on the scaled normal equations: the first, the one above which something else is wrong, and
+/// the factor between two.
 pub(super) const POOL_RIDGE: (f64, f64, f64) = (1e-14, 1e-4, 100.0);
 
 // prune.rs
@@ -116,13 +112,12 @@ pub(super) const POOL_RIDGE: (f64, f64, f64) = (1e-14, 1e-4, 100.0);
 /// is judged by a fit without it. Poles that lean on a neighbour were seen at 2 to 5;
 /// modes in noise stand at 10 and more, and each costs a refinement.
 pub(super) const LEANING: f64 = 10.0;
-/// Steps after which a pool is thinned again: poles of noise are told from others long
-/// before they stand still.
+/// Steps after which a pool is thinned again: poles of noise can be recognised long before they
+/// converge.
 pub(super) const THINNING_STEPS: usize = 2;
-/// Times that this may take none out before the pool counts as thinned.
+/// Rounds of such steps that may take no pole out before the pool counts as thinned.
 pub(super) const THINNING_ROUNDS: usize = 3;
-/// Lines to either side of a pole that one bad line may have made which do not speak for
-/// it.
+/// Distance, in line spacings, within which lines are no evidence for a narrow pole.
 pub(super) const OWN_LINES: f64 = 1.5;
 /// Half-width, in line spacings, below which a pole stands for one bad line. Panels with a
 /// fifteenth of a line per bandwidth have 0.03; what a spoilt value makes stays below 0.001.
@@ -130,13 +125,13 @@ pub(super) const NARROWEST: f64 = 0.01;
 
 // rank.rs
 
-/// The noise is told by the singular values behind this share of them, and its floor is
-/// seen where fewer than this share stand out.
+/// The noise is taken from the singular values after this share of them. Its floor is seen if fewer
+/// than this share stand out.
 pub(super) const BEFORE_NOISE: (usize, usize) = (3, 4);
-/// Singular value over the largest that noise alone makes, from which on it counts: it
-/// covers the bias of the tail that the noise is told by.
+/// Singular value over the largest of noise alone, from which it counts: it covers the bias of the
+/// tail that the noise is taken from.
 pub(super) const RANK_OVER_TAIL: f64 = 1.6;
-/// Least |1 − √(columns/lines)| that the limit of noise is divided by: it grows without
+/// Least |1 − √(columns/lines)| that the limit of noise is divided by, which would grow without
 /// bounds for square data.
 pub(super) const SQUARE_LEAST: f64 = 0.2;
 
@@ -149,15 +144,15 @@ pub(super) const GAIN_OVER_PROMISE: f64 = 4.0;
 
 // scan.rs
 
-/// Places per block of products: more share a window that is wider than each needs.
+/// Places per block of products, which share a window: with more, it is wider than each place needs.
 pub(super) const BLOCK: usize = 32;
-/// Half-bandwidths on both sides of a place beyond which its resonance is not looked at: a
-/// hundredth of its energy lies there. With ten times as many, a look takes twice as long and
+/// Half-bandwidths on both sides of a place beyond which its resonance is taken for zero: a
+/// hundredth of its energy lies there. With ten times as many, a scan takes twice as long and
 /// finds the same.
 pub(super) const SCAN_REACH: f64 = 60.0;
-/// Loss factor where no pole of the band tells the usual one.
+/// Loss factor if there is no pole of the band to take the usual one from.
 pub(super) const UNKNOWN_LOSS: f64 = 0.01;
-/// Least x that a loss factor is counted by.
+/// Least x that a loss factor is divided by.
 pub(super) const PLACE_LEAST: f64 = 1e-12;
 /// Places per line at most.
 pub(super) const PLACES_PER_LINE: usize = 4;
@@ -168,9 +163,10 @@ pub(super) const OUTSIDE_LEAST: f64 = 1e-6;
 pub(super) const MISFIT_REACH: f64 = 3.0;
 /// Standard deviations beyond what the largest of all lines reaches by chance.
 pub(super) const PEAK_BEYOND_CHANCE: f64 = 6.0;
-/// Natural frequencies outside the band at which a mode is sought, over that of its end.
+/// Natural frequencies at which a mode is sought outside the band, over that of its lower and of its
+/// upper end.
 pub(super) const BELOW: [f64; 2] = [0.8, 0.45];
-/// See above.
+/// See [`BELOW`].
 pub(super) const ABOVE: [f64; 3] = [1.03, 1.12, 1.35];
 /// Loss factor that such a search begins with.
 pub(super) const OUTSIDE_LOSS: f64 = 0.02;
@@ -187,20 +183,20 @@ pub(super) const OVERLAP: usize = 2;
 
 // settle.rs
 
-/// Poles added until it is asked whether they help where neighbouring lines correlate
-/// everywhere, and the part of the sum of squares that they must take out by then.
+/// Number of added poles after which it is checked if they help, in case neighbouring lines correlate
+/// everywhere; and the part of the sum of squares that they must take out together.
 pub(super) const ADDED_IN_VAIN: (usize, f64) = (5, 0.2);
-/// Half-widths of both poles within which one may have made up for another: beyond, their
+/// Half-widths of both poles within which one may have replaced the other. At larger distances their
 /// columns share a hundredth of their energy.
 pub(super) const LEANS_WITHIN: f64 = 10.0;
-/// Rounds of adding poles at residual peaks before the order stands.
+/// Rounds of adding poles at residual peaks before the number of poles is final.
 pub(super) const SCAN_ROUNDS: usize = 6;
-/// Changes of the order for each of these rounds at most.
+/// Most changes of the number of poles for each of these rounds.
 pub(super) const CHANGES_PER_ROUND: usize = 3;
 
 // significance.rs
 
-/// Places of a pole per line that are looked at.
+/// Places of a pole per line that chance may choose from.
 pub(super) const LOOKS_PER_LINE: f64 = 4.0;
 /// Factor on the tail of the noise in the significance threshold (theory.md, eq. 8). 1.0
 /// finds one more mode in heavy overlap, 3 (about BIC) loses one to three there; no
@@ -211,36 +207,36 @@ pub(super) const SIGNIFICANCE: f64 = 1.5;
 
 /// Half window of the noise under the peaks, lines.
 pub(super) const SKETCH_NOISE_HALF_WINDOW: usize = 40;
-/// Share of the residual energy left after conjugation that proves the wrong time sign.
+/// Residual energy of the conjugated data over that of the data, below which the time sign is wrong.
 /// Right-signed data lose a factor of 100 and more by conjugation; data of no structure
 /// lose nothing either way.
 pub(super) const CONJUGATE_SHARE: f64 = 0.25;
-/// Drop of the noise variance by which a pool of twice the size proves that the first was
+/// Noise variance from a pool of twice the size over that from the first, below which the first was
 /// too small. Measured misfit (1 to 20 % of the data) cannot fall so far; hidden modes at
 /// 60 dB and more do.
 pub(super) const LARGER_POOL_GAIN: f64 = 1e-2;
 
 // start.rs
 
-/// Place of a pole of no natural frequency, and the lowest that a step goes to: at so much
-/// of the x of the first line.
+/// Place of a pole without a natural frequency, and the lowest that a step goes to, over the x of the
+/// first line.
 pub(super) const FAR_BELOW: f64 = 0.01;
-/// Poles beside the modes asked for.
+/// Poles of a pool beyond the modes asked for.
 pub(super) const SPARE_ASKED: usize = 6;
 /// Poles of a pool over the directions that stand out of the noise, as a fraction.
 pub(super) const POOL_OVER_RANK: (usize, usize) = (13, 10);
-/// Poles beside these where the noise floor is seen, and where it is not.
+/// Poles beyond these if the noise floor is seen.
 pub(super) const SPARE_SEEN: usize = 6;
-/// See [`SPARE_SEEN`].
+/// Poles beyond these if the noise floor is not seen.
 pub(super) const SPARE_UNSEEN: usize = 8;
-/// Lines per pole at least.
+/// Least lines per pole.
 pub(super) const LINES_PER_POLE: usize = 3;
 
 // whiteness.rs
 
-/// Parts of the band whose neighbouring lines are looked at each by itself, and the number
-/// of them from which errors correlate everywhere.
+/// Parts of the band in which the correlation of neighbouring lines is computed.
 pub(super) const BAND_PARTS: usize = 10;
+/// Number of correlated parts from which errors count as correlated everywhere.
 pub(super) const PARTS_CORRELATED: usize = 8;
 /// Excess of the residual energy around a mode, over the whole band's and beyond chance,
 /// that still counts as white: poles of the projection are not yet the refined ones. Real
@@ -262,17 +258,17 @@ pub(super) const WHITE_FALSE_ALARM: f64 = 0.01;
 /// Share of the data's energy below which a residual is rounding and need not be white:
 /// −140 dB, what no converter resolves.
 pub(super) const EXPLAINED: f64 = 1e-14;
-/// Parts of the band whose noise is compared, and fewest lines of one.
+/// Parts of the band whose noise is compared.
 pub(super) const NOISE_PARTS: usize = 10;
-/// See [`NOISE_PARTS`].
+/// Fewest lines of such a part.
 pub(super) const NOISE_PART_LINES: usize = 16;
-/// Least limit that a look is compared with: rounding.
+/// Least limit that the ratio of a look is divided by: rounding.
 pub(super) const LOOK_LEAST: f64 = 1e-12;
 
 // zeros.rs
 
-/// Rounds after which zeros that have not settled are sought as eigenvalues: from good starts
-/// four to eight were needed.
+/// Rounds of the iteration, after which zeros are computed as eigenvalues: from good starts four to
+/// eight were needed.
 pub(super) const ZERO_STEPS: usize = 16;
 /// Part of a zero below which its last step is rounding.
 pub(super) const ZERO_SETTLED: f64 = 1e-14;

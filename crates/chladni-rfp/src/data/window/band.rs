@@ -1,18 +1,17 @@
-//! The part of a response that the mean column of a pole does not explain, and the errors that it
-//! leaves in sums over lines (theory.md, eq. F4d).
+//! The part of a response that the mean column of a pole does not explain (its leak), and the errors
+//! of sums over lines by it (theory.md, eq. F4d).
 //!
-//! On line k a block of a random force f holds X = Σ_t w_x(t)·f_t·e^{−jω_k t} and what the
-//! mean column of a pole, c(k), does not explain of the response, U = Y − c·X. Either is
-//! linear in f, so the error of H1, mean(X*·U)/Σw_x², and every sum of it over lines, is a
-//! quadratic form Σ f_t*·K(t, t′)·f_t′ summed over blocks. White noise of unit variance
-//! gives it, over blocks that begin dh apart,
+//! On line k a block of a random force f gives X = Σ_t w_x(t)·f_t·e^{−jω_k t}. With c(k) the mean
+//! column of a pole, the response Y leaves U = Y − c·X unexplained. Both X and U are linear in f. So
+//! the error of H1, mean(X*·U)/Σw_x², and every sum δ of it over lines, is a quadratic form
+//! Σ f_t*·K(t, t′)·f_t′ summed over blocks. For white noise of unit variance and blocks that begin dh
+//! apart,
 //!
 //! E|δ|² = (1/M) Σ_d (1 − |d|/M) Σ K(t, t′)·K*(t − dh, t′ − dh)
 //! E δ²  = (1/M) Σ_d (1 − |d|/M) Σ K(t, t′)·K(t′ − dh, t − dh)
 //!
-//! The second is not zero: real and imaginary part of what is estimated differ. Force and
-//! poles are taken in a band about one frequency, on [`limits::RECORD_POINTS`] places of a
-//! record.
+//! The second is not zero, because the errors of real and imaginary part differ. Force and poles are
+//! taken in a band about one frequency, on [`limits::RECORD_POINTS`] places of a record.
 
 use crate::data::limits;
 use crate::data::window::block_errors::BlockErrors;
@@ -23,14 +22,15 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 impl BlockErrors {
-    /// The lines at `cycles` from the middle of a band, and poles whose slowest has `decay`.
+    /// A band of lines; `None` without a force that leaks.
     ///
-    /// * `decay`: −Re s over ω_max
+    /// * `cycles`: per record, from the middle of the band to each line
+    /// * `decay`: −Re s over ω_max of the slowest pole
     pub fn band(&self, cycles: Vec<f64>, decay: f64) -> Option<Band<'_>> {
         let force = self.force.as_ref()?;
         let points = limits::RECORD_POINTS;
         let memory = limits::MEMORY_NEPERS / (decay * self.record).max(limits::DECAY_LEAST_NEPERS);
-        let before = match self.rest {
+        let remembered = match self.rest {
             true => 0,
             false => (memory.min(limits::MEMORY_RECORDS) * points as f64).ceil() as usize,
         };
@@ -43,7 +43,7 @@ impl BlockErrors {
             force,
             cycles,
             turns,
-            before,
+            remembered,
             power,
         })
     }
@@ -53,24 +53,25 @@ impl BlockErrors {
 pub(crate) struct Band<'a> {
     errors: &'a BlockErrors,
     force: &'a [f64],
+    /// Cycles per record from the middle of the band to each line.
     cycles: Vec<f64>,
     /// e^{jω_k t}, (place, line).
     turns: Array2<Complex64>,
-    /// Places before a record whose force the response remembers.
-    before: usize,
+    /// Number of places before a record whose force the response remembers.
+    remembered: usize,
     /// Σ w_x².
     power: f64,
 }
 
-/// Response to a force of each place that the mean column does not explain: (place, those
-/// before the record first; line).
+/// Unexplained response on each line to the force at each place: (place, line). Places before the
+/// record come first.
 pub(crate) struct Leak(Array2<Complex64>);
 
-/// A quadratic form of the force: (place of f*, place of f).
+/// A quadratic form K of the force: (place of f*, place of f).
 pub(crate) struct Form(Array2<Complex64>);
 
 impl Band<'_> {
-    /// That of 1/(jω − s).
+    /// The leak of 1/(jω − s).
     ///
     /// * `offset`: s less the middle of the band, over ω_max
     pub fn leak(&self, offset: Complex64) -> Leak {
@@ -78,32 +79,34 @@ impl Band<'_> {
         let rate = offset * self.errors.record / points as f64;
         let (step, unit) = (rate.exp(), self.errors.record / points as f64);
         let response = &self.errors.response;
-        let lags: Vec<f64> = (0..points)
+        // correlation of both windows
+        let correlation: Vec<f64> = (0..points)
             .map(|lag| {
                 let both = (lag..points).map(|t| response[t] * self.force[t - lag]);
                 both.sum::<f64>() / self.power
             })
             .collect();
-        let mut all = Array2::zeros((self.before + points, self.cycles.len()));
+        let mut all = Array2::zeros((self.remembered + points, self.cycles.len()));
         for (k, &cycles) in self.cycles.iter().enumerate() {
             let turn = Complex64::from_polar(1.0, -TAU * cycles / points as f64);
-            let mut mean = Complex64::from(-0.5 * lags[0]);
+            let mut mean = Complex64::from(-0.5 * correlation[0]);
             let mut factor = Complex64::ONE;
-            for lag in &lags {
-                mean += lag * factor;
+            for value in &correlation {
+                mean += value * factor;
                 factor *= step * turn;
             }
+            // response to a force at this place, over the rest of the record
             let mut later = Complex64::default();
             for place in (0..points).rev() {
                 let back = self.turns[[place, k]].conj();
                 let here = response[place] * back;
                 later = here + step * later;
                 if place < self.errors.driven {
-                    let left = later - 0.5 * here - mean * self.force[place] * back;
-                    all[[self.before + place, k]] = unit * left;
+                    let unexplained = later - 0.5 * here - mean * self.force[place] * back;
+                    all[[self.remembered + place, k]] = unit * unexplained;
                 }
             }
-            for place in (0..self.before).rev() {
+            for place in (0..self.remembered).rev() {
                 later *= step;
                 all[[place, k]] = unit * later;
             }
@@ -111,41 +114,37 @@ impl Band<'_> {
         Leak(all)
     }
 
-    /// The form Σ_k Σ (weight·leak)(k) of the error.
+    /// The form of the error Σ_k Σ weight(k)·leak(k), summed over `parts` (weights of lines, leak).
     pub fn form<'b>(&self, parts: impl Iterator<Item = (Vec<Complex64>, &'b Leak)>) -> Form {
-        let mut left: Array2<Complex64> =
-            Array2::zeros((self.cycles.len(), self.before + self.force.len()));
+        let mut weighted_leaks: Array2<Complex64> =
+            Array2::zeros((self.cycles.len(), self.remembered + self.force.len()));
         for (weights, Leak(leak)) in parts {
             for ((mut row, weight), column) in
-                left.rows_mut().into_iter().zip(weights).zip(leak.columns())
+                (weighted_leaks.rows_mut().into_iter().zip(weights)).zip(leak.columns())
             {
                 row.zip_mut_with(&column, |sum, value| *sum += weight * value);
             }
         }
-        let mut form = matmul(self.turns.view(), left.view());
+        let mut form = matmul(self.turns.view(), weighted_leaks.view());
         for (mut row, w) in form.rows_mut().into_iter().zip(self.force) {
             row.mapv_inplace(|v| v * (w / self.power));
         }
-        // rows in one piece, whatever the product made
+        // rows contiguous in memory, whatever the layout of the product
         Form(form.as_standard_layout().to_owned())
     }
 
-    /// E d_a·d_b* of errors that these forms are, for one block.
+    /// E δ_a·δ_b* of the errors with these forms, per block.
     pub fn covariance(&self, forms: &[Form]) -> Array2<Complex64> {
-        let (points, columns) = (self.force.len(), self.before + self.force.len());
+        let (points, columns) = (self.force.len(), self.remembered + self.force.len());
         let mut all = Array2::<Complex64>::zeros((forms.len(), forms.len()));
         for (shift, weight) in self.errors.shifts() {
             let (rows, range) = (overlap(points, shift), overlap(columns, shift));
-            for (a, Form(own)) in forms.iter().enumerate() {
+            for (a, Form(form)) in forms.iter().enumerate() {
                 for (b, Form(other)) in forms[..=a].iter().enumerate() {
                     let each = rows.clone().map(|t| {
-                        let own = own.slice(s![t, range.clone()]);
-                        let from = moved(&range, shift);
-                        dot(
-                            own,
-                            other.slice(s![(t as isize - shift) as usize, from]),
-                            true,
-                        )
+                        let row = form.slice(s![t, range.clone()]);
+                        let shifted = s![(t as isize - shift) as usize, moved_back(&range, shift)];
+                        dot_conjugate(row, other.slice(shifted))
                     });
                     all[[a, b]] += weight * each.sum::<Complex64>();
                 }
@@ -159,20 +158,20 @@ impl Band<'_> {
         all
     }
 
-    /// E d² of an error that this form is, for one block.
+    /// E δ² of the error with this form, per block.
     pub fn mean_square(&self, Form(form): &Form) -> Complex64 {
-        let (points, before) = (self.force.len() as isize, self.before as isize);
+        let (points, before) = (self.force.len() as isize, self.remembered as isize);
         let of_shift = |(shift, weight): (isize, f64)| -> Complex64 {
-            // places t and t′ of one block; t − shift and t′ − shift change parts
+            // K(t, t′)·K(t′ − shift, t − shift): the places change roles
             let rows = (shift - before).max(0)..points.min(points + shift);
             let columns = shift.max(-before)..points.min(points + shift);
             let each = rows.map(|t| {
-                let own = form.slice(s![t, columns.start + before..columns.end + before]);
-                let other = s![
+                let row = form.slice(s![t, columns.start + before..columns.end + before]);
+                let transposed = s![
                     columns.start - shift..columns.end - shift,
                     t - shift + before
                 ];
-                dot(own, form.slice(other), false)
+                dot(row, form.slice(transposed))
             });
             weight * each.sum::<Complex64>()
         };
@@ -180,25 +179,26 @@ impl Band<'_> {
     }
 }
 
-/// Places of `count` that are also places after a shift.
+/// Places among `count` that are still places after moving back by `shift`.
 fn overlap(count: usize, shift: isize) -> Range<usize> {
     let end = count.saturating_add_signed(shift).min(count);
     (shift.max(0) as usize).min(end)..end
 }
 
-/// The range before a shift.
-fn moved(range: &Range<usize>, shift: isize) -> Range<usize> {
+/// The range moved back by `shift`.
+fn moved_back(range: &Range<usize>, shift: isize) -> Range<usize> {
     let from = |place: usize| (place as isize - shift) as usize;
     from(range.start)..from(range.end)
 }
 
-/// Σ a·b, or Σ a·b*.
-fn dot(a: ArrayView1<Complex64>, b: ArrayView1<Complex64>, conjugate: bool) -> Complex64 {
-    let products = a.iter().zip(&b);
-    match conjugate {
-        true => products.map(|(a, b)| a * b.conj()).sum(),
-        false => products.map(|(a, b)| a * b).sum(),
-    }
+/// Σ a·b.
+fn dot(a: ArrayView1<Complex64>, b: ArrayView1<Complex64>) -> Complex64 {
+    a.iter().zip(&b).map(|(a, b)| a * b).sum()
+}
+
+/// Σ a·b*.
+fn dot_conjugate(a: ArrayView1<Complex64>, b: ArrayView1<Complex64>) -> Complex64 {
+    a.iter().zip(&b).map(|(a, b)| a * b.conj()).sum()
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! Errors of FRFs over neighbouring lines, as averaged blocks of records leave them
-//! (theory.md, eq. F4c).
+//! Errors that averages over blocks of records leave on neighbouring lines of FRFs (theory.md, eq.
+//! F4c).
 
 use crate::data::limits;
 use crate::data::window::kinds::Window;
@@ -7,29 +7,30 @@ use chladni_frf::{Estimation, Forcing};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The processing of blocks, as far as errors depend on it.
+/// The part of the processing of blocks that errors depend on.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BlockErrors {
-    /// Factors on the force, at the middles of equal parts of a record; `None`: one blow.
+    /// Window and burst of the force, at the middles of equal parts of a record; `None`: one blow.
     pub(super) force: Option<Vec<f64>>,
-    /// Places at which there is a force at all: the first ones, where it is a burst.
+    /// Number of these places with a force: a burst takes the first ones.
     pub(super) driven: usize,
-    /// Factors on the response.
+    /// Window of the response.
     pub(super) response: Vec<f64>,
-    /// From block to block, in parts of a record; as many as there are: nothing is shared.
+    /// Distance from block to block, in places; blocks as far apart as a record is long share nothing.
     pub(super) hop: usize,
-    /// True where the structure is at rest before each block.
+    /// True if the structure is at rest before each block.
     pub(super) rest: bool,
-    /// Blocks averaged; `None`: not known.
+    /// Number of blocks averaged; `None`: not known.
     blocks: Option<f64>,
     /// Length of a record times ω_max.
     pub(super) record: f64,
 }
 
 impl BlockErrors {
-    /// Of records under `window`, and how they were `made`, where a set says so; `None`
-    /// where errors of neighbouring lines are independent, or nothing is known.
+    /// Errors of records under `window`; `None` if errors of neighbouring lines are independent, or
+    /// nothing is known of them.
     ///
+    /// * `made`: the estimation of the FRFs, if the set describes it
     /// * `decay`: of an exponential window over a record, nepers
     /// * `record`: length of a record times ω_max
     pub fn new(
@@ -39,35 +40,32 @@ impl BlockErrors {
         record: f64,
     ) -> Option<Self> {
         let points = limits::RECORD_POINTS;
-        let place = |k: usize| (k as f64 + 0.5) / points as f64;
+        let time = |k: usize| (k as f64 + 0.5) / points as f64;
         let window = window.unwrap_or(Window::None);
         let part = window.part().unwrap_or(1.0);
-        let blow = matches!(window, Window::None | Window::Transient);
+        let is_blow = matches!(window, Window::None | Window::Transient);
         let (force, response) = match window {
             Window::None | Window::Transient => {
                 let padded = window == Window::Transient
                     && made.is_some_and(|made| made.gate_s < limits::GATE_WHOLE * made.transform_s);
-                let blow_alone = made.is_none_or(|made| {
-                    !matches!(
-                        made.forcing,
-                        Some(Forcing::Continuous | Forcing::Burst { .. })
-                    )
-                });
-                if !blow_alone || (decay == 0.0 && !padded) {
+                let forcing = made.and_then(|made| made.forcing);
+                let is_random =
+                    matches!(forcing, Some(Forcing::Continuous | Forcing::Burst { .. }));
+                if is_random || (decay == 0.0 && !padded) {
                     return None;
                 }
-                // over the first: whatever the decay, something is left of the record
-                let factor = |k: usize| (-decay * (place(k) - place(0))).exp();
+                // relative to the first value, so that no decay takes the whole record to zero
+                let factor = |k: usize| (-decay * (time(k) - time(0))).exp();
                 (None, (0..points).map(factor).collect())
             }
             _ => {
                 let values = window.values(points);
-                let force = |(k, w): (usize, &f64)| if place(k) < part { *w } else { 0.0 };
+                let force = |(k, w): (usize, &f64)| if time(k) < part { *w } else { 0.0 };
                 (Some(values.iter().enumerate().map(force).collect()), values)
             }
         };
-        let continuous = made.map_or(!blow, |made| made.forcing == Some(Forcing::Continuous));
-        let rest = blow || window.part().is_some();
+        let continuous = made.map_or(!is_blow, |made| made.forcing == Some(Forcing::Continuous));
+        let rest = is_blow || window.part().is_some();
         let hop = match made {
             Some(made) if continuous => made.hop_s / made.gate_s * points as f64,
             None if !rest => limits::HOP_ASSUMED * points as f64,
@@ -75,7 +73,7 @@ impl BlockErrors {
         };
         Some(Self {
             force,
-            driven: (0..points).filter(|&k| place(k) < part).count(),
+            driven: (0..points).filter(|&k| time(k) < part).count(),
             response,
             hop: (hop.round() as usize).clamp(1, points),
             rest,
@@ -86,7 +84,7 @@ impl BlockErrors {
         })
     }
 
-    /// Of lines whose errors are independent, one cycle per record apart.
+    /// Errors of lines that are independent, one cycle per record apart.
     pub fn independent(record: f64) -> Self {
         Self {
             force: None,
@@ -99,12 +97,12 @@ impl BlockErrors {
         }
     }
 
-    /// True where the force leaks, so that errors are largest beside modes.
+    /// True if the force leaks, so that errors are largest beside modes.
     pub fn leaks(&self) -> bool {
         self.force.is_some()
     }
 
-    /// True for records of bursts that cut responses off at their full size.
+    /// True for records of bursts that cut off the end of responses without a taper.
     pub fn cuts_off(&self) -> bool {
         self.rest && self.leaks() && self.response.last() == Some(&1.0)
     }
@@ -114,7 +112,7 @@ impl BlockErrors {
         self.force.is_none() && self.blocks.is_some()
     }
 
-    /// Blocks averaged, where they are known.
+    /// Number of blocks averaged, if it is known.
     pub fn blocks(&self) -> Option<f64> {
         self.blocks
     }
@@ -124,51 +122,51 @@ impl BlockErrors {
         distance * self.record / TAU
     }
 
-    /// Shifts of blocks that share samples, in parts of a record, and their weights for
-    /// one block.
+    /// Distances of blocks that share samples, in places, each with its number of pairs of blocks
+    /// over the number of blocks.
     pub(super) fn shifts(&self) -> impl Iterator<Item = (isize, f64)> + '_ {
-        let most = (limits::RECORD_POINTS - 1) / self.hop;
+        let overlapping = (limits::RECORD_POINTS - 1) / self.hop;
         let most = match self.blocks {
-            Some(blocks) => most.min(blocks as usize - 1),
-            None => most,
+            Some(blocks) => overlapping.min(blocks as usize - 1),
+            None => overlapping,
         } as isize;
         let weight = |d: isize| 1.0 - self.blocks.map_or(0.0, |m| d.unsigned_abs() as f64 / m);
         (-most..=most).map(move |d| (d * self.hop as isize, weight(d)))
     }
 
-    /// The noise of the responses that two blocks, `shift` parts of a record apart, share on
-    /// lines `cycles` apart.
-    fn shared(&self, shift: isize, cycles: f64) -> Complex64 {
-        let at = |factors: &[f64]| -> Complex64 {
-            let points = factors.len() as isize;
+    /// Covariance of noise of the responses between two blocks, `shift` places apart, on lines
+    /// `cycles` apart.
+    fn covariance_of_blocks(&self, shift: isize, cycles: f64) -> Complex64 {
+        let of_window = |window: &[f64]| -> Complex64 {
+            let points = window.len() as isize;
             let term = |t: isize| {
-                let both = factors[t as usize] * factors[(t - shift) as usize];
+                let both = window[t as usize] * window[(t - shift) as usize];
                 let turn = -TAU * cycles * (t as f64 + 0.5) / points as f64;
                 Complex64::from_polar(both, turn)
             };
             (shift.max(0)..points.min(points + shift)).map(term).sum()
         };
-        let of_force = self.force.as_deref().map(|force| at(force).conj());
-        of_force.unwrap_or(Complex64::ONE) * at(&self.response)
+        let of_force = self.force.as_deref().map(|force| of_window(force).conj());
+        of_force.unwrap_or(Complex64::ONE) * of_window(&self.response)
     }
 
-    /// The same over all blocks, for one.
-    fn over_blocks(&self, cycles: f64) -> Complex64 {
-        let of_shift = |(shift, weight)| weight * self.shared(shift, cycles);
+    /// The sum of these covariances over all blocks, per block.
+    fn covariance_of_mean(&self, cycles: f64) -> Complex64 {
+        let of_shift = |(shift, weight)| weight * self.covariance_of_blocks(shift, cycles);
         self.shifts().map(of_shift).sum()
     }
 
-    /// Correlation of the errors that noise of the responses leaves on two lines, `cycles`
-    /// apart; that of overlapping blocks included.
+    /// Correlation of the errors that noise of the responses leaves on two lines, `cycles` apart,
+    /// overlapping blocks included.
     pub fn of_noise(&self, cycles: f64) -> Complex64 {
-        self.over_blocks(cycles) / self.over_blocks(0.0).re
+        self.covariance_of_mean(cycles) / self.covariance_of_mean(0.0).re
     }
 
-    /// Variance of noise of one block left by the mean over all that overlap; `None` if their
-    /// number is not known.
+    /// Variance of noise of the mean over all blocks, over that of one block; `None` if their number is
+    /// not known.
     pub fn averaged(&self) -> Option<f64> {
         let blocks = self.blocks?;
-        Some(self.over_blocks(0.0).re / (self.shared(0, 0.0).re * blocks))
+        Some(self.covariance_of_mean(0.0).re / (self.covariance_of_blocks(0, 0.0).re * blocks))
     }
 }
 

@@ -1,4 +1,4 @@
-//! The windows and excitations that FRFs may come from, by name.
+//! Windows and excitations of the records that FRFs come from, and their names.
 
 use crate::data::limits;
 use crate::data::window::kernel::{WindowKernel, BLACKMAN, FLATTOP, HAMMING, HANN};
@@ -90,7 +90,7 @@ impl fmt::Display for Window {
 }
 
 impl Window {
-    /// Those without a number.
+    /// Windows without a parameter.
     const NAMED: [Self; 7] = [
         Self::None,
         Self::Transient,
@@ -100,7 +100,7 @@ impl Window {
         Self::Flattop,
         Self::Rectangular,
     ];
-    /// All, as they are written.
+    /// All names, for messages.
     pub const WORDS: &'static str = "none, transient, hann, hamming, blackman, flattop, \
                                      rectangular, kaiser:BETA (0 to 40), burst:PART (above 0 to 1) \
                                      or hann-burst:PART (0.05 to 1)";
@@ -110,7 +110,7 @@ impl Window {
         !matches!(self, Self::None | Self::Transient) && self.part().is_none()
     }
 
-    /// Part of each record in which a burst lasts.
+    /// Part of each record that a burst takes; `None` for other excitations.
     pub(crate) fn part(self) -> Option<f64> {
         match self {
             Self::Burst { part } | Self::HannBurst { part } => Some(part),
@@ -118,7 +118,7 @@ impl Window {
         }
     }
 
-    /// Its effect on the columns of a fit; `None`: nothing.
+    /// Effect of the window on the columns of a fit; `None`: no effect.
     pub(crate) fn kernel(self) -> Option<WindowKernel> {
         Some(match self {
             Self::None => return None,
@@ -134,7 +134,8 @@ impl Window {
         })
     }
 
-    /// Coefficients c_n of Σ c_n e^{2πjnu}, n ≥ 0; of other windows those of none.
+    /// Coefficients c_n, n ≥ 0, of Σ c_n e^{2πjnu}; that of the rectangular window for windows that are
+    /// no such sums.
     fn cosines(self) -> &'static [f64] {
         match self {
             Self::Hann | Self::HannBurst { .. } => &HANN,
@@ -145,8 +146,7 @@ impl Window {
         }
     }
 
-    /// Factors on responses, and on continuous noise, at the middles of `points` equal parts of a
-    /// record.
+    /// The window at the middles of `points` equal parts of a record.
     pub(crate) fn values(self, points: usize) -> Vec<f64> {
         let value = |k: usize| {
             let u = (k as f64 + 0.5) / points as f64;

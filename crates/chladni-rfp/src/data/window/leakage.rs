@@ -1,14 +1,14 @@
 //! Effect of windowed, finite records on the column of a mode (theory.md, eq. F4).
 //!
-//! Near a pole s the column of receptance is (singular part)/(jω − s) and something
-//! smooth. Leakage acts on the singular part, in the kind that was measured: with F(z) =
-//! z·g(z) of [`WindowKernel`] and z = (jω − s)T the plain column is multiplied by
+//! Near a pole s the column of receptance is the sum of a singular part/(jω − s) and a smooth part.
+//! Leakage acts on the singular part, in the kind that was measured. With F(z) = z·g(z) of
+//! [`WindowKernel`] and z = (jω − s)T the plain column is multiplied by
 //!
 //! 1 + (F(z) − 1)·κ,  κ = (s/jω)^p·(jω − s̄)/(s − s̄),
 //!
-//! p the power of jω that leads from receptance to the kind, s̄ the other pole of the
-//! column: −s in the structural law, s* in the viscous one. κ is 1 at the pole. What the
-//! other pole leaks is of order 1/(ωT) and left out.
+//! where p is the power of jω from receptance to the kind, and s̄ the other pole of the column: −s in
+//! the structural law, s* in the viscous one. κ is 1 at the pole. Leakage of the other pole is of
+//! order 1/(ωT) and left out.
 
 use crate::data::limits;
 use crate::data::window::kernel::{Force, WindowKernel};
@@ -37,8 +37,9 @@ pub(crate) struct LeakingPole {
     pub slope: Complex64,
 }
 
-/// The lines of a fit whose records leak. What a line and a pole put into a column by themselves
-/// is computed once for each of them: exponentials take most of the time of a column.
+/// The lines of a fit whose records leak. Exponentials would take most of the time of a column; they
+/// are products of one that depends on the line and one that depends on the pole, and each is computed
+/// once.
 #[derive(Debug, Clone)]
 pub(crate) struct LeakingLines {
     pub leakage: Arc<Leakage>,
@@ -71,7 +72,7 @@ impl LeakingLines {
         Self { leakage, lines }
     }
 
-    /// Some of the lines.
+    /// The lines with these indices.
     pub fn select(&self, lines: impl Iterator<Item = usize>) -> Self {
         Self {
             leakage: self.leakage.clone(),
@@ -105,13 +106,14 @@ impl PoleLeakage<'_> {
         Lanes::from(self.in_kind) * lines.map(|line| line.y.powi(power))
     }
 
-    /// Factor on 1/(jω − s).
+    /// Factor of leakage on 1/(jω − s).
     pub fn factor(&self, line: &Line) -> Complex64 {
         let line = [*line];
         1.0 + (self.excess(&line)[0] * self.in_kind(&line)).get(0)
     }
 
-    /// Factors on the plain column of the `pole`, whose s this is, and their derivatives by λ.
+    /// Factors of leakage on the plain column of the `pole`, whose s this is, and their derivatives by
+    /// λ.
     #[inline(always)]
     pub fn factors_of_column<const L: usize>(
         &self,
@@ -124,7 +126,7 @@ impl PoleLeakage<'_> {
         let over = (s - other).inv();
         let kind = self.in_kind(lines) * over;
         let kappa = kind * distance(other);
-        // s̄ moves against s
+        // as s moves by δ, s̄ moves by −δ
         let kappa_by_s = kappa * (f64::from(self.leakage.omega_power) / s)
             - kind * distance(0.5 * (s + other)) * (2.0 * over);
         [
@@ -133,8 +135,8 @@ impl PoleLeakage<'_> {
         ]
     }
 
-    /// The part that leakage adds to the column of receptance in the kind: (F(z) −
-    /// 1)·s^p/((s − s̄)(jω − s)), in powers of ω_max.
+    /// The part that leakage adds to the column of receptance, in the kind and in powers of ω_max:
+    /// (F(z) − 1)·s^p/((s − s̄)(jω − s)).
     ///
     /// * `other`: s̄
     pub fn added(&self, other: Complex64, line: &Line) -> Complex64 {
@@ -154,7 +156,7 @@ impl Leakage {
         }
     }
 
-    /// Records of which only the first 1/`factor` holds samples, the rest zeros.
+    /// Leakage of records of which only the first 1/`factor` holds samples, the rest zeros.
     pub fn padded(&self, factor: usize) -> Self {
         Self {
             record: self.record / factor as f64,
@@ -169,14 +171,14 @@ impl Leakage {
         self.record * (self.kernel.under_force(z, -s.re * self.record, force) - even)
     }
 
-    /// Power of a force near the resonance of s, over that beside resonances, as windowed records
-    /// show it on the line y.
+    /// Power of a force in windowed records on the line y near the resonance of s, over that beside
+    /// resonances.
     pub fn power_of_force(&self, s: Complex64, y: f64, force: &Force) -> f64 {
         let z = (Complex64::new(0.0, y) - s) * self.record;
         self.kernel.power_of_force(z, -s.re * self.record, force)
     }
 
-    /// A pole s of receptance, as all lines see it.
+    /// The factors that depend on a pole s of receptance.
     pub fn of_pole(&self, s: Complex64) -> PoleLeakage<'_> {
         PoleLeakage {
             leakage: self,
@@ -186,7 +188,7 @@ impl Leakage {
         }
     }
 
-    /// The line y = ω/ω_max, as all poles see it.
+    /// The factors that depend on the line y = ω/ω_max.
     pub fn line(&self, y: f64) -> Line {
         Line {
             y,
@@ -194,15 +196,15 @@ impl Leakage {
         }
     }
 
-    /// Relative excess of the decay (over ω_max) that is read where a line is taken for a
-    /// pure resonance of the same height: 1/F − 1 at the resonance.
+    /// Relative excess of the `decay` (over ω_max) that a fit finds with pure resonances, of the same
+    /// height at the resonance: 1/F − 1.
     pub fn broadening(&self, decay: f64) -> f64 {
         let z = decay * self.record;
         let [g, _] = self.kernel.value_and_slope(Complex64::from(z));
         1.0 / (z * g.re) - 1.0
     }
 
-    /// The decay (over ω_max) that is read as `seen`: what [`Self::broadening`] undoes.
+    /// The decay (over ω_max) that [`Self::broadening`] makes appear as `seen`.
     pub fn unbroadened(&self, seen: f64) -> f64 {
         let (mut low, mut high) = (0.0, seen);
         for _ in 0..limits::HALVINGS {
@@ -215,8 +217,8 @@ impl Leakage {
         0.5 * (low + high)
     }
 
-    /// A pole of plain columns, in the structural plane, less what a window usually adds to
-    /// its decay, 1/T: where a refinement starts.
+    /// The start of a refinement from a pole of plain columns, in the structural plane: its decay less
+    /// 1/T, which a window usually adds.
     pub fn narrowed(&self, lambda: Complex64) -> Complex64 {
         if self.kernel == WindowKernel::Transient {
             return lambda;

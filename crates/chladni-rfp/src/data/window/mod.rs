@@ -1,5 +1,5 @@
-//! Enters: how records were windowed and excited; leaves: what that does to lines, to the
-//! columns of poles and to the errors of neighbours.
+//! Enters: window and excitation of records; leaves: their effect on the columns of poles and on
+//! the errors of neighbouring lines.
 
 pub(crate) mod band;
 pub(crate) mod block_errors;

@@ -1,10 +1,10 @@
-//! The window of a set's records, as far as it is known.
+//! The window of a set's records, if it is known.
 //!
-//! An FRF estimated from continuous random excitation in windowed records of length T is,
-//! in the mean, not the transform of h(t) but of h(t)·ρ(t), ρ the autocorrelation of the
-//! window: every line is broadened, and damping comes out too high by about 1/(πb), b
-//! lines per half-power bandwidth. No residual shows it. The columns of the fit have the
-//! same line shape where the window is known: `data/window/leakage.rs`.
+//! An FRF estimated from continuous random excitation in windowed records of length T is, in the
+//! mean, the transform of h(t)·ρ(t), where ρ is the autocorrelation of the window. So every
+//! resonance is broadened, and damping comes out too high by about 1/(πb) at b lines per half-power
+//! bandwidth. No residual shows this. If the window is known, the columns of the fit have the same
+//! line shape: `data/window/leakage.rs`.
 //!
 //! Theory.md, eq. F4; J. Bendat, A. Piersol, Random Data, 4th ed. (2010), chapter 11. For
 //! the exponential window see `model/exponential.rs`.
@@ -15,7 +15,7 @@ use crate::data::options::FitOptions;
 use crate::data::window::kinds::Window;
 use chladni_frf::{BlockWindow, Estimation, Estimator, Forcing, FrfSet};
 
-/// The options, with what the set says of its windows where they leave it open.
+/// The options, with windows from the set if the options leave them open.
 pub(crate) fn with_set(frf: &FrfSet, options: &FitOptions) -> FitOptions {
     let made = frf.estimation.as_ref();
     FitOptions {
@@ -27,7 +27,7 @@ pub(crate) fn with_set(frf: &FrfSet, options: &FitOptions) -> FitOptions {
     }
 }
 
-/// The window that leaks, as the set was made; `None` where it does not say enough.
+/// The window that leaks, from the estimation of the set; `None` if the set does not say enough.
 fn window_of(made: &Estimation) -> Option<Window> {
     if made.estimator.is_local() {
         return Some(Window::None);
@@ -39,30 +39,30 @@ fn window_of(made: &Estimation) -> Option<Window> {
         (Forcing::Burst { part }, BlockWindow::Hann) => limits::HANN_BURST_PARTS
             .contains(&part)
             .then_some(Window::HannBurst { part }),
-        // an exponential window moves the poles, and the columns with them
+        // an exponential window does not leak: it moves the poles
         (Forcing::Transient, BlockWindow::Rectangular | BlockWindow::Exponential { .. }) => {
             Some(Window::Transient)
         }
         (Forcing::Periodic, BlockWindow::Rectangular) => Some(Window::None),
         _ => None,
     };
-    found.filter(|window| made.estimator == Estimator::H1 || !leaks_into_mean(*window))
+    found.filter(|window| made.estimator == Estimator::H1 || !depends_on_estimator(*window))
 }
 
-/// True for a window under which the means of H2 and Hv differ from that of H1, whose line
-/// shape the fit has: their denominators hold leakage, too.
-fn leaks_into_mean(window: Window) -> bool {
+/// True for a window under which the means of H2 and Hv differ from that of H1, because leakage is in
+/// their denominators too. The fit knows the line shape of H1 only.
+fn depends_on_estimator(window: Window) -> bool {
     !matches!(
         window,
         Window::None | Window::Transient | Window::Burst { .. }
     )
 }
 
-/// Part of each record that holds samples, s: as the set says, else the inverse of the
-/// distance of lines; 0 where these are not evenly spaced.
+/// Part of each record that holds samples, s: from the set, else the inverse of the line spacing; 0 if
+/// lines are not evenly spaced.
 ///
 /// # Errors
-/// [`FitError::WindowAxis`]: a window that leaks on lines that are not evenly spaced.
+/// [`FitError::WindowAxis`]: a window that leaks, and lines that are not evenly spaced.
 pub(crate) fn record_s(frf: &FrfSet, options: &FitOptions) -> Result<f64, FitError> {
     if let Some(made) = &frf.estimation {
         return Ok(made.gate_s);
@@ -73,10 +73,10 @@ pub(crate) fn record_s(frf: &FrfSet, options: &FitOptions) -> Result<f64, FitErr
         return Ok(0.0);
     }
     let step_hz = (axis[lines - 1] - axis[0]) / (lines.max(2) - 1) as f64;
-    let off =
+    let is_off_grid =
         |(k, f): (usize, &f64)| (f - axis[0] - k as f64 * step_hz).abs() > limits::EVEN * step_hz;
     let leaks = options.window.is_some_and(|window| window != Window::None);
-    let uneven = lines < 2 || axis.iter().enumerate().any(off);
+    let uneven = lines < 2 || axis.iter().enumerate().any(is_off_grid);
     if leaks && uneven {
         return Err(FitError::WindowAxis {
             found: format!("{lines} lines from {} to {} Hz", axis[0], axis[lines - 1]),
