@@ -55,8 +55,8 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
     if sure_but_slower > 0 {
         model.quality.trusted = false;
         let words = format!(
-            "{sure_but_slower} mode(s) decay more slowly than the exponential window of {alpha} 1/s: its \
-             α is smaller, or the data are not windowed"
+            "{sure_but_slower} mode(s) decay more slowly than the exponential window of {alpha} 1/s: \
+             its α is smaller, or the data are not windowed"
         );
         findings.push(
             Finding::fault("decays-not-windowed", words)
@@ -64,7 +64,7 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
                 .help("give the window's own α: ln(1/end value)/record length"),
         );
     }
-    // where all of them are gone, there is nothing to trust
+    // all modes, or all sure ones, may be gone now
     if let Some(few) = few_modes(&model.modes) {
         model.quality.trusted = false;
         if !findings.iter().any(|finding| finding.code == few.code) {

@@ -123,7 +123,7 @@ fn judged(
         keep_strongest(&pass.projected.work, &mut pass.refined, modes)
     })?;
     let idle = add_by_hand(data, &mut pass, asked)?;
-    // a dropped pole that was added by hand is there again
+    // a dropped pole that was added by hand is in the fit again
     let lambda = &pass.refined.lambda;
     dropped.retain(|gone| lambda.iter().all(|pole| (pole - gone).norm() > gone.im));
     let Pass {

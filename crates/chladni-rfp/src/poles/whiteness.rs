@@ -94,7 +94,7 @@ pub(crate) fn judge_columns(
     judge(work, lambda, &energy, residual.ncols(), residual, hz)
 }
 
-/// Judges the residual.
+/// Judges the residual of a fit with the poles `lambda`.
 ///
 /// * `line_residual`: energy of each line, summed over `frfs` FRFs
 /// * `sample`: some residual columns, for the correlation of neighbouring lines
