@@ -2,9 +2,9 @@
 //!
 //! σ(x) = d + Σ c_q/(λ_q − x) multiplies the data; numerators are eliminated column by
 //! column, and the zeros of σ are the next poles. Gustavsen & Semlyen, IEEE Trans. Power
-//! Delivery 14 (1999) 1052; relaxed form: Gustavsen, ibid. 21 (2006) 1587. In our study no other
-//! start of the maximum-likelihood steps lost no mode. As an estimator on its own, vector fitting
-//! is one to five times above the bound.
+//! Delivery 14 (1999) 1052; relaxed form: Gustavsen, ibid. 21 (2006) 1587. In our study it was
+//! the only start from which the maximum-likelihood steps lost no mode. As an estimator on its own
+//! it is one to five times above the bound.
 //!
 //! Notation: Φ = (1/(λ_q − x), x^p) times g is the basis of the data, Q its orthonormal basis,
 //! Ψ = (1/(λ_q − x), 1) that of σ, and D_l the diagonal matrix of column l of the data.
