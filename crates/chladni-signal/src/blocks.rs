@@ -1,5 +1,6 @@
 //! FRFs from averaged blocks, of runs with the same references.
 
+use super::contradictions;
 use super::estimators::{estimate_line, LineEstimate};
 use super::setting::BlockSetting;
 use super::spectra::Averages;
@@ -39,6 +40,10 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
         return Err(too_few_blocks(averages.blocks, group));
     }
     let columns = table.columns(group);
+    let apart = done.par_iter();
+    let apart =
+        apart.map(|(response, of, _)| contradictions::of_response(group, *response, &of.takes));
+    table.contradict(apart.collect::<Vec<_>>().concat());
     for (response, averages, lines) in done.into_iter().filter(|(_, of, _)| tells(of)) {
         table.count(averages.blocks);
         let row = table.row(response);

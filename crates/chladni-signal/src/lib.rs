@@ -41,7 +41,8 @@
 //! the options leave open, for which `excitation` tells continuous random records.
 //!
 //! * Averages: `spectra` cuts runs into windowed blocks and averages the products of their
-//!   transforms; `estimators` makes FRFs of the averages.
+//!   transforms; `estimators` makes FRFs of the averages. `takes` keeps the strongest lines of each
+//!   block, by which `runs_differ` finds blocks that contradict the others.
 //! * Local fits: `whole_record` transforms a record in one piece and shares out its lines;
 //!   `lpm` and `lrm` fit polynomials and rational functions to each share, in which leakage
 //!   is an unknown like others, not an error. `force_noise` undoes what noise in the record of
@@ -53,6 +54,7 @@
 
 mod blocks;
 mod clipped;
+mod contradictions;
 mod estimators;
 mod excitation;
 mod force_noise;
@@ -60,10 +62,12 @@ mod limits;
 mod local;
 mod lpm;
 mod lrm;
+mod runs_differ;
 mod setting;
 mod spectra;
 mod still;
 mod table;
+mod takes;
 mod units;
 mod whole_record;
 mod window;

@@ -15,6 +15,13 @@ pub(crate) const CLIPPED_UNDER: f64 = 0.98;
 /// them, noise clipped at three standard deviations 3.5.
 pub(crate) const CLIPPED_BESIDE: f64 = 2.0;
 
+// contradictions.rs
+
+/// Contradictions that are told one by one.
+pub(crate) const CLAUSES_MOST: usize = 4;
+/// Difference of factors up to which they are one.
+pub(crate) const SAME_FACTOR: f64 = 0.1;
+
 // estimators.rs
 
 /// References whose smallest normalised principal power is below this act as one.
@@ -95,6 +102,34 @@ pub(crate) const ROUNDING: f64 = 1e-24;
 /// |D| on a line, beside its largest, below which the line weighs no more.
 pub(crate) const LEAST_DENOMINATOR: f64 = 1e-6;
 
+// runs_differ.rs
+
+/// Power of the force of a block beside the median one from which on the block is compared.
+pub(crate) const FORCE_LEAST: f64 = 0.01;
+/// Blocks that all others are compared with before each is compared with each.
+pub(crate) const LOOKED_AT_FIRST: usize = 3;
+/// Peaks of a response that are compared, at most.
+pub(crate) const PEAKS_MOST: usize = 24;
+/// Power of a peak beside the strongest, at least: 50 dB hold the modes of a receptance.
+pub(crate) const PEAK_LEAST: f64 = 1e-5;
+/// Lines to each side of a peak in which no other stands, at least.
+pub(crate) const PEAK_LINES: usize = 8;
+/// The same as one part in so many of all lines, where lines are fine.
+pub(crate) const PEAK_PARTS: usize = 512;
+/// Coherence of two blocks on a peak from which on they have a ratio there.
+pub(crate) const RATIO_COHERENT: f64 = 0.9;
+/// Difference of a ratio from 1 that matters: 10 %, or 0.1 rad.
+pub(crate) const RATIO_APART: f64 = 0.1;
+/// The same where no factor explains it: hands that strike beside the point change shares of modes.
+pub(crate) const RATIO_FAR: f64 = 0.5;
+/// Errors of a ratio on top of that.
+pub(crate) const RATIO_ERRORS: f64 = 4.0;
+/// Part of a factor by which a peak that follows it differs at most, beside errors.
+pub(crate) const RATIO_LAW: f64 = 0.12;
+/// Longest delay that is looked for, samples, and steps of a sample.
+pub(crate) const DELAY_MOST: i32 = 8;
+pub(crate) const DELAY_STEPS: i32 = 16;
+
 // setting.rs
 
 /// Overlap of Hann blocks: beyond it the variance does not fall any further (the window
@@ -104,6 +139,12 @@ pub(crate) const HANN_OVERLAP: f64 = 2.0 / 3.0;
 /// Part of a record in which a burst acts at most, where the record is taken whole: after a later end
 /// there is no time to die out.
 pub(crate) const BURST_MOST: f64 = 0.9;
+
+// takes.rs
+
+/// Lines of a response that are kept of each block, and blocks that are kept: 8 MB.
+pub(crate) const TAKES_LINES: usize = 4096;
+pub(crate) const TAKES_MOST: usize = 64;
 
 // whole_record.rs
 

@@ -2,6 +2,7 @@
 
 use super::setting::BlockSetting;
 use super::still::moving;
+use super::takes::Takes;
 use super::window::{independent_blocks, level, window_values};
 use chladni_frf::{Dof, Run};
 use chladni_linalg::fft::{self, Fft};
@@ -18,6 +19,8 @@ pub(super) struct Averages {
     pub blocks: usize,
     /// Independent blocks that these are worth.
     pub independent: f64,
+    /// The blocks one by one, where they do not overlap.
+    pub takes: Takes,
 }
 
 impl Averages {
@@ -41,8 +44,9 @@ impl Averages {
             products: Array3::zeros((lines, size, size)),
             blocks: 0,
             independent: 0.0,
+            takes: Takes::default(),
         };
-        for run in runs {
+        for (at, run) in runs.iter().enumerate() {
             let Some(answer) = moving(run).find(|channel| channel.dof == response) else {
                 continue;
             };
@@ -60,9 +64,12 @@ impl Averages {
             let mut start = 0;
             let mut count = 0;
             while start + block <= run.samples() {
-                averages.add(&channels, start, &values, &fft, |block| {
+                let spectra = averages.add(&channels, start, &values, &fft, |block| {
                     level(window, block)
                 });
+                if hop >= block {
+                    averages.takes.keep([at, count], &spectra);
+                }
                 start += hop;
                 count += 1;
             }
@@ -72,6 +79,7 @@ impl Averages {
         averages
     }
 
+    /// Adds one block; returns its transforms.
     fn add(
         &mut self,
         channels: &[&[f64]],
@@ -79,7 +87,7 @@ impl Averages {
         window: &[f64],
         fft: &Arc<dyn Fft<f64>>,
         level: impl Fn(&[f64]) -> f64,
-    ) {
+    ) -> Vec<Vec<Complex64>> {
         let block = window.len();
         let spectra: Vec<Vec<Complex64>> = channels
             .iter()
@@ -103,5 +111,6 @@ impl Averages {
                 }
             }
         }
+        spectra
     }
 }

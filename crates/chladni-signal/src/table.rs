@@ -1,6 +1,7 @@
 //! Values of all FRFs while they are estimated.
 
 use super::clipped::clipped;
+use super::contradictions::{self, Contradiction};
 use super::force_noise::Correction;
 use super::setting::Setting;
 use super::still::{self, is_still, moving, still_in_some};
@@ -23,6 +24,7 @@ pub(super) struct Table {
     warnings: Vec<Finding>,
     /// Lines on which a response got no value.
     masked: BTreeSet<usize>,
+    contradictions: Vec<Contradiction>,
 }
 
 impl Table {
@@ -40,6 +42,7 @@ impl Table {
             averages: [usize::MAX, 0],
             warnings: setting.warnings().to_vec(),
             masked: BTreeSet::new(),
+            contradictions: Vec::new(),
         }
     }
 
@@ -104,6 +107,11 @@ impl Table {
     /// Notes a line on which a response got no value.
     pub(super) fn mask(&mut self, line: usize) {
         self.masked.insert(line);
+    }
+
+    /// Notes blocks that contradict others.
+    pub(super) fn contradict(&mut self, contradictions: Vec<Contradiction>) {
+        self.contradictions.extend(contradictions);
     }
 
     pub(super) fn warn_once(&mut self, warning: Finding) {
@@ -193,6 +201,8 @@ impl Table {
         self.warnings.extend(idle(runs));
         self.warnings.extend(setting.block_not_a_period(runs));
         self.warnings.extend(clipped(runs));
+        let differ = contradictions::finding(&self.contradictions);
+        self.warnings.extend(differ);
         let (kind, reference_unit) = units::kind_of(runs)?;
         let estimation = Estimation {
             averages: self.averages,

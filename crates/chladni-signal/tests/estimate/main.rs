@@ -10,6 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use std::f64::consts::TAU;
 
+mod contradictions;
 mod records;
 
 /// E|δH|² of each value.

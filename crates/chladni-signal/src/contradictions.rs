@@ -1,0 +1,141 @@
+//! The finding of blocks that contradict each other.
+
+use super::runs_differ::{apart, Apart};
+use super::takes::Takes;
+use super::Group;
+use crate::limits::{CLAUSES_MOST, SAME_FACTOR};
+use chladni_frf::{Dof, Finding};
+use std::collections::BTreeSet;
+
+/// One block of one response beside the others.
+#[derive(Debug, Clone)]
+pub(super) struct Contradiction {
+    response: Dof,
+    /// Its block, by name.
+    block: String,
+    apart: Apart,
+    /// Responses that were measured in it.
+    beside: usize,
+}
+
+/// All of one response.
+pub(super) fn of_response(group: &Group, response: Dof, takes: &Takes) -> Vec<Contradiction> {
+    let with = |(of, apart): ([usize; 2], Apart)| Contradiction {
+        response,
+        block: name(group, of, takes),
+        apart,
+        beside: group.runs[of[0]].responses().count(),
+    };
+    apart(takes).into_iter().map(with).collect()
+}
+
+/// File of a run, with its number where the file has several, and the block in it.
+fn name(group: &Group, [run, block]: [usize; 2], takes: &Takes) -> String {
+    let of = group.runs[run];
+    let same = |other: &usize| group.runs[*other].file == of.file;
+    let before = (0..run).filter(same).count();
+    let all = (0..group.runs.len()).filter(same).count();
+    let mut words = String::new();
+    if of.samples() >= 2 * takes.samples {
+        words.push_str(&format!("block {} of ", block + 1));
+    }
+    if all > 1 {
+        words.push_str(&format!("record {} of ", before + 1));
+    }
+    words + &of.file.display().to_string()
+}
+
+/// The finding of all of them.
+pub(super) fn finding(contradictions: &[Contradiction]) -> Option<Finding> {
+    // one clause for what several responses share in one block
+    let mut clauses: Vec<Vec<&Contradiction>> = Vec::new();
+    for one in contradictions {
+        let shared = |clause: &&mut Vec<&Contradiction>| {
+            clause[0].block == one.block && is_same(&clause[0].apart, &one.apart)
+        };
+        match clauses.iter_mut().find(shared) {
+            Some(clause) => clause.push(one),
+            None => clauses.push(vec![one]),
+        }
+    }
+    clauses.sort_by_key(|clause| std::cmp::Reverse(clause.len()));
+    let mut words: Vec<String> = clauses
+        .iter()
+        .take(CLAUSES_MOST)
+        .map(|c| words(c))
+        .collect();
+    if clauses.len() > CLAUSES_MOST {
+        words.push(format!("{} more", clauses.len() - CLAUSES_MOST));
+    }
+    let first = contradictions.first()?;
+    let dofs: BTreeSet<Dof> = contradictions.iter().map(|one| one.response).collect();
+    let blocks: BTreeSet<&str> = contradictions.iter().map(|one| &*one.block).collect();
+    let words = format!(
+        "records of one FRF contradict each other at its peaks, and their average is none of them. \
+         Beside the others: {}",
+        words.join("; ")
+    );
+    let mut finding = Finding::caution("runs-differ", words)
+        .dofs(dofs)
+        .value("records", blocks.len() as f64);
+    if let Apart::Law { factor, delay } = first.apart {
+        finding = finding
+            .value("factor", factor)
+            .value("delay_samples", delay);
+    }
+    Some(finding.help(
+        "leave these records out, or measure them again; look at sensor, cable, range and trigger",
+    ))
+}
+
+/// True where one cause may have made both.
+fn is_same(a: &Apart, b: &Apart) -> bool {
+    match (a, b) {
+        (Apart::Otherwise, Apart::Otherwise) => true,
+        (
+            Apart::Law { factor, delay },
+            Apart::Law {
+                factor: other,
+                delay: later,
+            },
+        ) => (factor / other - 1.0).abs() < SAME_FACTOR && (delay - later).abs() < 0.5,
+        _ => false,
+    }
+}
+
+/// What some responses are in one block.
+fn words(clause: &[&Contradiction]) -> String {
+    let first = clause[0];
+    let who = match clause.len() {
+        1 => format!("{} in {}", first.response, first.block),
+        count if count == first.beside => format!("all {count} responses in {}", first.block),
+        count => format!(
+            "{count} responses in {}, first {},",
+            first.block, first.response
+        ),
+    };
+    let one = clause.len() == 1;
+    let (has, is) = if one { ("has", "is") } else { ("have", "are") };
+    match first.apart {
+        Apart::Otherwise => {
+            let verb = if one { "follows" } else { "follow" };
+            format!("{who} {verb} no common factor, as where cables are swapped")
+        }
+        Apart::Law { factor, delay } => {
+            let size = factor.abs();
+            let mut parts = Vec::new();
+            if factor < 0.0 {
+                parts.push(format!("{has} the opposite sign"));
+            }
+            if (size.ln()).abs() > SAME_FACTOR {
+                parts.push(format!("{is} {size:.3} times as large"));
+            }
+            if delay != 0.0 {
+                let comes = if one { "comes" } else { "come" };
+                let when = if delay > 0.0 { "later" } else { "earlier" };
+                parts.push(format!("{comes} {:.1} samples {when}", delay.abs()));
+            }
+            format!("{who} {}", parts.join(" and "))
+        }
+    }
+}
