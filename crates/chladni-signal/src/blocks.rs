@@ -5,6 +5,7 @@ use super::estimators::{estimate_line, LineEstimate};
 use super::setting::BlockSetting;
 use super::spectra::Averages;
 use super::table::Table;
+use super::unheard::is_heard;
 use super::Group;
 use chladni_frf::{Dof, Error, ErrorKind, Estimator, Finding, Result};
 use rayon::prelude::*;
@@ -47,6 +48,10 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
     for (response, averages, lines) in done.into_iter().filter(|(_, of, _)| tells(of)) {
         table.count(averages.blocks);
         let row = table.row(response);
+        table.hear(
+            response,
+            is_heard(&lines, averages.independent, references.len()),
+        );
         let too_few = averages.blocks <= references.len();
         for (k, line) in lines.iter().enumerate() {
             // one block is coherent with itself, whatever it holds

@@ -132,7 +132,7 @@ fn acting_part(samples: &[f64], block: usize) -> f64 {
 /// Offset of the sensor in a block that ends in silence: the median of its last part, where that
 /// is at rest and well below the largest value. 0 elsewhere: the last level of a signal that
 /// switches is none.
-fn offset(samples: &[f64]) -> f64 {
+pub(super) fn offset(samples: &[f64]) -> f64 {
     let mut last = samples[samples.len() - samples.len().div_ceil(LAST_PART)..].to_vec();
     let middle = last.len() / 2;
     let (_, median, _) = last.select_nth_unstable_by(middle, f64::total_cmp);

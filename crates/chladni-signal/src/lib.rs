@@ -53,6 +53,7 @@
 //! "A comparison of H1, H2 and Hv", IMAC 3 (1985).
 
 mod blocks;
+mod blows;
 mod clipped;
 mod contradictions;
 mod estimators;
@@ -68,6 +69,7 @@ mod spectra;
 mod still;
 mod table;
 mod takes;
+mod unheard;
 mod units;
 mod whole_record;
 mod window;

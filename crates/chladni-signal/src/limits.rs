@@ -1,6 +1,16 @@
 //! Every constant of this room: meaning, unit, and where it comes from. Facts of a format
 //! stand beside its parser.
 
+// blows.rs
+
+/// First sample of a blow over its peak from which on its beginning is missing: a bell loses 2 % of
+/// its area below a tenth.
+pub(crate) const BLOW_CUT: f64 = 0.1;
+/// The same over the rms of the last samples, which are noise.
+pub(crate) const BLOW_NOISE: f64 = 6.0;
+/// Part of a record in which a blow acts, at most: sweeps act longer.
+pub(crate) const BLOW_PART: f64 = 0.1;
+
 // clipped.rs
 
 /// Samples at the largest value from which on a record may be clipped.
@@ -54,7 +64,8 @@ pub(crate) const BLOCKS_APART: f64 = 0.2;
 pub(crate) const LONG_LAG: usize = 64;
 /// Pieces of a block whose powers tell where a burst ends.
 pub(crate) const BLOCK_PIECES: usize = 256;
-/// One in so many samples of a block, the last ones, tells the offset of the sensor.
+/// One in so many samples of a block, the last ones, tells the offset of the sensor (and, in blows.rs,
+/// its noise).
 pub(crate) const LAST_PART: usize = 16;
 /// Offset over the largest value, at most: one level of two is half of what the signal spans.
 pub(crate) const OFFSET_MOST: f64 = 0.4;
@@ -145,6 +156,13 @@ pub(crate) const BURST_MOST: f64 = 0.9;
 /// Lines of a response that are kept of each block, and blocks that are kept: 8 MB.
 pub(crate) const TAKES_LINES: usize = 4096;
 pub(crate) const TAKES_MOST: usize = 64;
+
+// unheard.rs
+
+/// Neighbouring lines whose coherences are summed.
+pub(crate) const UNHEARD_LINES: usize = 8;
+/// Chance, over all lines, below which a coherence is more than noise.
+pub(crate) const UNHEARD_CHANCE: f64 = 0.01;
 
 // whole_record.rs
 

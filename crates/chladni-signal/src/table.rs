@@ -5,9 +5,9 @@ use super::contradictions::{self, Contradiction};
 use super::force_noise::Correction;
 use super::setting::Setting;
 use super::still::{self, is_still, moving, still_in_some};
-use super::{units, Estimate, Group};
+use super::{blows, unheard, units, Estimate, Group};
 use chladni_frf::{
-    Dof, Error, Estimation, Finding, FrfSet, FrfValues, Geometry, Result, Run, SignalUnit,
+    Dof, Error, Estimation, Finding, Forcing, FrfSet, FrfValues, Geometry, Result, Run, SignalUnit,
 };
 use ndarray::{s, Array3, Axis};
 use num_complex::Complex64;
@@ -25,6 +25,8 @@ pub(super) struct Table {
     /// Lines on which a response got no value.
     masked: BTreeSet<usize>,
     contradictions: Vec<Contradiction>,
+    /// Responses with a coherence above chance under some references, and without.
+    heard: [BTreeSet<Dof>; 2],
 }
 
 impl Table {
@@ -43,6 +45,7 @@ impl Table {
             warnings: setting.warnings().to_vec(),
             masked: BTreeSet::new(),
             contradictions: Vec::new(),
+            heard: Default::default(),
         }
     }
 
@@ -112,6 +115,11 @@ impl Table {
     /// Notes blocks that contradict others.
     pub(super) fn contradict(&mut self, contradictions: Vec<Contradiction>) {
         self.contradictions.extend(contradictions);
+    }
+
+    /// Notes whether the coherence of a response is above chance.
+    pub(super) fn hear(&mut self, response: Dof, is_heard: bool) {
+        self.heard[usize::from(!is_heard)].insert(response);
     }
 
     pub(super) fn warn_once(&mut self, warning: Finding) {
@@ -203,12 +211,19 @@ impl Table {
         self.warnings.extend(clipped(runs));
         let differ = contradictions::finding(&self.contradictions);
         self.warnings.extend(differ);
+        let [heard, unheard] = &self.heard;
+        let unheard = unheard - heard;
+        self.warnings.extend(unheard::finding(&unheard));
         let (kind, reference_unit) = units::kind_of(runs)?;
         let estimation = Estimation {
             averages: self.averages,
             forcing: setting.forcing(runs),
             ..setting.estimation(rate_hz)
         };
+        if let (Setting::Blocks(setting), Some(Forcing::Transient)) = (setting, estimation.forcing)
+        {
+            self.warnings.extend(blows::cut_off(runs, setting.block));
+        }
         if estimation.hann_on_blows() {
             self.warnings.push(hann_on_blows());
         }
