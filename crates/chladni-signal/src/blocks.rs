@@ -48,10 +48,7 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
     for (response, averages, lines) in done.into_iter().filter(|(_, of, _)| tells(of)) {
         table.count(averages.blocks);
         let row = table.row(response);
-        table.hear(
-            response,
-            is_heard(&lines, averages.independent, references.len()),
-        );
+        table.hear(response, is_heard(&averages, &lines, references.len()));
         let too_few = averages.blocks <= references.len();
         for (k, line) in lines.iter().enumerate() {
             // one block is coherent with itself, whatever it holds

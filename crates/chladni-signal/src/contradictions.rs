@@ -127,7 +127,8 @@ fn words(clause: &[&Contradiction]) -> String {
             if factor < 0.0 {
                 parts.push(format!("{has} the opposite sign"));
             }
-            if (size.ln()).abs() > SAME_FACTOR {
+            let is_plain = factor > 0.0 && delay == 0.0;
+            if is_plain || size.ln().abs() > SAME_FACTOR {
                 parts.push(format!("{is} {size:.3} times as large"));
             }
             if delay != 0.0 {

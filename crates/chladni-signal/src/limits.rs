@@ -161,6 +161,8 @@ pub(crate) const TAKES_MOST: usize = 64;
 
 /// Neighbouring lines whose coherences are summed.
 pub(crate) const UNHEARD_LINES: usize = 8;
+/// Independent blocks beyond the references, at least: two blows are coherent on too many lines.
+pub(crate) const UNHEARD_FREEDOM: f64 = 2.0;
 /// Chance, over all lines, below which a coherence is more than noise.
 pub(crate) const UNHEARD_CHANCE: f64 = 0.01;
 

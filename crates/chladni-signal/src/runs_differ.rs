@@ -104,7 +104,7 @@ fn middle(all: &[Vec<Vec<Ratio>>]) -> Option<usize> {
     let related: Vec<(usize, (usize, f64))> = equals.map(|v| (v, related(v))).collect();
     let better = |a: &&(usize, (usize, f64)), b: &&(usize, (usize, f64))| {
         let [(a, by), (b, other)] = [a.1, b.1];
-        b.cmp(&a).then(by.total_cmp(&other))
+        b.cmp(&a).then(by.round().total_cmp(&other.round()))
     };
     related.iter().min_by(better).map(|(v, _)| *v)
 }
