@@ -41,6 +41,12 @@ pub(crate) const LANES: usize = 8;
 /// Relative rounding of six printed digits.
 pub(crate) const SIX_DIGITS: f64 = 1e-5;
 
+// assemble/axis.rs
+
+/// Part of a line by which axes of one measurement may differ: files print five or six digits of
+/// a start and a step. A tenth of a line made seven modes of four.
+pub(crate) const AXES_ROUNDED: f64 = 0.02;
+
 // checksums.rs
 
 /// Bytes read at a time: as many as fit into the cache next to a core.

@@ -1,7 +1,7 @@
 //! The frequency axis that all FRFs of a set share.
 
 use super::record::Record;
-use crate::limits::SIX_DIGITS;
+use crate::limits::{AXES_ROUNDED, SIX_DIGITS};
 use chladni_frf::{Error, Finding, Result};
 use ndarray::Array1;
 
@@ -24,16 +24,34 @@ pub(super) fn common_axis(records: &[Record], warnings: &mut Vec<Finding>) -> Re
     // a thousandth of a line shifts no pole noticeably
     let farthest = farthest_from(first, records)?;
     if let Some((lines, record)) = farthest.filter(|(lines, _)| *lines > 1e-3) {
-        warnings.push(Finding::note(
-            "axes-differ",
-            format!(
-                "frequency axes differ by up to {lines:.3} of a line ({} against {}); that of the \
-                 first is used",
-                record.place, first.place
-            ),
-        ));
+        warnings.push(differing(first, record, lines));
     }
     Ok(Array1::from(axis.to_vec()))
+}
+
+/// The finding of two axes that differ: a note where printed digits may have done it.
+fn differing(first: &Record, record: &Record, lines: f64) -> Finding {
+    let pairs = first.frequency_hz.iter().zip(record.frequency_hz.iter());
+    let apart = |(a, b): (&f64, &f64)| (a - b).abs();
+    let hz = pairs.clone().map(apart).fold(0.0, f64::max);
+    let printed = pairs
+        .clone()
+        .all(|pair| apart(pair) <= SIX_DIGITS * pair.0.abs());
+    let words = format!(
+        "frequency axes differ by up to {lines:.3} of a line ({} against {}); that of the first \
+         is used",
+        record.place, first.place
+    );
+    if printed || lines <= AXES_ROUNDED {
+        return Finding::note("axes-differ", words);
+    }
+    let words = format!(
+        "{words}; that is more than rounding: frequencies are off by up to {hz:.2} Hz there, and \
+         one mode may look like several"
+    );
+    Finding::caution("axes-differ", words)
+        .value("off_hz", hz)
+        .help("measure or export all FRFs with one axis, or fit those of each axis by themselves")
 }
 
 /// The record whose axis is farthest from that of `first`, and the distance in lines; `None`

@@ -1,7 +1,7 @@
 //! Axes, kinds and units that must agree, and values in SI.
 
 use super::documents::{document, frf, function, merge};
-use chladni_frf::{FrfKind, FrfValues, ReferenceUnit, TimeSign};
+use chladni_frf::{FrfKind, FrfValues, ReferenceUnit, Severity, TimeSign};
 use chladni_io::{Abscissa, Function, Ordinate, ReadOptions};
 use num_complex::{Complex32, Complex64};
 
@@ -55,6 +55,34 @@ fn axes_agree_within_half_a_line_or_both_records_are_named() {
             "{text}"
         );
     }
+}
+
+#[test]
+fn axes_that_differ_by_more_than_printed_digits_are_a_caution() {
+    let told = |start: f64, off: f64| {
+        let axis = |first: f64| Abscissa::Uneven((0..3).map(|k| first + 0.5 * k as f64).collect());
+        let one = |response: &str, first: f64| Function {
+            abscissa: axis(first),
+            ..frf(response, "9:+Z", 1.0)
+        };
+        let functions = vec![one("1:+Z", start), one("2:+Z", start + off)];
+        let (_, mut told) =
+            merge(vec![document("a.uff", functions)], &ReadOptions::default()).unwrap();
+        told.retain(|finding| finding.code == "axes-differ");
+        told.pop()
+    };
+    assert!(told(10.0, 1e-6).is_none());
+    let severity = |start, off| told(start, off).map(|finding| finding.severity);
+    // a hundredth of a line; six digits of 5000 Hz
+    assert_eq!(severity(10.0, 5e-3), Some(Severity::Note));
+    assert_eq!(severity(5000.0, 0.04), Some(Severity::Note));
+    assert_eq!(severity(10.0, 0.04), Some(Severity::Caution));
+    let far = told(10.0, 0.05).unwrap();
+    assert!(
+        far.contains("0.100 of a line") && far.contains("up to 0.05 Hz"),
+        "{far}"
+    );
+    assert!((far.values["off_hz"].as_slice()[0] - 0.05).abs() < 1e-9);
 }
 
 #[test]
