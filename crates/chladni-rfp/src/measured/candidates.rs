@@ -19,6 +19,8 @@ pub(crate) enum Origin {
     },
     /// Added at a peak that the votes had left.
     Added,
+    /// In place of two poles that may be one mode which moves between FRFs.
+    MayBeTwo,
     /// Stands for what lies outside the band, or for a broad background.
     Nuisance,
     /// A mode beyond the number that was asked for: fitted, not counted.

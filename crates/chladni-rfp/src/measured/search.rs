@@ -308,7 +308,7 @@ impl<'a> Search<'a> {
         {
             return Ok(None);
         }
-        let (own, _, _) = own_poles(&self.weighted, refined, &[q])?;
+        let own = own_poles(&self.weighted, refined, &[q])?.poles;
         Ok(Some((weighted_scatter(refined, q, &own), own.len())))
     }
 

@@ -1,12 +1,17 @@
 //! Twins: two poles that stand for one mode which moves between FRFs (roving mass,
 //! temperature).
+//!
+//! One pole for each FRF has as many unknowns as two common ones, and to first order both fit two
+//! close modes and a moving one. What is left of each FRF tells them apart. FRFs are compared one
+//! by one: of noise that follows the FRFs the strongest hold most, and say least.
 
 use super::limits::{
-    OWN_OVER_PAIR, SAME_SHAPE_MAC, SHAPE_LEAST_COLUMNS, TWINS_NEAR, TWINS_STEPS, TWINS_WINDOW,
+    MAY_BE_ONE, ONE_MODE, OWN_OVER_PAIR, SAME_SHAPE_MAC, SHAPE_LEAST_COLUMNS, TWINS_NEAR,
+    TWINS_STEPS, TWINS_WINDOW,
 };
 use crate::damping::structural::basis;
 use crate::data::columns::Columns;
-use crate::measured::candidates::{Candidates, Change};
+use crate::measured::candidates::{Candidates, Change, Origin};
 use crate::measured::local::Neighbourhood;
 use crate::poles::refine::{refine, Refined};
 use crate::tolerances as tol;
@@ -15,13 +20,23 @@ use chladni_linalg::{lstsq, matmul, LinalgError};
 use ndarray::{s, Array2};
 use num_complex::Complex64;
 
+/// A pole for each FRF in place of common ones.
+pub(crate) struct OwnPoles {
+    /// One for each FRF.
+    pub poles: Vec<Complex64>,
+    /// What they leave over what the common poles leave, as energies of all FRFs.
+    over_common: f64,
+    /// The same as a geometric mean over the FRFs.
+    over_common_each: f64,
+}
+
 /// Own pole of each FRF near `pole`: local fit of one pole and a constant, the other
 /// poles' part taken off.
 pub(crate) fn own_poles(
     work: &Columns,
     refined: &Refined,
     poles: &[usize],
-) -> Result<(Vec<Complex64>, f64, f64), LinalgError> {
+) -> Result<OwnPoles, LinalgError> {
     let centre = poles.iter().map(|&q| refined.lambda[q]).sum::<Complex64>() / poles.len() as f64;
     let width = poles
         .iter()
@@ -40,20 +55,11 @@ pub(crate) fn own_poles(
         shapes.column_mut(q).fill(Complex64::new(0.0, 0.0));
     }
     let rest = &local.b - &matmul(shapes.view(), refined.coefficients.view());
-    let pair_residual: f64 = {
-        let columns = basis(
-            &local,
-            &poles.iter().map(|&q| refined.lambda[q]).collect::<Vec<_>>(),
-            &[0],
-        );
-        let solution = lstsq(columns.view(), rest.view())?;
-        (&rest - &matmul(columns.view(), solution.view()))
-            .iter()
-            .map(|v| v.norm_sqr())
-            .sum()
-    };
-    let mut own = Vec::new();
-    let mut own_residual = 0.0;
+    let common: Vec<Complex64> = poles.iter().map(|&q| refined.lambda[q]).collect();
+    let columns = basis(&local, &common, &[0]);
+    let solution = lstsq(columns.view(), rest.view())?;
+    let left = &rest - &matmul(columns.view(), solution.view());
+    let (mut own, mut sums, mut logarithms) = (Vec::new(), [0.0; 2], 0.0);
     for l in 0..work.columns() {
         let column: Array2<Complex64> = rest.slice(s![.., l..l + 1]).to_owned();
         let single = refine(
@@ -63,9 +69,16 @@ pub(crate) fn own_poles(
             tol::ROUGH.within(TWINS_STEPS),
         )?;
         own.push(single.lambda[0]);
-        own_residual += single.projection.sse;
+        let of_common: f64 = left.column(l).iter().map(|v| v.norm_sqr()).sum();
+        let of_own = single.projection.sse;
+        sums = [sums[0] + of_own, sums[1] + of_common];
+        logarithms += of_own.max(f64::MIN_POSITIVE).ln() - of_common.max(f64::MIN_POSITIVE).ln();
     }
-    Ok((own, own_residual, pair_residual))
+    Ok(OwnPoles {
+        over_common: sums[0] / sums[1].max(f64::MIN_POSITIVE),
+        over_common_each: (logarithms / own.len().max(1) as f64).exp(),
+        poles: own,
+    })
 }
 
 /// Merges twins; returns a note for each merger, with the pole it left.
@@ -75,7 +88,7 @@ pub(crate) fn merge(
     omega_to_hz: f64,
 ) -> Result<Vec<(Complex64, Finding)>, LinalgError> {
     let mut notes = Vec::new();
-    while let Some((a, b, own)) = if work.columns() < 2 {
+    while let Some(Twins { a, b, own, why }) = if work.columns() < 2 {
         None
     } else {
         find(work, &candidates.refined)?
@@ -98,17 +111,35 @@ pub(crate) fn merge(
                 added: None,
             }],
         )?;
+        if why == Why::MayBeOne {
+            candidates.origin[a] = Origin::MayBeTwo;
+        }
         let spread =
             (own.iter().map(|p| (p - mean).norm_sqr()).sum::<f64>() / own.len() as f64).sqrt();
         let place = start.re.max(0.0).sqrt() * omega_to_hz;
         let scatter = spread / (2.0 * start.re.max(f64::MIN_POSITIVE).sqrt()) * omega_to_hz;
-        let note = Finding::note(
-            "merged-twins",
-            format!(
-                "two poles near {place:.2} Hz are one mode that differs between FRFs (scatter \
-                 {scatter:.2} Hz): merged"
+        let (two, scatter_of) = (
+            format!("two poles near {place:.2} Hz"),
+            format!("(scatter {scatter:.2} Hz)"),
+        );
+        let note = match why {
+            Why::Moves => Finding::note(
+                "merged-twins",
+                format!("{two} are one mode that differs between FRFs {scatter_of}: merged"),
             ),
-        )
+            Why::OneShape => Finding::note(
+                "merged-twins",
+                format!("{two} have one shape, and are taken for one mode: merged"),
+            ),
+            Why::MayBeOne => Finding::caution(
+                "merged-twins",
+                format!(
+                    "{two} may be one mode that differs between FRFs {scatter_of}, or two close \
+                     modes: both explain the data about as well; merged"
+                ),
+            )
+            .help("measure another reference, or average more"),
+        }
         .modes_hz([place])
         .value("scatter_hz", scatter);
         notes.push((start, note));
@@ -116,11 +147,28 @@ pub(crate) fn merge(
     Ok(notes)
 }
 
-/// A pair that is one mode, with the own poles of the FRFs.
-fn find(
-    work: &Columns,
-    refined: &Refined,
-) -> Result<Option<(usize, usize, Vec<Complex64>)>, LinalgError> {
+/// Two poles that may be one mode.
+struct Twins {
+    a: usize,
+    b: usize,
+    /// The own poles of the FRFs.
+    own: Vec<Complex64>,
+    why: Why,
+}
+
+/// What speaks for one mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Why {
+    /// Own poles of the FRFs explain them better.
+    Moves,
+    /// Both poles have one shape.
+    OneShape,
+    /// Own poles explain the FRFs about as well.
+    MayBeOne,
+}
+
+/// A pair that is one mode, or may be.
+fn find(work: &Columns, refined: &Refined) -> Result<Option<Twins>, LinalgError> {
     let n = refined.lambda.len();
     for (a, b) in (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b))) {
         let (pa, pb) = (refined.lambda[a], refined.lambda[b]);
@@ -130,13 +178,19 @@ fn find(
         {
             continue;
         }
-        let (own, own_sse, pair_sse) = own_poles(work, refined, &[a, b])?;
+        let own = own_poles(work, refined, &[a, b])?;
         let shape = |q: usize| refined.coefficients.row(q).to_vec();
         let same_shape = work.columns() >= SHAPE_LEAST_COLUMNS
             && crate::validation::mac::mac(&shape(a), &shape(b)) > SAME_SHAPE_MAC;
-        if own_sse < OWN_OVER_PAIR * pair_sse || same_shape {
-            return Ok(Some((a, b, own)));
-        }
+        let explains = own.over_common < OWN_OVER_PAIR;
+        let why = match own.over_common_each {
+            each if explains && each < ONE_MODE => Why::Moves,
+            _ if same_shape => Why::OneShape,
+            each if explains && each < MAY_BE_ONE => Why::MayBeOne,
+            _ => continue,
+        };
+        let own = own.poles;
+        return Ok(Some(Twins { a, b, own, why }));
     }
     Ok(None)
 }

@@ -1,7 +1,7 @@
 //! Effects of measurements on resonances, one fault at a time: each is either survived or
 //! named in the reasons and warnings.
 
-use chladni_frf::{FrfSet, FrfValues, ModalModel, Mode, Trust};
+use chladni_frf::{FrfSet, FrfValues, ModalModel, Mode, Severity, Trust};
 use chladni_plate::{gain_noise, Synthetic, SyntheticSet};
 use chladni_rfp::{fit, FitOptions};
 use ndarray::Array1;
@@ -274,4 +274,39 @@ fn a_hidden_mode_is_not_sure() {
         assert_ne!(mode.trust, Trust::Sure, "{} Hz", mode.frequency_hz);
     }
     assert_all_sure(&model, &MODES);
+}
+
+#[test]
+fn a_close_pair_under_gain_noise_is_two_modes_or_told_as_open() {
+    let mut two = 0;
+    for seed in 0..12 {
+        // a twelfth of a bandwidth apart
+        let close = 140.0 * (1.0 + LOSS / 12.0);
+        let mut set = Synthetic {
+            natural_frequency_hz: vec![70.0, 140.0, close],
+            responses: 11,
+            snr_db: 70.0,
+            seed,
+            ..structure()
+        }
+        .build()
+        .unwrap();
+        gain_noise(
+            &mut set.frf,
+            [0.01, 0.005, 0.003][seed as usize % 3],
+            false,
+            5,
+        );
+        let model = fit(&set.frf, &FitOptions::default()).unwrap().model;
+        let mut findings = model.quality.findings.iter();
+        let merged = findings.find(|finding| finding.code == "merged-twins");
+        if let Some(merged) = merged {
+            assert_eq!(merged.severity, Severity::Caution, "{seed}: {merged}");
+            assert!(merged.contains("may be one mode"), "{merged}");
+            reason_of(&model, 140.0, 1.0, "two close modes");
+        } else {
+            two += usize::from(near(&model, 140.0, 1.0).len() == 2);
+        }
+    }
+    assert!(two >= 8, "{two}");
 }

@@ -153,7 +153,7 @@ mod tests {
         let Grade { trust, reasons } = graded(|_| (), 3, false, &[]);
         assert_eq!((trust, reasons.len()), (Trust::Sure, 0));
         type Doubt = (&'static str, fn(&mut Evidence));
-        let doubts: [Doubt; 18] = [
+        let doubts: [Doubt; 19] = [
             ("model orders and line halves", |e| {
                 e.origin = Origin::Agreed {
                     score: 0.6,
@@ -161,6 +161,7 @@ mod tests {
                 }
             }),
             ("model orders had left", |e| e.origin = Origin::Added),
+            ("two close modes", |e| e.origin = Origin::MayBeTwo),
             ("drifted in", |e| e.origin = Origin::Nuisance),
             ("odd and even lines", |e| {
                 e.origin = Origin::Agreed {

@@ -105,7 +105,7 @@ fn plain(raised: bool) -> Option<String> {
 }
 
 /// Every doubt, in the order in which it is told.
-pub(super) const RULES: [Rule; 23] = [
+pub(super) const RULES: [Rule; 24] = [
     Rule::doubt(
         "few-orders",
         "found by few of the model orders and line halves",
@@ -120,6 +120,11 @@ pub(super) const RULES: [Rule; 23] = [
         "left-over-peak",
         "found at a peak that the model orders had left",
         |seen| plain(matches!(seen.own.origin, Origin::Added)),
+    ),
+    Rule::doubt(
+        "may-be-two",
+        "two close modes would look like it as well as one that moves between FRFs",
+        |seen| plain(seen.own.origin == Origin::MayBeTwo),
     ),
     Rule::severe(
         "drifted-in",
