@@ -78,31 +78,18 @@ fn relative_delay(
     if !effective.is_finite() || effective < limits::DELAY_LEAST_MODES {
         return None;
     }
-    let doubled: Vec<Complex64> = u
-        .iter()
-        .zip(&weight)
-        .map(|(u, w)| w * u * u / u.norm_sqr().max(f64::MIN_POSITIVE))
-        .collect();
-    let mut seconds = trials.best(&doubled);
-    // phases that are left, modulo 180°, and their regression on ω
-    let moment: f64 = omega.iter().zip(&weight).map(|(o, w)| w * o * o).sum();
-    let phases = |tau: f64| -> Vec<f64> {
-        omega
+    let line = Line {
+        omega,
+        weight: &weight,
+        doubled: u
             .iter()
-            .zip(&doubled)
-            .map(|(o, d)| 0.5 * (d * Complex64::from_polar(1.0, 2.0 * o * tau)).arg())
-            .collect()
-    };
-    for _ in 0..4 {
-        seconds -= omega
-            .iter()
-            .zip(phases(seconds))
             .zip(&weight)
-            .map(|((o, p), w)| w * o * p)
-            .sum::<f64>()
-            / moment;
-    }
-    let left = phases(seconds)
+            .map(|(u, w)| w * u * u / u.norm_sqr().max(f64::MIN_POSITIVE))
+            .collect(),
+    };
+    let seconds = line.settled(trials.best(&line.doubled, |sum| sum.norm_sqr()));
+    let left = line
+        .phases(seconds)
         .iter()
         .zip(&weight)
         .map(|(p, w)| w * p * p)
@@ -110,7 +97,7 @@ fn relative_delay(
         / total
         * effective
         / (effective - 1.0);
-    let deviation = (left * total / moment / effective).sqrt();
+    let deviation = (left * total / line.moment() / effective).sqrt();
     let top = omega.iter().copied().fold(0.0, f64::max);
     let shown = left.sqrt() < limits::LEFT_OVER
         && seconds.abs() > limits::DELAY_SIGMAS * deviation
@@ -129,9 +116,52 @@ fn phase_variance(mode: &Mode, first: usize, second: usize) -> f64 {
     (mode.frequency_std_hz / half_width).powi(2) * usual / weaker.max(f64::MIN_POSITIVE)
 }
 
+/// Phases that a delay would put on a straight line through zero, known modulo 180°.
+pub(super) struct Line<'a> {
+    /// rad/s.
+    pub omega: &'a [f64],
+    /// Of each phase.
+    pub weight: &'a [f64],
+    /// Unit phasors of the doubled phases times the weights.
+    pub doubled: Vec<Complex64>,
+}
+
+impl Line<'_> {
+    /// Phases, rad, that are left once a delay is taken off.
+    pub fn phases(&self, seconds: f64) -> Vec<f64> {
+        self.omega
+            .iter()
+            .zip(&self.doubled)
+            .map(|(o, d)| 0.5 * (d * Complex64::from_polar(1.0, 2.0 * o * seconds)).arg())
+            .collect()
+    }
+
+    /// Σwω².
+    pub fn moment(&self) -> f64 {
+        let terms = self.omega.iter().zip(self.weight);
+        terms.map(|(o, w)| w * o * o).sum()
+    }
+
+    /// The delay near `seconds` by regression on ω.
+    pub fn settled(&self, mut seconds: f64) -> f64 {
+        let moment = self.moment();
+        for _ in 0..4 {
+            seconds -= self
+                .omega
+                .iter()
+                .zip(self.phases(seconds))
+                .zip(self.weight)
+                .map(|((o, p), w)| w * o * p)
+                .sum::<f64>()
+                / moment;
+        }
+        seconds
+    }
+}
+
 /// Trial delays as far as the mean spacing of the modes is unambiguous, so close that the
 /// highest mode resolves them.
-struct Trials {
+pub(super) struct Trials {
     /// s, the nearest to zero first.
     seconds: Vec<f64>,
     /// e^{2jω_nτ}, one row per delay.
@@ -139,7 +169,7 @@ struct Trials {
 }
 
 impl Trials {
-    fn new(omega: &[f64]) -> Self {
+    pub fn new(omega: &[f64]) -> Self {
         let (low, high) = omega
             .iter()
             .fold((f64::MAX, 0.0_f64), |(l, h), &o| (l.min(o), h.max(o)));
@@ -161,18 +191,13 @@ impl Trials {
         Self { seconds, phasors }
     }
 
-    /// The delay that maximises |Σ d_n e^{2jω_nτ}|.
-    fn best(&self, doubled: &[Complex64]) -> f64 {
-        let score = |row: &[Complex64]| {
-            row.iter()
-                .zip(doubled)
-                .map(|(p, d)| p * d)
-                .sum::<Complex64>()
-                .norm_sqr()
-        };
-        let scores = self.phasors.iter().map(|row| score(row)).zip(&self.seconds);
+    /// The delay at which Σ d_n e^{2jω_nτ} scores best.
+    pub fn best(&self, doubled: &[Complex64], score: impl Fn(Complex64) -> f64) -> f64 {
+        let sum = |row: &Vec<Complex64>| row.iter().zip(doubled).map(|(p, d)| p * d).sum();
+        let scores = self.phasors.iter().map(|row| score(sum(row)));
         scores
-            .fold((-1.0, 0.0), |best, (score, tau)| {
+            .zip(&self.seconds)
+            .fold((f64::MIN, 0.0), |best, (score, tau)| {
                 if score > best.0 {
                     (score, *tau)
                 } else {

@@ -7,7 +7,7 @@
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::{
-    delay, estimation, hidden, kind, moving, noise, reciprocal, split, window_bias,
+    delay, delayed_response, estimation, hidden, kind, moving, noise, reciprocal, split, window_bias,
 };
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
@@ -17,7 +17,7 @@ use chladni_frf::{ModalModel, Severity, Trust};
 use rayon::prelude::*;
 
 /// Every check that runs after a fit.
-const CHECKS: [fn(&Case) -> Option<Checked>; 13] = [
+const CHECKS: [fn(&Case) -> Option<Checked>; 14] = [
     kind::wrong_kind,
     noise::few_values,
     noise::noise_alone,
@@ -26,6 +26,7 @@ const CHECKS: [fn(&Case) -> Option<Checked>; 13] = [
     hidden::single_frf,
     hidden::between_modes,
     delay::delayed_reference,
+    delayed_response::delayed_responses,
     reciprocal::not_reciprocal,
     window_bias::possible_bias,
     window_bias::modelled,

@@ -48,6 +48,24 @@ pub(super) const TRIAL_STEP: f64 = 0.25;
 /// Most trial delays on either side: taste.
 pub(super) const TRIALS_MOST: usize = 20_000;
 
+// delayed_response.rs
+
+/// Modes that must show a response well: two lie on a line with one of many delays.
+pub(super) const RESPONSE_LEAST_MODES: usize = 3;
+/// Responses that must show a mode well: of two that differ neither is the one that lags.
+pub(super) const AGREE_LEAST: usize = 3;
+/// Standard deviation of a value over its size below which a mode shows well.
+pub(super) const WELL_SEEN: f64 = 0.2;
+/// Least spread of phases, rad: values are no truer than that however small their error.
+pub(super) const REAL_PHASE: f64 = 0.01;
+/// Rounds in which the common phase of a mode comes to that of most responses.
+pub(super) const COMMON_ROUNDS: usize = 12;
+/// Standard deviation of normal values over the median of their size.
+pub(super) const SIGMA_OF_MEDIAN: f64 = 1.4826;
+/// Log-likelihood of a delay over phases of no order, beyond the looks: one in twenty by chance
+/// at most.
+pub(super) const DELAY_LIKELIER: f64 = 3.0;
+
 // estimation.rs
 
 /// Lines within which poles may be one mode that a Hann window on blows has set beside itself: it

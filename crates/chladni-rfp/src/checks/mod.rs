@@ -5,6 +5,7 @@ pub(crate) mod around;
 pub(crate) mod case;
 pub(crate) mod correlation;
 pub(crate) mod delay;
+pub(crate) mod delayed_response;
 pub(crate) mod estimation;
 pub(crate) mod examine;
 pub(crate) mod hidden;

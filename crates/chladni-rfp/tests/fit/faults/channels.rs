@@ -69,6 +69,73 @@ fn a_delay_of_all_references_or_none_is_not_called_relative() {
     );
 }
 
+/// Delay in ms that is told of each response by its place; none where nothing is told.
+fn delays_told(model: &ModalModel) -> Vec<(usize, f64)> {
+    let mut findings = model.quality.findings.iter();
+    let Some(told) = findings.find(|finding| finding.code == "delayed-response") else {
+        return Vec::new();
+    };
+    let place = |dof: &chladni_frf::Dof| model.responses.iter().position(|own| own == dof);
+    let places = told.dofs.iter().filter_map(place);
+    let delays = told.values["delay_ms"].as_slice();
+    places.zip(delays.iter().copied()).collect()
+}
+
+#[test]
+fn delayed_responses_are_named_with_their_delay() {
+    let late = [(3, 0.08), (4, -0.3), (0, 0.9), (5, 2.0)];
+    for (seed, (response, ms)) in (40..).zip(late) {
+        let mut set = easy(40.0, seed).build().unwrap();
+        spoil(&mut set.frf, |i, _, f, v| {
+            let late = if i == response { 1e-3 * ms } else { 0.0 };
+            v * Complex64::from_polar(1.0, -TAU * f * late)
+        });
+        let model = fitted(&set.frf);
+        let told = delays_told(&model);
+        assert_eq!(told.len(), 1, "{ms}: {:?}", model.quality.findings);
+        assert_eq!(told[0].0, response);
+        assert!(
+            (told[0].1 - ms).abs() < 5e-3,
+            "{} instead of {ms}",
+            told[0].1
+        );
+        assert_eq!(missed_spurious_false(&set.truth, &model), (0, 0, 0));
+    }
+}
+
+#[test]
+fn two_late_responses_of_six_are_named_and_three_are_not() {
+    for late in [2, 3] {
+        let mut set = easy(40.0, 45).build().unwrap();
+        spoil(&mut set.frf, |i, _, f, v| {
+            let late = if i < late { 5e-4 } else { 0.0 };
+            v * Complex64::from_polar(1.0, -TAU * f * late)
+        });
+        let model = fitted(&set.frf);
+        let named: Vec<usize> = delays_told(&model).iter().map(|own| own.0).collect();
+        let right: &[usize] = if late == 2 { &[0, 1] } else { &[] };
+        assert_eq!(named, right, "{:?}", model.quality.findings);
+    }
+}
+
+#[test]
+fn phases_of_no_order_at_one_response_are_no_delay() {
+    for (seed, size) in (50..).zip([0.05, 0.1, 0.2, 0.4, 0.8, 1.5]) {
+        let mut set = easy(40.0, seed).build().unwrap();
+        let mut truth = set.truth.clone();
+        for (n, mode) in truth.modes.iter_mut().enumerate() {
+            // 2.4, the golden angle: phases in no order
+            let phase = size * (2.4 * (n as f64 + seed as f64)).sin();
+            mode.shape.0[4] *= Complex64::from_polar(1.0, phase);
+        }
+        let axis = set.frf.frequency_hz.clone();
+        values(&mut set.frf).assign(&truth.synthesise(&axis));
+        chladni_plate::add_noise_of_variance(values(&mut set.frf), set.noise_variance, seed);
+        let model = fitted(&set.frf);
+        assert_eq!(delays_told(&model), [], "{size}");
+    }
+}
+
 #[test]
 fn complex_shapes_are_no_delay() {
     for seed in 0..3 {
