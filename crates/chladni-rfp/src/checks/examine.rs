@@ -7,22 +7,28 @@
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::{
-    delay, delayed_response, estimation, hidden, kind, moving, noise, reciprocal, split, window_bias,
+    delay, delayed_response, estimation, hidden, kind, moving, noise, reciprocal, split,
+    window_bias,
 };
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use crate::poles::whiteness::Residual;
-use chladni_frf::{ModalModel, Severity, Trust};
+use chladni_frf::{ModalModel, Mode, Severity, Trust};
 use rayon::prelude::*;
 
-/// Every check that runs after a fit.
-const CHECKS: [fn(&Case) -> Option<Checked>; 14] = [
+/// A check of the data behind a model.
+type Check = fn(&Case) -> Option<Checked>;
+
+/// Checks for poles that move. They run first: phases and scales of modes that take the place of
+/// a moving one mean nothing.
+const MOVEMENT: [Check; 2] = [moving::moving_poles, split::split_modes];
+
+/// Every other check that runs after a fit.
+const CHECKS: [Check; 12] = [
     kind::wrong_kind,
     noise::few_values,
     noise::noise_alone,
-    moving::moving_poles,
-    split::split_modes,
     hidden::single_frf,
     hidden::between_modes,
     delay::delayed_reference,
@@ -46,28 +52,53 @@ pub(crate) fn examine(
     (noise_variance, left_of_frfs): (f64, &[f64]),
     model: &mut ModalModel,
 ) {
-    let case = Case {
-        data,
-        values,
-        model,
-        options,
-        white: residual == Residual::White,
-        noise_variance,
-        left_of_frfs,
-    };
-    let found: Vec<Checked> = CHECKS.par_iter().filter_map(|check| check(&case)).collect();
-    for checked in found {
-        model.quality.trusted &= checked.finding.severity != Severity::Fault;
-        for (n, reason) in checked.weak {
-            let mode = &mut model.modes[n];
-            if mode.trust == Trust::Rejected {
-                continue;
-            }
-            mode.trust = Trust::Weak;
-            mode.reasons.push(reason);
+    for checks in [&MOVEMENT[..], &CHECKS] {
+        let case = Case {
+            data,
+            values,
+            model,
+            options,
+            white: residual == Residual::White,
+            noise_variance,
+            left_of_frfs,
+        };
+        let found: Vec<Checked> = checks.par_iter().filter_map(|check| check(&case)).collect();
+        for checked in found {
+            join(model, checked);
         }
-        model.quality.findings.push(checked.finding);
+        drop_scale_of_moving(model);
     }
     let sure = model.in_band_modes().any(|mode| mode.trust == Trust::Sure);
     model.quality.trusted &= sure;
+}
+
+/// A finding joins those of the model; modes that it doubts are weak.
+fn join(model: &mut ModalModel, checked: Checked) {
+    let quality = &mut model.quality;
+    quality.trusted &= checked.finding.severity != Severity::Fault;
+    for (n, reason) in checked.weak {
+        let mode = &mut model.modes[n];
+        if mode.trust == Trust::Rejected {
+            continue;
+        }
+        mode.trust = Trust::Weak;
+        mode.reasons.push(reason);
+    }
+    quality.findings.push(checked.finding);
+}
+
+/// Drops the finding that modes have no scale where all of these stand for moving ones: that is
+/// no matter of the driving point.
+fn drop_scale_of_moving(model: &mut ModalModel) {
+    let modes = &model.modes;
+    let moves = |place: &f64| {
+        let off = |mode: &&Mode| (mode.frequency_hz - place).abs();
+        let nearest = modes.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.is_some_and(|mode| mode.reasons.iter().any(|why| why.code == "split-mode"))
+    };
+    model.quality.findings.retain(|told| {
+        let places = told.values.get("modes_hz");
+        let all_move = places.is_some_and(|places| places.as_slice().iter().all(moves));
+        told.code != "scale-unknown" || !all_move
+    });
 }

@@ -189,6 +189,17 @@ pub(super) const SPLIT_POLES_MOST: usize = 24;
 pub(super) const SPLIT_GROUPS: usize = 2;
 /// FRFs looked at: of the DOFs that show the modes best.
 pub(super) const SPLIT_FRFS_MOST: usize = 48;
+/// FRFs looked at of each DOF of the smaller side, at least.
+pub(super) const SPLIT_SET_LEAST: usize = 4;
+/// MAC of two modes of one shape. Twins that references make which drift by 0.01 to 0.3 bandwidths
+/// had 0.99 and more.
+pub(super) const SPLIT_ONE_SHAPE: f64 = 0.95;
+/// Energy that moving modes must leave over what common poles leave, where the residual is more
+/// than noise.
+pub(super) const SPLIT_CLEARLY: f64 = 0.5;
+/// DOFs from which on a shape tells modes apart: two modes have like values at two DOFs in one
+/// case of seven.
+pub(super) const SPLIT_DOFS_LEAST: usize = 3;
 /// Twins stand nearer than this part of their half-bandwidth.
 pub(super) const TWIN_NEAR: f64 = 0.5;
 /// Their damping differs by less than this factor.

@@ -6,6 +6,9 @@
 //! side was measured under its own conditions (a roving sensor or hammer) and there are
 //! several on the other; with one reference nothing but the second order does. Where
 //! most modes of such a set come in twins, each is doubted without a look at that order.
+//!
+//! Either side may be the moved one. The smaller one is held for it where the modes of a group
+//! have one shape at the DOFs of the larger, which two modes of a structure do not have.
 
 use crate::checks::around::{pole, strength, without_others};
 use crate::checks::case::{Case, Checked};
@@ -14,6 +17,7 @@ use crate::data::columns::Columns;
 use crate::poles::refine::{refine, Projection};
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
+use crate::validation::mac::mac;
 use chladni_frf::{Finding, Mode, Reason, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::Axis;
@@ -26,11 +30,42 @@ const LIKE_MOST: &str =
     "most close modes of this set are one that moves between FRFs, and it stands close to others";
 const LIKE_TWINS: &str = "one mode that moves between FRFs would look like it and its neighbour";
 
+/// The side of the FRFs whose DOFs were measured one after another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Responses,
+    References,
+}
+
+impl Side {
+    fn other(self) -> Self {
+        match self {
+            Self::Responses => Self::References,
+            Self::References => Self::Responses,
+        }
+    }
+
+    /// The side with more DOFs.
+    fn larger(case: &Case) -> Self {
+        match case.data.responses.len() >= case.data.references.len() {
+            true => Self::Responses,
+            false => Self::References,
+        }
+    }
+
+    /// What may have differed from one measurement to the next.
+    fn causes(self) -> &'static str {
+        match self {
+            Self::Responses => "a roving sensor's mass, temperature",
+            Self::References => {
+                "references measured one after another, a roving hammer, temperature"
+            }
+        }
+    }
+}
+
 /// Sure modes that fewer modes which move between set-ups explain as well.
 pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
-    if !case.white {
-        return None;
-    }
     let modes: Vec<&Mode> = case.model.in_band_modes().collect();
     let near = |a: &&Mode, b: &&Mode| {
         let (a, b) = (pole(case, a), pole(case, b));
@@ -43,9 +78,22 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
         .chunk_by(near)
         .filter(|group| group.len() > 1 && group.iter().any(|mode| mode.trust == Trust::Sure))
         .collect();
-    let (doubted, others): (Vec<&[&Mode]>, Vec<&[&Mode]>) = groups
-        .into_iter()
-        .partition(|group| fewer_moving(case, group).unwrap_or(false));
+    let (mut doubted, mut others, mut moved) = (Vec::new(), Vec::new(), Vec::new());
+    for group in groups {
+        match moved_side(case, group) {
+            Some(side) => {
+                doubted.push(group);
+                moved.push(side);
+            }
+            None => others.push(group),
+        }
+    }
+    let larger = Side::larger(case);
+    let of_larger = moved.iter().filter(|side| **side == larger).count();
+    let side = match 2 * of_larger < moved.len() {
+        true => larger.other(),
+        false => larger,
+    };
     if doubted.is_empty() {
         return None;
     }
@@ -57,8 +105,9 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
         .collect();
     let mut words = format!(
         "modes at {} Hz: fewer modes explain each group as well, if their frequencies differ \
-         between measurements (a roving sensor's mass, temperature)",
-        places(&doubted)
+         between measurements ({})",
+        places(&doubted),
+        side.causes()
     );
     if !alike.is_empty() {
         words += &format!(
@@ -78,7 +127,10 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     let concerned = doubted.iter().chain(&alike).copied().flatten();
     let finding = Finding::caution("split-modes", words)
         .modes_hz(concerned.map(|mode| mode.frequency_hz))
-        .help("measure another reference, or all points at once");
+        .help(match side == larger {
+            true => "measure another reference, or all points at once",
+            false => "measure them at once, or fit the FRFs of each by themselves",
+        });
     Some(Checked {
         finding,
         weak: weak.collect(),
@@ -101,7 +153,7 @@ fn places(groups: &[&[&Mode]]) -> String {
 /// The modes that have a twin: a mode of the same damping, nearer than a part of their
 /// half-bandwidth. None, unless one side has one DOF and most modes have a twin.
 fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
-    if case.data.responses.len().min(case.data.references.len()) > 1 {
+    if !case.white || case.data.responses.len().min(case.data.references.len()) > 1 {
         return None;
     }
     let alike = |a: Complex64, b: Complex64| {
@@ -125,10 +177,10 @@ fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
         .collect();
     let words = format!(
         "{} of {} modes stand within a fraction of their bandwidth beside another one of the \
-         same damping, as one mode does whose frequency differs between measurements (a roving \
-         sensor's mass, temperature)",
+         same damping, as one mode does whose frequency differs between measurements ({})",
         twins.len(),
-        modes.len()
+        modes.len(),
+        Side::larger(case).causes()
     );
     let finding = Finding::caution("split-modes", words)
         .modes_hz(twins.iter().map(|&n| modes[n].frequency_hz))
@@ -136,11 +188,34 @@ fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
     Some(Checked { finding, weak })
 }
 
+/// The side whose DOFs have poles of their own, if fewer modes that move explain a group.
+fn moved_side(case: &Case, group: &[&Mode]) -> Option<Side> {
+    let larger = Side::larger(case);
+    let smaller = larger.other();
+    let explains = |side: Side| fewer_moving(case, group, side).unwrap_or(false);
+    if alike(group, larger) && explains(smaller) {
+        return Some(smaller);
+    }
+    explains(larger).then_some(larger)
+}
+
+/// True if each mode of a group has another one of its shape at the DOFs of a side.
+fn alike(group: &[&Mode], side: Side) -> bool {
+    let at = |mode: &&Mode| match side {
+        Side::Responses => mode.shape.0.clone(),
+        Side::References => mode.participation.0.clone(),
+    };
+    let shapes: Vec<Vec<Complex64>> = group.iter().map(at).collect();
+    let of_one = |n: usize, m: usize| mac(&shapes[n], &shapes[m]) > limits::SPLIT_ONE_SHAPE;
+    shapes[0].len() >= limits::SPLIT_DOFS_LEAST
+        && (0..shapes.len()).all(|n| (0..shapes.len()).any(|m| m != n && of_one(n, m)))
+}
+
 /// True if fewer moving poles explain the FRFs as well as the common poles do: at most half as
 /// many, with places of their own for each DOF of the side that was moved. A repeated pole
-/// counts once.
-fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
-    let frfs = by_set_up(case, group);
+/// counts once. Where the residual is more than noise they must explain the FRFs far better.
+fn fewer_moving(case: &Case, group: &[&Mode], moved: Side) -> Result<bool, LinalgError> {
+    let frfs = by_set_up(case, group, moved);
     if frfs.len() < 2 {
         return Ok(false);
     }
@@ -161,7 +236,15 @@ fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
     let Some((local, own)) = without_others(case, group, rows, &all) else {
         return Ok(false);
     };
-    let common = Projection::new(&local.with_columns(own.clone()), &poles, &[0])?.sse;
+    let together = local.with_columns(own.clone());
+    // without a level of noise the common poles are moved to where they leave least
+    let common = match case.white {
+        true => Projection::new(&together, &poles, &[0])?.sse,
+        false => {
+            let steps = tol::ROUGH.within(tol::FINE.steps);
+            refine(&together, &poles, &[0], steps)?.projection.sse
+        }
+    };
     // each further common pole must explain more than chance
     let of_pole = threshold(all.len(), local.lines()) * case.noise_variance;
     let most = match poles.len() {
@@ -182,7 +265,11 @@ fn fewer_moving(case: &Case, group: &[&Mode]) -> Result<bool, LinalgError> {
         // further unknowns of the common poles, those of one pole each: its residues
         let own = few as f64 * (1.0 + frfs.len() as f64 / all.len() as f64);
         let further = (poles.len() as f64 - own).max(1.0);
-        if moving < common + further * of_pole {
+        let bound = match case.white {
+            true => common + further * of_pole,
+            false => limits::SPLIT_CLEARLY * common,
+        };
+        if moving < bound {
             return Ok(true);
         }
     }
@@ -212,29 +299,40 @@ fn starts(
     Ok(taken)
 }
 
-/// FRFs (positions among the pairs) that were measured together, if the side with more
-/// DOFs was moved: those of one DOF of it.
-fn by_set_up(case: &Case, group: &[&Mode]) -> Vec<Vec<usize>> {
+/// FRFs (positions among the pairs) that were measured together: those of one DOF of the moved
+/// side, of the smaller side only the strongest of each.
+fn by_set_up(case: &Case, group: &[&Mode], moved: Side) -> Vec<Vec<usize>> {
     let (responses, references) = (case.data.responses.len(), case.data.references.len());
-    let moved = |(i, j): (usize, usize)| if responses >= references { i } else { j };
-    let mut sets: Vec<(f64, Vec<usize>)> = vec![(0.0, Vec::new()); responses.max(references)];
+    let (set_ups, each) = match (moved, Side::larger(case)) {
+        (Side::Responses, Side::Responses) => (responses, references),
+        (Side::References, Side::References) => (references, responses),
+        (Side::Responses, _) => (responses, limits::SPLIT_FRFS_MOST / responses.max(1)),
+        (Side::References, _) => (references, limits::SPLIT_FRFS_MOST / references.max(1)),
+    };
+    let each = each.max(limits::SPLIT_SET_LEAST);
+    let mut sets: Vec<Vec<(f64, usize)>> = vec![Vec::new(); set_ups];
     for (l, &pair) in case.data.pairs.iter().enumerate() {
-        let (seen, set) = &mut sets[moved(pair)];
-        *seen += group
-            .iter()
-            .map(|mode| strength(mode, pair).powi(2))
-            .sum::<f64>();
-        set.push(l);
+        let energy = |mode: &&Mode| strength(mode, pair).powi(2);
+        let dof = match moved {
+            Side::Responses => pair.0,
+            Side::References => pair.1,
+        };
+        sets[dof].push((group.iter().map(energy).sum(), l));
     }
-    sets.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for set in &mut sets {
+        set.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        set.truncate(each);
+    }
+    let seen = |set: &[(f64, usize)]| set.iter().map(|(energy, _)| energy).sum::<f64>();
+    sets.sort_by(|a, b| seen(b).total_cmp(&seen(a)));
     let mut left = limits::SPLIT_FRFS_MOST;
-    let room = |(_, set): &(f64, Vec<usize>)| {
+    let room = |set: &Vec<(f64, usize)>| {
         let fits = !set.is_empty() && left > 0;
         left = left.saturating_sub(set.len());
         fits
     };
     sets.into_iter()
         .take_while(room)
-        .map(|(_, set)| set)
+        .map(|set| set.into_iter().map(|(_, l)| l).collect())
         .collect()
 }

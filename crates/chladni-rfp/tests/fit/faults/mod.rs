@@ -5,6 +5,7 @@ mod doubts;
 mod exponential;
 mod kinds;
 mod lines;
+mod moved_sides;
 mod random_test;
 mod windows;
 
