@@ -132,7 +132,8 @@ fn phases_of_no_order_at_one_response_are_no_delay() {
         values(&mut set.frf).assign(&truth.synthesise(&axis));
         chladni_plate::add_noise_of_variance(values(&mut set.frf), set.noise_variance, seed);
         let model = fitted(&set.frf);
-        assert_eq!(delays_told(&model), [], "{size}");
+        let told = delays_told(&model);
+        assert!(told.is_empty(), "{size}: {told:?}");
     }
 }
 
