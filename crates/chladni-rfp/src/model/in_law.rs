@@ -33,6 +33,8 @@ pub(crate) fn in_law(
         .filter_map(|(n, pole)| Some((n, in_plane_of(law, *pole)?)))
         .collect();
     let start: Vec<Complex64> = converted.iter().map(|(_, pole)| *pole).collect();
+    let idle = found.idle.iter();
+    let idle: Vec<Complex64> = idle.filter_map(|pole| in_plane_of(law, *pole)).collect();
     let work = found.work.in_law(law);
     let mut refined = match work.leakage.is_some() && frfs.is_none() {
         true => refine_inside(&work, &start, &POWERS, tol::FINE)?,
@@ -46,6 +48,7 @@ pub(crate) fn in_law(
             spread,
             work,
             refined,
+            idle,
             ..found
         });
     };
@@ -62,6 +65,7 @@ pub(crate) fn in_law(
         work,
         refined,
         variance,
+        idle,
         ..found
     })
 }
