@@ -197,6 +197,9 @@ pub(super) const SPLIT_ONE_SHAPE: f64 = 0.95;
 /// Energy that moving modes must leave over what common poles leave, where the residual is more
 /// than noise.
 pub(super) const SPLIT_CLEARLY: f64 = 0.5;
+/// MAC that two modes of a group must have where the larger side may have moved: where each of its
+/// DOFs shows one mode of a pair alone, a pole for each explains the FRFs as well.
+pub(super) const SPLIT_LIKE: f64 = 0.8;
 /// DOFs from which on a shape tells modes apart: two modes have like values at two DOFs in one
 /// case of seven.
 pub(super) const SPLIT_DOFS_LEAST: usize = 3;

@@ -188,27 +188,37 @@ fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
     Some(Checked { finding, weak })
 }
 
-/// The side whose DOFs have poles of their own, if fewer modes that move explain a group.
+/// The side whose DOFs have poles of their own, if fewer modes that move explain a group. A mode
+/// that moves over one side keeps its shape at the other.
 fn moved_side(case: &Case, group: &[&Mode]) -> Option<Side> {
     let larger = Side::larger(case);
     let smaller = larger.other();
     let explains = |side: Side| fewer_moving(case, group, side).unwrap_or(false);
-    if alike(group, larger) && explains(smaller) {
+    let kept = shapes_at(group, larger);
+    if kept[0].len() >= limits::SPLIT_DOFS_LEAST
+        && (0..kept.len()).all(|n| is_like_another(&kept, n, limits::SPLIT_ONE_SHAPE))
+        && explains(smaller)
+    {
         return Some(smaller);
     }
-    explains(larger).then_some(larger)
+    let kept = shapes_at(group, smaller);
+    let possible = kept[0].len() < limits::SPLIT_DOFS_LEAST
+        || (0..kept.len()).any(|n| is_like_another(&kept, n, limits::SPLIT_LIKE));
+    (possible && explains(larger)).then_some(larger)
 }
 
-/// True if each mode of a group has another one of its shape at the DOFs of a side.
-fn alike(group: &[&Mode], side: Side) -> bool {
+/// The shapes of a group at the DOFs of a side.
+fn shapes_at(group: &[&Mode], side: Side) -> Vec<Vec<Complex64>> {
     let at = |mode: &&Mode| match side {
         Side::Responses => mode.shape.0.clone(),
         Side::References => mode.participation.0.clone(),
     };
-    let shapes: Vec<Vec<Complex64>> = group.iter().map(at).collect();
-    let of_one = |n: usize, m: usize| mac(&shapes[n], &shapes[m]) > limits::SPLIT_ONE_SHAPE;
-    shapes[0].len() >= limits::SPLIT_DOFS_LEAST
-        && (0..shapes.len()).all(|n| (0..shapes.len()).any(|m| m != n && of_one(n, m)))
+    group.iter().map(at).collect()
+}
+
+/// True if another shape has this MAC at least with shape `n`.
+fn is_like_another(shapes: &[Vec<Complex64>], n: usize, least: f64) -> bool {
+    (0..shapes.len()).any(|m| m != n && mac(&shapes[n], &shapes[m]) > least)
 }
 
 /// True if fewer moving poles explain the FRFs as well as the common poles do: at most half as
