@@ -46,7 +46,7 @@ fn differing(first: &Record, record: &Record, lines: f64) -> Finding {
         return Finding::note("axes-differ", words);
     }
     let words = format!(
-        "{words}; that is more than rounding: frequencies are off by up to {hz:.2} Hz there, and \
+        "{words}; that is more than rounding: frequencies are off by up to {hz:.2e} Hz there, and \
          one mode may look like several"
     );
     Finding::caution("axes-differ", words)

@@ -12,6 +12,7 @@ use crate::checks::delay::{Line, Trials};
 use crate::checks::limits;
 use chladni_frf::{Finding, Mode};
 use num_complex::Complex64;
+use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// A response with its delay.
@@ -41,8 +42,11 @@ pub(crate) fn delayed_responses(case: &Case) -> Option<Checked> {
     if natural > limits::LEFT_OVER {
         return None;
     }
+    let omega: Vec<f64> = seen.iter().map(|own| own.omega).collect();
+    let trials = Trials::new(&omega);
     let found: Vec<Delayed> = (0..responses.len())
-        .filter_map(|response| delay_of(response, responses.len(), &seen, natural))
+        .into_par_iter()
+        .filter_map(|response| delay_of(response, responses.len(), &seen, &trials, natural))
         .collect();
     // of two groups as large as each other neither is the one that lags
     if found.is_empty() || 2 * found.len() >= responses.len() {
@@ -145,7 +149,13 @@ fn spread(phases: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Delay of a response where the modes show one.
-fn delay_of(response: usize, responses: usize, seen: &[Phases], natural: f64) -> Option<Delayed> {
+fn delay_of(
+    response: usize,
+    responses: usize,
+    seen: &[Phases],
+    trials: &Trials,
+    natural: f64,
+) -> Option<Delayed> {
     let (mut omega, mut phases, mut weight) = (Vec::new(), Vec::new(), Vec::new());
     for own in seen {
         if let Some((phase, variance)) = own.at[response] {
@@ -160,7 +170,9 @@ fn delay_of(response: usize, responses: usize, seen: &[Phases], natural: f64) ->
     };
     let undelayed = misfit(&phases);
     let sigmas = limits::DELAY_SIGMAS.powi(2);
-    if omega.len() < limits::RESPONSE_LEAST_MODES || undelayed < sigmas {
+    let count = omega.len() as f64;
+    // half of what noise leaves on the line, at least
+    if omega.len() < limits::RESPONSE_LEAST_MODES || undelayed < sigmas + 0.5 * count {
         return None;
     }
     let turned = phases.iter().zip(&weight);
@@ -171,9 +183,14 @@ fn delay_of(response: usize, responses: usize, seen: &[Phases], natural: f64) ->
             .map(|(p, w)| w * Complex64::from_polar(1.0, 2.0 * p))
             .collect(),
     };
-    let seconds = line.settled(Trials::new(&omega).best(&line.doubled, |sum| sum.re));
+    let mut shown = line.doubled.iter();
+    let of_all: Vec<Complex64> = seen
+        .iter()
+        .map(|own| own.at[response].and_then(|_| shown.next().copied()))
+        .map(Option::unwrap_or_default)
+        .collect();
+    let seconds = line.settled(trials.best(&of_all, |sum| sum.re));
     let left = misfit(&line.phases(seconds));
-    let count = omega.len() as f64;
     let known = line.moment().sqrt();
     let deviation = (left / (count - 1.0)).max(1.0).sqrt() / known;
     // log-likelihoods but for a common term: on the line; of no order, normal or uniform

@@ -155,6 +155,9 @@ pub(super) const MOSTLY_NOISE: f64 = 0.5;
 /// Spread of the noise energies of FRFs from which each is asked by itself: the gain of a pole
 /// that noise feigns grows by this part of itself.
 pub(super) const UNEVEN_NOISE: f64 = 0.1;
+/// Gain of a mode over the most that uneven noise makes of a pole by chance, beyond which no noise
+/// is asked.
+pub(super) const FAINT: f64 = 10.0;
 /// Energy that other poles must leave of a mode's column for the mode to be judged: those of
 /// one pole leave none.
 pub(super) const OWN_LEAST: f64 = 1e-8;

@@ -13,6 +13,7 @@ use chladni_linalg::blocked::projected;
 use chladni_linalg::matmul_h;
 use ndarray::{s, stack, Array1, Array2, Axis};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// Positions of the modes of the band that are sure.
 fn sure(case: &Case) -> Vec<usize> {
@@ -55,8 +56,16 @@ pub(crate) fn few_values(case: &Case) -> Option<Checked> {
 pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
     let sure = sure(case);
     let mostly_noise = case.model.quality.relative_error >= limits::MOSTLY_NOISE;
-    let uneven = case.white && spread_of_noise(case.left_of_frfs) > limits::UNEVEN_NOISE;
-    if sure.is_empty() || !(mostly_noise || uneven) {
+    let uneven = case.white.then(|| uneven_noise(case)).flatten();
+    let sure: Vec<usize> = match (mostly_noise, uneven) {
+        (true, _) => sure,
+        (false, Some(spread)) => sure
+            .into_iter()
+            .filter(|&n| is_faint(case, n, spread))
+            .collect(),
+        (false, None) => return None,
+    };
+    if sure.is_empty() {
         return None;
     }
     let stand_out = stand_out(case, case.values?, &sure)?;
@@ -84,15 +93,26 @@ pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
     Some(Checked { finding, weak })
 }
 
-/// Variance of the noise energies of FRFs over the square of their mean: of chance alone, one over
-/// the number of lines. 0 where they are not known.
-fn spread_of_noise(left_of_frfs: &[f64]) -> f64 {
-    let frfs = left_of_frfs.len() as f64;
-    let sum: f64 = left_of_frfs.iter().sum();
-    let squares: f64 = left_of_frfs.iter().map(|left| left * left).sum();
-    (sum > 0.0)
-        .then(|| squares * frfs / (sum * sum) - 1.0)
-        .unwrap_or(0.0)
+/// Variance of the noise energies of FRFs over the square of their mean, where that is more than
+/// chance makes: one over the lines that are left free.
+fn uneven_noise(case: &Case) -> Option<f64> {
+    let left = case.left_of_frfs;
+    let sum: f64 = left.iter().sum();
+    let squares: f64 = left.iter().map(|left| left * left).sum();
+    let spread = squares * left.len() as f64 / (sum * sum) - 1.0;
+    let of_frf = case.model.modes.len() + case.model.residual_terms.terms.len();
+    let free = case.data.lines.len().saturating_sub(of_frf).max(1) as f64;
+    (spread > limits::UNEVEN_NOISE + 1.0 / free).then_some(spread)
+}
+
+/// True for a mode whose bars are so wide that noise of this `spread` might feign it. A mode that
+/// takes g·σ² out of the sum of squares has a pole of variance (half-bandwidth)²/(2g).
+fn is_faint(case: &Case, n: usize, spread: f64) -> bool {
+    let mode = &case.model.modes[n];
+    let half_bandwidth_hz = 0.5 * mode.loss_factor * mode.frequency_hz;
+    let gain = 0.5 * (half_bandwidth_hz / mode.frequency_std_hz).powi(2);
+    let by_chance = threshold(case.data.pairs.len(), case.data.lines.len()) * (1.0 + spread);
+    gain < limits::FAINT * by_chance
 }
 
 /// For each mode, true if it explains more of one FRF, of some or of all than chance does, each
@@ -108,7 +128,7 @@ fn stand_out(case: &Case, data: &Screened, modes: &[usize]) -> Option<Vec<bool>>
     let all = background(&axis, &poles, &POWERS).ok()?;
     let free = axis.lines().checked_sub(all.ncols() + 1)? as f64;
     let own = |&n: &usize| own_part(&axis, &poles, pole(case, &case.model.modes[n]));
-    let own: Vec<Option<Array1<Complex64>>> = modes.iter().map(own).collect();
+    let own: Vec<Option<Array1<Complex64>>> = modes.par_iter().map(own).collect();
     let told: Vec<_> = own.iter().flatten().map(|column| column.view()).collect();
     let told = stack(Axis(1), &told).ok()?;
     let frfs = data.pairs.len();

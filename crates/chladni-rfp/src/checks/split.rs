@@ -22,6 +22,7 @@ use chladni_frf::{Finding, Mode, Reason, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::Axis;
 use num_complex::Complex64;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// The reason to doubt a mode: moving modes replace it, it stands among such, or only looks so.
@@ -53,7 +54,7 @@ impl Side {
         }
     }
 
-    /// What may have differed from one measurement to the next.
+    /// Conditions that may have differed from one measurement to the next.
     fn causes(self) -> &'static str {
         match self {
             Self::Responses => "a roving sensor's mass, temperature",
@@ -79,8 +80,10 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
         .filter(|group| group.len() > 1 && group.iter().any(|mode| mode.trust == Trust::Sure))
         .collect();
     let (mut doubted, mut others, mut moved) = (Vec::new(), Vec::new(), Vec::new());
-    for group in groups {
-        match moved_side(case, group) {
+    let sides = groups.par_iter().map(|group| moved_side(case, group));
+    let sides: Vec<Option<Side>> = sides.collect();
+    for (group, side) in groups.into_iter().zip(sides) {
+        match side {
             Some(side) => {
                 doubted.push(group);
                 moved.push(side);

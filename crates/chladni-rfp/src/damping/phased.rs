@@ -118,7 +118,7 @@ impl Common {
                 (point.sse <= here.sse).then_some((moved, point))
             };
             let next = step.and_then(|step| {
-                // much damped steps follow another map each
+                // heavily damped steps are not those of one map: they cannot be mixed
                 let mixed = match damping <= tol::LM_START {
                     true => mixing.step(unknowns(&lambda, &turn), &step, information.diag()),
                     false => None,
@@ -132,7 +132,11 @@ impl Common {
                     damping *= tol::LM_DOWN;
                     made += 1;
                 }
-                None => damping = (damping * tol::LM_UP).max(tol::LM_LEAST),
+                None => {
+                    damping = (damping * tol::LM_UP).max(tol::LM_LEAST);
+                    // the next step is proposed at the same point
+                    mixing = Mixing::default();
+                }
             }
             if damping > tol::LM_GIVE_UP {
                 break;

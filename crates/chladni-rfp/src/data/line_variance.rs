@@ -28,7 +28,7 @@ impl LineVariance {
         }
     }
 
-    /// The variances on other lines: `lines` takes values on these lines to values on those.
+    /// The variances on other lines; `lines` turns values on the old lines into values on the new ones.
     pub fn map(&self, lines: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         match self.over_median.is_empty() {
             true => Self::default(),

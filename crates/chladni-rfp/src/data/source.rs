@@ -19,7 +19,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 
-/// Data of a fit. All but their values stands in their [`DataLayout`].
+/// Data of a fit. The [`DataLayout`] holds all but their values.
 pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     /// The reason that a fit does not go on: an error, or a pass that others must make.
     type Stop: From<FitError> + From<LinalgError>;

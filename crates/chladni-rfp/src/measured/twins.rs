@@ -24,7 +24,7 @@ use num_complex::Complex64;
 pub(crate) struct OwnPoles {
     /// One for each FRF.
     pub poles: Vec<Complex64>,
-    /// What they leave over what the common poles leave, as energies of all FRFs.
+    /// Energy that they leave over that which the common poles leave, of all FRFs.
     over_common: f64,
     /// The same as a geometric mean over the FRFs.
     over_common_each: f64,
@@ -156,7 +156,7 @@ struct Twins {
     why: Why,
 }
 
-/// What speaks for one mode.
+/// Evidence for one mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Why {
     /// Own poles of the FRFs explain them better.

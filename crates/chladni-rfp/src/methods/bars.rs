@@ -79,7 +79,7 @@ pub(crate) fn fit_by_method(
         .collect();
     let verdict = columns.law_verdict(data, &telling)?;
     let damping = options.damping.or(verdict.law()).unwrap_or(found.law);
-    let (poles, variance) = graded(&survey, &columns, &found, damping, &beyond_noise)?;
+    let (poles, variance) = graded(&survey, &columns, &found, damping)?;
     let mut identified = Identified {
         damping,
         poles,
@@ -156,7 +156,7 @@ fn beyond_noise(
     let sketch = &survey.sketch.clone().in_law(law);
     let rises = rises(sketch, lambda)?;
     let limit = threshold(sketch.columns(), sketch.lines()) * variance_left(sketch, lambda)?;
-    let beyond = |(pole, &rise): (&Complex64, &f64)| rise >= limit || pole.re <= 0.0;
+    let beyond = |(pole, &rise): (&Complex64, &f64)| !(rise < limit && pole.re > 0.0);
     Ok(zip(lambda, &rises).map(beyond).collect())
 }
 
@@ -166,7 +166,6 @@ fn graded(
     columns: &Compressed,
     found: &MethodPoles,
     damping: Damping,
-    beyond_noise: &[bool],
 ) -> Result<(Vec<Pole>, f64), LinalgError> {
     let work = &columns.work.clone().in_law(damping);
     let lambda: Vec<Complex64> = found
@@ -178,6 +177,7 @@ fn graded(
     let variance = columns.variance(survey.data, sse, lambda.len() + POWERS.len());
     let ahead = refine(work, &lambda, &POWERS, tol::ROUGH.within(tol::STEPS_AHEAD))?;
     let spread = spread(work, &ahead, &lambda, variance);
+    let beyond_noise = beyond_noise(survey, damping, &lambda)?;
     let poles = (0..lambda.len())
         .map(|n| {
             let pole = UncertainPole::alike(damping, found.poles[n], lambda[n], spread[n]);

@@ -13,6 +13,7 @@ use crate::methods::survey::Survey;
 use crate::poles::estimate::fewer_modes;
 use crate::poles::prune::{redundant_pole, unphysical};
 use crate::poles::refine::{refine, removable, Projection};
+use crate::poles::removal::rise_without;
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
 use chladni_frf::Finding;
@@ -150,14 +151,6 @@ pub(crate) fn fewer(options: &FitOptions, found: usize) -> Option<Finding> {
 pub(crate) fn rises(work: &Columns, lambda: &[Complex64]) -> Result<Vec<f64>, LinalgError> {
     let projection = Projection::new(work, lambda, &POWERS)?;
     let (coefficients, inverse) = (projection.coefficients()?, projection.gram_inverse()?);
-    Ok((0..lambda.len())
-        .map(|q| {
-            coefficients
-                .row(q)
-                .iter()
-                .map(|v| v.norm_sqr())
-                .sum::<f64>()
-                / inverse[[q, q]].re
-        })
-        .collect())
+    let rises = (0..lambda.len()).map(|n| rise_without(n, &inverse, &coefficients));
+    Ok(rises.collect())
 }

@@ -149,8 +149,8 @@ impl<'a> Rest<'a> {
         })
     }
 
-    /// The one of these `starts` that leaves least in the end; of equal ones the first. Only those
-    /// that leave least after a few steps are followed to it.
+    /// The one of these `starts` that leaves least in the end; of equal ones the first. Those that
+    /// leave least after a few steps are followed to it, and more only while none is allowed.
     fn least(
         &self,
         starts: Vec<Vec<Complex64>>,
@@ -164,10 +164,11 @@ impl<'a> Rest<'a> {
         let left: Vec<f64> = starts.par_iter().map(after_few_steps).collect();
         let mut order: Vec<usize> = (0..starts.len()).collect();
         order.sort_by(|&a, &b| left[a].total_cmp(&left[b]));
-        order.truncate(limits::AROUND_FOLLOWED);
         let settled = |&n: &usize| self.settled(&starts[n]).filter(&allowed);
-        let ends: Vec<Around> = order.par_iter().filter_map(settled).collect();
-        ends.into_iter().min_by(|a, b| a.sse.total_cmp(&b.sse))
+        order.chunks(limits::AROUND_FOLLOWED).find_map(|followed| {
+            let ends: Vec<Around> = followed.par_iter().filter_map(settled).collect();
+            ends.into_iter().min_by(|a, b| a.sse.total_cmp(&b.sse))
+        })
     }
 
     /// Places from which a pole is added. Beside a pole that is there, the two stand for it
