@@ -1,6 +1,6 @@
 //! FRFs from averaged blocks, of runs with the same references.
 
-use super::contradictions;
+use super::contradictions::{self, Contradiction};
 use super::estimators::{estimate_line, LineEstimate};
 use super::setting::BlockSetting;
 use super::spectra::Averages;
@@ -9,6 +9,34 @@ use super::unheard::is_heard;
 use super::Group;
 use chladni_frf::{Dof, Error, ErrorKind, Estimator, Finding, Result};
 use rayon::prelude::*;
+
+/// One response. Its averages and blocks are gone: of many responses they fill the memory.
+struct Estimated {
+    response: Dof,
+    /// Blocks averaged.
+    blocks: usize,
+    /// None where there are fewer blocks than references.
+    lines: Vec<LineEstimate>,
+    is_heard: bool,
+    contradictions: Vec<Contradiction>,
+}
+
+impl Estimated {
+    fn of(group: &Group, response: Dof, setting: &BlockSetting) -> Self {
+        let references = &group.references;
+        let averages = Averages::of(group.runs, references, response, setting);
+        let lines = (0..averages.lines()).filter(|_| averages.blocks >= references.len());
+        let lines = lines.map(|k| estimate_line(&averages, k, setting.estimator));
+        let lines: Vec<LineEstimate> = lines.collect();
+        Self {
+            response,
+            blocks: averages.blocks,
+            is_heard: is_heard(&averages, &lines, references.len()),
+            contradictions: contradictions::of_response(group, response, &averages.takes),
+            lines,
+        }
+    }
+}
 
 /// Adds the FRFs of a group.
 pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting) -> Result<()> {
@@ -23,34 +51,26 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &BlockSetting
         .expected("one")
         .help("use h1 or hv"));
     }
-    let tells = |averages: &Averages| averages.blocks >= references.len();
-    let done: Vec<(Dof, Averages, Vec<LineEstimate>)> = group
-        .responses
-        .par_iter()
-        .map(|&response| {
-            let averages = Averages::of(group.runs, references, response, setting);
-            let lines = (0..averages.lines()).filter(|_| tells(&averages));
-            let lines = lines.map(|k| estimate_line(&averages, k, setting.estimator));
-            let lines = lines.collect();
-            (response, averages, lines)
-        })
-        .collect();
+    let of_response = |&response| Estimated::of(group, response, setting);
+    let done: Vec<Estimated> = group.responses.par_iter().map(of_response).collect();
+    let tells = |one: &Estimated| one.blocks >= references.len();
     // a response may lack records; that of all of them is an error
-    let none_tells = !done.iter().any(|(_, averages, _)| tells(averages));
-    if let Some((_, averages, _)) = done.first().filter(|_| none_tells) {
-        return Err(too_few_blocks(averages.blocks, group));
+    let none_tells = !done.iter().any(tells);
+    if let Some(first) = done.first().filter(|_| none_tells) {
+        return Err(too_few_blocks(first.blocks, group));
     }
     let columns = table.columns(group);
-    let apart = done.par_iter();
-    let apart =
-        apart.map(|(response, of, _)| contradictions::of_response(group, *response, &of.takes));
-    table.contradict(apart.collect::<Vec<_>>().concat());
-    for (response, averages, lines) in done.into_iter().filter(|(_, of, _)| tells(of)) {
-        table.count(averages.blocks);
-        let row = table.row(response);
-        table.hear(response, is_heard(&averages, &lines, references.len()));
-        let too_few = averages.blocks <= references.len();
-        for (k, line) in lines.iter().enumerate() {
+    for one in done {
+        let is_told = tells(&one);
+        table.contradict(one.contradictions);
+        if !is_told {
+            continue;
+        }
+        table.count(one.blocks);
+        let row = table.row(one.response);
+        table.hear(one.response, one.is_heard);
+        let too_few = one.blocks <= references.len();
+        for (k, line) in one.lines.iter().enumerate() {
             // one block is coherent with itself, whatever it holds
             let coherence = if too_few { f64::NAN } else { line.coherence };
             for (j, &column) in columns.iter().enumerate() {

@@ -8,22 +8,27 @@ use std::collections::BTreeSet;
 /// The finding of blocks whose first sample is in the middle of a blow: what came before is in
 /// the response, and not in the force.
 pub(super) fn cut_off(runs: &[Run], block: usize) -> Option<Finding> {
-    let (mut dofs, mut parts, mut all) = (BTreeSet::<Dof>::new(), Vec::new(), 0);
-    for channel in runs.iter().flat_map(Run::references) {
-        for samples in channel.samples.chunks_exact(block) {
+    let mut dofs = BTreeSet::<Dof>::new();
+    let (mut cut, mut all, mut largest) = (0, 0, 0.0_f64);
+    for run in runs {
+        for at in 0..run.samples() / block {
             all += 1;
-            if let Some(part) = begins_at(samples) {
-                dofs.insert(channel.dof);
-                parts.push(part);
+            let mut is_cut = false;
+            for channel in run.references() {
+                let samples = &channel.samples[at * block..(at + 1) * block];
+                if let Some(part) = begins_at(samples) {
+                    dofs.insert(channel.dof);
+                    largest = largest.max(part);
+                    is_cut = true;
+                }
             }
+            cut += usize::from(is_cut);
         }
     }
-    let largest = parts.iter().copied().fold(0.0, f64::max);
     let first = dofs.first()?;
     let words = format!(
-        "{} of {all} records begin within the blow, the force at {first} at up to {:.0} % of its \
+        "{cut} of {all} blocks begin within the blow, the force at {first} at up to {:.0} % of its \
          peak: what came before is in the responses and not in the force, and FRFs come out off",
-        parts.len(),
         100.0 * largest
     );
     let finding = Finding::caution("blow-cut-off", words).dofs(dofs);

@@ -14,19 +14,23 @@ pub(super) struct Contradiction {
     /// Its block, by name.
     block: String,
     apart: Apart,
+    /// Most blocks of the response agree, and this one is wrong; else either side may be.
+    by_majority: bool,
     /// Responses that were measured in it.
     beside: usize,
 }
 
 /// All of one response.
 pub(super) fn of_response(group: &Group, response: Dof, takes: &Takes) -> Vec<Contradiction> {
+    let found = apart(takes);
     let with = |(of, apart): ([usize; 2], Apart)| Contradiction {
         response,
         block: name(group, of, takes),
         apart,
+        by_majority: found.by_majority,
         beside: group.runs[of[0]].responses().count(),
     };
-    apart(takes).into_iter().map(with).collect()
+    found.blocks.into_iter().map(with).collect()
 }
 
 /// File of a run, with its number where the file has several, and the block in it.
@@ -51,7 +55,9 @@ pub(super) fn finding(contradictions: &[Contradiction]) -> Option<Finding> {
     let mut clauses: Vec<Vec<&Contradiction>> = Vec::new();
     for one in contradictions {
         let shared = |clause: &&mut Vec<&Contradiction>| {
-            clause[0].block == one.block && is_same(&clause[0].apart, &one.apart)
+            let first = clause[0];
+            let is_as_sure = first.by_majority == one.by_majority;
+            is_as_sure && first.block == one.block && is_same(&first.apart, &one.apart)
         };
         match clauses.iter_mut().find(shared) {
             Some(clause) => clause.push(one),
@@ -67,7 +73,7 @@ pub(super) fn finding(contradictions: &[Contradiction]) -> Option<Finding> {
     if clauses.len() > CLAUSES_MOST {
         words.push(format!("{} more", clauses.len() - CLAUSES_MOST));
     }
-    let first = contradictions.first()?;
+    let first = *clauses.first()?.first()?;
     let dofs: BTreeSet<Dof> = contradictions.iter().map(|one| one.response).collect();
     let blocks: BTreeSet<&str> = contradictions.iter().map(|one| &*one.block).collect();
     let words = format!(
@@ -84,7 +90,7 @@ pub(super) fn finding(contradictions: &[Contradiction]) -> Option<Finding> {
             .value("delay_samples", delay);
     }
     Some(finding.help(
-        "leave these records out, or measure them again; look at sensor, cable, range and trigger",
+        "leave the wrong records out, or measure them again; look at sensor, cable, range and trigger",
     ))
 }
 
@@ -103,7 +109,7 @@ fn is_same(a: &Apart, b: &Apart) -> bool {
     }
 }
 
-/// What some responses are in one block.
+/// The clause on some responses in one block.
 fn words(clause: &[&Contradiction]) -> String {
     let first = clause[0];
     let who = match clause.len() {
@@ -116,7 +122,7 @@ fn words(clause: &[&Contradiction]) -> String {
     };
     let one = clause.len() == 1;
     let (has, is) = if one { ("has", "is") } else { ("have", "are") };
-    match first.apart {
+    let mut words = match first.apart {
         Apart::Otherwise => {
             let verb = if one { "follows" } else { "follow" };
             format!("{who} {verb} no common factor, as where cables are swapped")
@@ -138,5 +144,9 @@ fn words(clause: &[&Contradiction]) -> String {
             }
             format!("{who} {}", parts.join(" and "))
         }
+    };
+    if !first.by_majority {
+        words.push_str(" (no majority agrees: the others may as well be wrong)");
     }
+    words
 }

@@ -114,7 +114,7 @@ fn blocks_repeat(samples: &[f64], block: usize) -> bool {
 }
 
 /// Part of a block after which the force is silent, the mean over all blocks.
-fn acting_part(samples: &[f64], block: usize) -> f64 {
+pub(super) fn acting_part(samples: &[f64], block: usize) -> f64 {
     let piece = (block / BLOCK_PIECES).max(1);
     let mut powers = vec![0.0; block.div_ceil(piece)];
     for samples in samples.chunks_exact(block) {

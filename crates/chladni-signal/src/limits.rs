@@ -165,6 +165,12 @@ pub(crate) const UNHEARD_LINES: usize = 8;
 pub(crate) const UNHEARD_FREEDOM: f64 = 2.0;
 /// Chance, over all lines, below which a coherence is more than noise.
 pub(crate) const UNHEARD_CHANCE: f64 = 0.01;
+/// The mean over all lines, beside that of noise, above which a coherence is more: the worth of
+/// blocks that overlap is known to a few parts in a hundred.
+pub(crate) const UNHEARD_MEAN: f64 = 1.05;
+/// Standard errors of that mean, at least: lines under a window are not independent, so that a true
+/// one is up to 1.4 times as large.
+pub(crate) const UNHEARD_ERRORS: f64 = 4.0;
 
 // whole_record.rs
 

@@ -16,7 +16,7 @@ use crate::limits::{
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// What one block is beside the others.
+/// Relation of one block to the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Apart {
     /// So many times as large, and so many samples later.
@@ -50,12 +50,20 @@ impl Ratio {
     }
 }
 
-/// The blocks that contradict the one that most agree with, by run and place.
-pub(super) fn apart(takes: &Takes) -> Vec<([usize; 2], Apart)> {
+/// The blocks that contradict the one that most agree with.
+#[derive(Debug, Default)]
+pub(super) struct Contradicting {
+    /// By run and place.
+    pub blocks: Vec<([usize; 2], Apart)>,
+    /// The blocks that agree are more than half: the others are the wrong ones.
+    pub by_majority: bool,
+}
+
+pub(super) fn apart(takes: &Takes) -> Contradicting {
     let driven = driven(&takes.takes);
     let peaks = peaks(takes, &driven);
     if driven.len() < 2 || peaks.len() < 2 {
-        return Vec::new();
+        return Contradicting::default();
     }
     let beside = |v: usize| -> Vec<Vec<Ratio>> {
         let of = |u: &&Take| {
@@ -64,14 +72,14 @@ pub(super) fn apart(takes: &Takes) -> Vec<([usize; 2], Apart)> {
         };
         driven.iter().map(of).collect()
     };
-    // what most records are: the first few blocks are enough to see it
+    // nearly always one of the first few blocks agrees with all
     let is_one = |v: usize| beside(v).iter().all(|ratios| agree(ratios));
     if (0..driven.len().min(LOOKED_AT_FIRST)).any(is_one) {
-        return Vec::new();
+        return Contradicting::default();
     }
     let all: Vec<Vec<Vec<Ratio>>> = (0..driven.len()).map(beside).collect();
     let Some(middle) = middle(&all) else {
-        return Vec::new();
+        return Contradicting::default();
     };
     let with = &all[middle];
     let mates = (0..driven.len()).filter(|&u| u != middle && agree(&with[u]));
@@ -83,10 +91,12 @@ pub(super) fn apart(takes: &Takes) -> Vec<([usize; 2], Apart)> {
         is_majority && ratios.all(|ratio| ratio.is_coherent && !ratio.is_apart())
     };
     let known: Vec<usize> = (0..peaks.len()).filter(is_known).collect();
-    (0..driven.len())
-        .filter(|&u| !agree(&with[u]))
-        .filter_map(|u| told(&with[u], &known).map(|apart| (driven[u].of, apart)))
-        .collect()
+    let others = (0..driven.len()).filter(|&u| !agree(&with[u]));
+    let told = others.filter_map(|u| told(&with[u], &known).map(|apart| (driven[u].of, apart)));
+    Contradicting {
+        blocks: told.collect(),
+        by_majority: is_majority,
+    }
 }
 
 /// The block that most agree with; among equals the one that explains most others, with the least
@@ -109,12 +119,13 @@ fn middle(all: &[Vec<Vec<Ratio>>]) -> Option<usize> {
     related.iter().min_by(better).map(|(v, _)| *v)
 }
 
-/// What a block is that does not agree with the middle one; `known`: peaks that a majority agrees on.
+/// Relation of a block to the middle one, with which it does not agree; `known`: peaks that a
+/// majority agrees on.
 fn told(with: &[Ratio], known: &[usize]) -> Option<Apart> {
     let count = with.iter().filter(|ratio| ratio.is_coherent).count();
     let apart = with.iter().filter(|ratio| ratio.is_apart()).count();
     if let Some((factor, delay)) = law(with) {
-        // a delay is nothing on low peaks
+        // a delay hardly turns peaks of low frequency: only the others are apart by it
         let least = count.div_ceil(if delay == 0.0 { 2 } else { 3 }).max(2);
         let is_clear = count > 2 || with.iter().all(|r| r.is_apart() && r.is_far());
         if apart >= least && is_clear {
@@ -126,13 +137,14 @@ fn told(with: &[Ratio], known: &[usize]) -> Option<Apart> {
     is_told.then_some(Apart::Otherwise)
 }
 
-/// Blocks in which the force acts as it does in most.
+/// Blocks in which the force acts as it does in most, without those that start from rest under a
+/// force that goes on: their responses lack what the later ones hold of the blocks before.
 fn driven(takes: &[Take]) -> Vec<&Take> {
     let power = |take: &Take| take.pairs.iter().map(|[x, _]| x.norm_sqr()).sum::<f64>();
     let mut powers: Vec<f64> = takes.iter().map(power).collect();
     powers.sort_by(f64::total_cmp);
     let usual = powers.get(powers.len() / 2).copied().unwrap_or(0.0);
-    let acts = |take: &&Take| power(take) > FORCE_LEAST * usual;
+    let acts = |take: &&Take| !take.is_start && power(take) > FORCE_LEAST * usual;
     takes.iter().filter(acts).collect()
 }
 
@@ -186,7 +198,12 @@ fn ratio(
         }
     }
     let spare = (lines.len() as f64 - 1.0).max(1.0);
-    let coherence = (cross.norm_sqr() / (of_u * of_v)).min(1.0);
+    let coherence = cross.norm_sqr() / (of_u * of_v);
+    // the least of NaN and 1 is 1
+    let coherence = match coherence.is_finite() {
+        true => coherence.min(1.0),
+        false => 0.0,
+    };
     let size = (of_u / of_v).sqrt();
     let noise = 1.0 - coherence;
     Ratio {

@@ -1,9 +1,11 @@
 //! Averaged products of the transforms of windowed blocks (Welch).
 
+use super::excitation::acting_part;
 use super::setting::BlockSetting;
 use super::still::moving;
 use super::takes::Takes;
 use super::window::{independent_blocks, level, window_values};
+use crate::limits::BURST_MOST;
 use chladni_frf::{Dof, Run};
 use chladni_linalg::fft::{self, Fft};
 use ndarray::{s, Array3};
@@ -68,7 +70,8 @@ impl Averages {
                     level(window, block)
                 });
                 if hop >= block {
-                    averages.takes.keep([at, count], &spectra);
+                    let is_start = count == 0 && goes_on(&channels[..size - 1], block);
+                    averages.takes.keep([at, count], is_start, &spectra);
                 }
                 start += hop;
                 count += 1;
@@ -113,4 +116,13 @@ impl Averages {
         }
         spectra
     }
+}
+
+/// True where a force acts until the first block ends, or leaves no time to die out, and another block
+/// follows.
+fn goes_on(references: &[&[f64]], block: usize) -> bool {
+    let acts = |samples: &&[f64]| {
+        samples.len() >= 2 * block && acting_part(&samples[..block], block) > BURST_MOST
+    };
+    references.iter().any(acts)
 }

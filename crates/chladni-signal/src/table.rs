@@ -25,8 +25,10 @@ pub(super) struct Table {
     /// Lines on which a response got no value.
     masked: BTreeSet<usize>,
     contradictions: Vec<Contradiction>,
-    /// Responses with a coherence above chance under some references, and without.
-    heard: [BTreeSet<Dof>; 2],
+    /// Responses with a coherence above chance under some references.
+    heard: BTreeSet<Dof>,
+    /// Responses without one under some references.
+    unheard: BTreeSet<Dof>,
 }
 
 impl Table {
@@ -45,7 +47,8 @@ impl Table {
             warnings: setting.warnings().to_vec(),
             masked: BTreeSet::new(),
             contradictions: Vec::new(),
-            heard: Default::default(),
+            heard: BTreeSet::new(),
+            unheard: BTreeSet::new(),
         }
     }
 
@@ -119,7 +122,11 @@ impl Table {
 
     /// Notes whether the coherence of a response is above chance.
     pub(super) fn hear(&mut self, response: Dof, is_heard: bool) {
-        self.heard[usize::from(!is_heard)].insert(response);
+        let responses = match is_heard {
+            true => &mut self.heard,
+            false => &mut self.unheard,
+        };
+        responses.insert(response);
     }
 
     pub(super) fn warn_once(&mut self, warning: Finding) {
@@ -211,8 +218,7 @@ impl Table {
         self.warnings.extend(clipped(runs));
         let differ = contradictions::finding(&self.contradictions);
         self.warnings.extend(differ);
-        let [heard, unheard] = &self.heard;
-        let unheard = unheard - heard;
+        let unheard = &self.unheard - &self.heard;
         self.warnings.extend(unheard::finding(&unheard));
         let (kind, reference_unit) = units::kind_of(runs)?;
         let estimation = Estimation {

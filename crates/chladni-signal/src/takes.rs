@@ -19,6 +19,8 @@ pub(super) struct Takes {
 pub(super) struct Take {
     /// Its run among those of the group, and its place in that run.
     pub of: [usize; 2],
+    /// The structure starts from rest, under a force that goes on: the block after it does not.
+    pub is_start: bool,
     /// Reference and response on each line kept.
     pub pairs: Vec<[Complex64; 2]>,
 }
@@ -26,7 +28,7 @@ pub(super) struct Take {
 impl Takes {
     /// Keeps a block of one reference: the first blocks alone, where there are very many. Under
     /// several references no single block tells an FRF.
-    pub(super) fn keep(&mut self, of: [usize; 2], spectra: &[Vec<Complex64>]) {
+    pub(super) fn keep(&mut self, of: [usize; 2], is_start: bool, spectra: &[Vec<Complex64>]) {
         let [reference, response] = spectra else {
             return;
         };
@@ -39,7 +41,11 @@ impl Takes {
         }
         let pairs = self.lines.iter().map(|&k| [reference[k], response[k]]);
         let pairs = pairs.collect();
-        self.takes.push(Take { of, pairs });
+        self.takes.push(Take {
+            of,
+            is_start,
+            pairs,
+        });
     }
 }
 

@@ -111,6 +111,8 @@ fn differ(runs: Vec<Run>) -> Option<Finding> {
 fn findings(runs: Vec<Run>) -> Vec<Finding> {
     let h1 = EstimateOptions {
         estimator: Some(Estimator::H1),
+        window: Some(BlockWindow::Rectangular),
+        block: runs.first().map(|run| run.samples().min(SAMPLES)),
         ..EstimateOptions::default()
     };
     estimate(&named(runs), &h1).unwrap().findings
@@ -186,7 +188,7 @@ fn each_contradiction_is_told_with_its_run_and_its_kind() {
     }
 }
 
-const GOOD: [&str; 10] = [
+const GOOD: [&str; 12] = [
     "clean",
     "double",
     "noisy",
@@ -197,12 +199,28 @@ const GOOD: [&str; 10] = [
     "hand",
     "drift",
     "loud",
+    "periodic",
+    "chirp",
 ];
+
+/// A sweep through all frequencies.
+fn chirp() -> Vec<f64> {
+    let turn = |k: usize| 0.5 * TAU * (k * k) as f64 / (2 * SAMPLES) as f64;
+    (0..SAMPLES).map(|k| turn(k).cos()).collect()
+}
 
 /// Records as benches give them that contradict nothing.
 fn good(seed: u64, kind: &str) -> Vec<Run> {
     let mut structure = Structure::new(seed);
     let count = structure.random.random_range(2..7);
+    if ["periodic", "chirp"].contains(&kind) {
+        // from rest, one period after the other
+        let period = match kind {
+            "periodic" => structure.noise(SAMPLES),
+            _ => chirp(),
+        };
+        return vec![structure.steady(period.repeat(count + 1), 1e-3)];
+    }
     let of_run = |_| {
         let s = &mut structure;
         let hum = s.random.random_range(0.0..TAU);
@@ -298,4 +316,60 @@ fn a_channel_of_noise_and_a_blow_without_its_beginning_are_told() {
         counts[1] += usize::from(codes.iter().any(|code| code == "blow-cut-off"));
     }
     assert!(counts[0] >= 18 && counts[1] == 20, "{counts:?}");
+}
+
+#[test]
+fn weak_coherence_on_all_lines_is_no_noise() {
+    for seed in 0..20 {
+        let mut noise = Noise::new(seed);
+        let mut record = || {
+            let x = noise.take(SAMPLES);
+            let y = x.iter().map(|x| x + 1.5 * noise.next()).collect();
+            let moving = channel("2:+Z", SignalUnit::Velocity, y);
+            run(vec![channel("1:+Z", SignalUnit::Force, x), moving])
+        };
+        let runs = (0..3).map(|_| record()).collect();
+        let found = findings(runs);
+        let told = found.iter().find(|one| FOUND.contains(&&*one.code));
+        assert!(told.is_none(), "{seed}: {told:?}");
+    }
+}
+
+#[test]
+fn of_two_records_either_may_be_the_wrong_one() {
+    let mut told = [0; 2];
+    for seed in 0..20 {
+        for (at, count) in [2, 4].into_iter().enumerate() {
+            let mut runs = faulty(seed, "sign");
+            runs.rotate_left(2);
+            runs.truncate(count);
+            let finding = differ(runs);
+            let is_open = |finding: &Finding| finding.contains("may as well be wrong");
+            let is_as_expected = |finding: &Finding| {
+                let sign = finding.contains("opposite sign");
+                sign && is_open(finding) == (count == 2)
+            };
+            told[at] += usize::from(finding.is_some_and(|finding| is_as_expected(&finding)));
+        }
+    }
+    assert!(told.iter().all(|&count| count >= 18), "{told:?}");
+}
+
+#[test]
+fn the_start_of_short_periods_contradicts_nothing() {
+    let block = SAMPLES / 8;
+    let h1 = EstimateOptions {
+        window: Some(BlockWindow::Rectangular),
+        block: Some(block),
+        ..options(Estimator::H1)
+    };
+    for seed in 0..300 {
+        let mut structure = Structure::new(seed);
+        let count = structure.random.random_range(3..8);
+        let period = structure.noise(SAMPLES)[..block].to_vec();
+        let record = structure.steady(period.repeat(count), 0.1);
+        let found = estimate(&[record], &h1).unwrap().findings;
+        let told = found.iter().find(|one| FOUND.contains(&&*one.code));
+        assert!(told.is_none(), "{seed}: {told:?}");
+    }
 }
