@@ -45,8 +45,9 @@ fn differing(first: &Record, record: &Record, lines: f64) -> Finding {
     if printed || lines <= AXES_ROUNDED {
         return Finding::note("axes-differ", words);
     }
+    let decimals = (-hz.log10().floor()).max(2.0) as usize;
     let words = format!(
-        "{words}; that is more than rounding: frequencies are off by up to {hz:.2e} Hz there, and \
+        "{words}; that is more than rounding: frequencies are off by up to {hz:.decimals$} Hz there, and \
          one mode may look like several"
     );
     Finding::caution("axes-differ", words)
