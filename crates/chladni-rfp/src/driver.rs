@@ -5,7 +5,7 @@
 //! stops at a pass that is not made yet, and goes on from there once other machines have made
 //! it.
 
-use crate::checks::case::Case;
+use crate::checks::case::{Case, Noise};
 use crate::checks::examine::examine;
 use crate::checks::window_bias;
 use crate::data::error::FitError;
@@ -260,15 +260,11 @@ fn checked<S: Source>(
     model: &mut ModalModel,
 ) {
     model.quality.findings.extend(outliers::finding(fitted));
-    let noise = noise_variance(fitted, seen, model.quality.relative_error);
-    examine(
-        fitted,
-        fitted.values(),
-        options,
-        residual,
-        (noise, seen),
-        model,
-    );
+    let noise = Noise {
+        variance: noise_variance(fitted, seen, model.quality.relative_error),
+        left_of_frfs: seen,
+    };
+    examine(fitted, fitted.values(), options, residual, noise, model);
     if fitted.values().is_none() {
         model.quality.findings.push(not_checked());
     }

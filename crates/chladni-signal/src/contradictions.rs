@@ -56,8 +56,7 @@ pub(super) fn finding(contradictions: &[Contradiction]) -> Option<Finding> {
     for one in contradictions {
         let shared = |clause: &&mut Vec<&Contradiction>| {
             let first = clause[0];
-            let is_as_sure = first.by_majority == one.by_majority;
-            is_as_sure && first.block == one.block && is_same(&first.apart, &one.apart)
+            first.block == one.block && is_same(&first.apart, &one.apart)
         };
         match clauses.iter_mut().find(shared) {
             Some(clause) => clause.push(one),
@@ -78,8 +77,9 @@ pub(super) fn finding(contradictions: &[Contradiction]) -> Option<Finding> {
     let blocks: BTreeSet<&str> = contradictions.iter().map(|one| &*one.block).collect();
     let words = format!(
         "records of one FRF contradict each other at its peaks, and their average is none of them. \
-         Beside the others: {}",
-        words.join("; ")
+         Beside the others: {}{}",
+        words.join("; "),
+        without_majority(contradictions)
     );
     let mut finding = Finding::caution("runs-differ", words)
         .dofs(dofs)
@@ -92,6 +92,23 @@ pub(super) fn finding(contradictions: &[Contradiction]) -> Option<Finding> {
     Some(finding.help(
         "leave the wrong records out, or measure them again; look at sensor, cable, range and trigger",
     ))
+}
+
+/// The end of the sentence where most blocks of a response do not agree.
+fn without_majority(contradictions: &[Contradiction]) -> String {
+    let open = contradictions.iter().filter(|one| !one.by_majority);
+    let responses: BTreeSet<String> = open.map(|one| one.response.to_string()).collect();
+    if responses.is_empty() {
+        return String::new();
+    }
+    let at = match contradictions.iter().any(|one| one.by_majority) {
+        true => {
+            let named: Vec<String> = responses.into_iter().collect();
+            format!(" at {}", named.join(", "))
+        }
+        false => String::new(),
+    };
+    format!("; no majority agrees{at}, so the others may as well be wrong")
 }
 
 /// True where one cause may have made both.
@@ -122,7 +139,7 @@ fn words(clause: &[&Contradiction]) -> String {
     };
     let one = clause.len() == 1;
     let (has, is) = if one { ("has", "is") } else { ("have", "are") };
-    let mut words = match first.apart {
+    match first.apart {
         Apart::Otherwise => {
             let verb = if one { "follows" } else { "follow" };
             format!("{who} {verb} no common factor, as where cables are swapped")
@@ -144,9 +161,5 @@ fn words(clause: &[&Contradiction]) -> String {
             }
             format!("{who} {}", parts.join(" and "))
         }
-    };
-    if !first.by_majority {
-        words.push_str(" (no majority agrees: the others may as well be wrong)");
     }
-    words
 }

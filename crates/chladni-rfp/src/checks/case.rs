@@ -18,9 +18,16 @@ pub(crate) struct Case<'a> {
     pub options: &'a FitOptions,
     /// True where the residual is white: the lines are pure resonances within the noise.
     pub white: bool,
-    /// Noise variance of one work value, where the residual is noise.
-    pub noise_variance: f64,
-    /// Residual energy of each FRF as it was fitted, weights included; empty where not known.
+    /// Its level in the data as they were fitted, weights included.
+    pub noise: Noise<'a>,
+}
+
+/// The level of noise.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Noise<'a> {
+    /// Variance of one work value, where the residual is noise.
+    pub variance: f64,
+    /// Residual energy of each FRF; empty where not known.
     pub left_of_frfs: &'a [f64],
 }
 
@@ -55,8 +62,7 @@ impl<'a> Case<'a> {
             model,
             options,
             white: false,
-            noise_variance: 0.0,
-            left_of_frfs: &[],
+            noise: Noise::default(),
         }
     }
 

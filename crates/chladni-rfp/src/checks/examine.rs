@@ -5,7 +5,7 @@
 //! (`data/outliers.rs`), the wrong time sign (`poles/sketched.rs`), padded records
 //! (`measured/impulse.rs`), missing values (`data/screening.rs`).
 
-use crate::checks::case::{Case, Checked};
+use crate::checks::case::{Case, Checked, Noise};
 use crate::checks::{
     delay, delayed_response, estimation, hidden, kind, moving, noise, reciprocal, split,
     window_bias,
@@ -41,15 +41,12 @@ const CHECKS: [Check; 12] = [
 ];
 
 /// Runs all checks; what they find joins the model's findings.
-///
-/// * `noise_variance`: of one work value, where the residual is white
-/// * `left_of_frfs`: residual energy of each FRF as fitted; empty where not known
 pub(crate) fn examine(
     data: &DataLayout,
     values: Option<&Screened>,
     options: &FitOptions,
     residual: Residual,
-    (noise_variance, left_of_frfs): (f64, &[f64]),
+    noise: Noise,
     model: &mut ModalModel,
 ) {
     for checks in [&MOVEMENT[..], &CHECKS] {
@@ -59,8 +56,7 @@ pub(crate) fn examine(
             model,
             options,
             white: residual == Residual::White,
-            noise_variance,
-            left_of_frfs,
+            noise,
         };
         let found: Vec<Checked> = checks.par_iter().filter_map(|check| check(&case)).collect();
         for checked in found {

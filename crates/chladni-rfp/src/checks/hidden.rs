@@ -105,7 +105,7 @@ fn could_hide(case: &Case, axis: &Columns, pair: &[&Mode]) -> Option<bool> {
         * height(case, pair[1])
         * (free * beside_terms + (1.0 - free) * beside_all);
     let frfs = case.data.pairs.len();
-    Some(energy < (threshold(frfs, local.lines()) - frfs as f64) * case.noise_variance)
+    Some(energy < (threshold(frfs, local.lines()) - frfs as f64) * case.noise.variance)
 }
 
 /// Part of the residues of one more mode that `modes` of rank one cannot take over,

@@ -96,7 +96,7 @@ pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
 /// Variance of the noise energies of FRFs over the square of their mean, where that is more than
 /// chance makes: one over the lines that are left free.
 fn uneven_noise(case: &Case) -> Option<f64> {
-    let left = case.left_of_frfs;
+    let left = case.noise.left_of_frfs;
     let sum: f64 = left.iter().sum();
     let squares: f64 = left.iter().map(|left| left * left).sum();
     let spread = squares * left.len() as f64 / (sum * sum) - 1.0;

@@ -259,7 +259,7 @@ fn fewer_moving(case: &Case, group: &[&Mode], moved: Side) -> Result<bool, Linal
         }
     };
     // each further common pole must explain more than chance
-    let of_pole = threshold(all.len(), local.lines()) * case.noise_variance;
+    let of_pole = threshold(all.len(), local.lines()) * case.noise.variance;
     let most = match poles.len() {
         0..=limits::SPLIT_POLES_MOST => limits::SPLIT_MOVING_MOST,
         _ => 1,

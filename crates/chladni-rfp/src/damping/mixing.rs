@@ -1,8 +1,8 @@
 //! Steps of a search that closes in slowly along one direction, mixed with the ones before.
 //!
-//! Where residuals stay large, Gauss–Newton steps shrink by a nearly constant factor: the step
-//! before and this one tell the factor, and with it where they lead. D. G. Anderson, J. ACM 12
-//! (1965) 547–560, with a memory of one step.
+//! Gauss–Newton steps shrink by a nearly constant factor if residuals stay large: the step before
+//! and this one tell the factor, and with it the place to which they lead. D. G. Anderson, J. ACM
+//! 12 (1965) 547–560, with a memory of one step.
 
 use ndarray::{Array2, ArrayView1};
 

@@ -3,7 +3,7 @@
 use super::*;
 use chladni_plate::add_noise_of_variance;
 
-/// Which DOF tells the time of a measurement.
+/// The DOF that tells the time of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Side {
     Responses,
