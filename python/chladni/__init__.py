@@ -206,9 +206,9 @@ def select(model, *, keep=None, drop=None, near_hz=(), within_hz=0.5, add=(), fr
     ----------
     model : Model
         What `fit` found.
-    keep, drop : list of int, optional
-        Places of modes, from 0 as in the arrays of the model; one of the two. Findings and the table of
-        modes count from 1: their mode 9 is place 8 here.
+    keep, drop : list of int or mask, optional
+        Places of modes, from 0 as in the arrays of the model, or True or False for each mode; one of the
+        two. Findings and the table of modes count from 1: their mode 9 is place 8 here.
     near_hz : list of float, optional
         Further modes by their frequency, Hz.
     within_hz : float
@@ -225,9 +225,24 @@ def select(model, *, keep=None, drop=None, near_hz=(), within_hz=0.5, add=(), fr
     Model
     """
     lines = [f"add = [{', '.join(f'{{frequency_hz = {float(hz)}}}' for hz in add)}]"] if len(add) else []
-    lines += [f"{name} = {[int(place) + 1 for place in places]}" for name, places in (("keep", keep), ("drop", drop)) if places is not None]
+    lines += [f"{name} = {[place + 1 for place in _places(name, places, len(model))]}" for name, places in (("keep", keep), ("drop", drop)) if places is not None]
     lines += [f"[[mode]]\nnear_hz = {float(hz)}\nwithin_hz = {float(within_hz)}" for hz in near_hz]
     return _chladni.select(model, "\n".join(lines), frf)
+
+
+def _places(name, places, count):
+    """Places of modes, from a list of them or from a mask over the `count` modes."""
+    array = _numpy.asarray(places)
+    if array.dtype == bool:
+        if array.shape != (count,):
+            raise _chladni.refusal(name, "no mask of the modes", f"the shape {array.shape}", f"the shape ({count},)")
+        return _numpy.flatnonzero(array).tolist()
+    if array.ndim != 1 or not (array.size == 0 or _numpy.issubdtype(array.dtype, _numpy.integer)):
+        raise _chladni.refusal(name, "no places of modes", str(places), "a list of integers from 0, or a mask of the modes")
+    for place in array.tolist():
+        if not 0 <= place < count:
+            raise _chladni.refusal(name, "no mode has this place", str(place), f"0 to {count - 1}: places count from 0")
+    return array.tolist()
 
 
 def stabilization(frf, *, band=None):
@@ -321,12 +336,7 @@ def correct(model, scene, weights, fields, *, output=None, calibration=None, for
     dict
         The weights file.
     """
-    drive, learned = _chladni.correct(model, _text_or_path(scene), list(weights), list(fields))
-    for path, text in ((output, drive), (calibration, learned)):
-        if path is not None:
-            with open(path, "w" if force else "x", encoding="utf-8") as out:
-                out.write(text)
-    return _json.loads(drive)
+    return _json.loads(_chladni.correct(model, _text_or_path(scene), list(weights), list(fields), output, calibration, force))
 
 
 def evaluate(rendering, scene, on):

@@ -478,7 +478,7 @@ def simulate(
 def fit(
     frf: FrfSet,
     *,
-    band: tuple[float, float] | None = None,
+    band: Sequence[float] | None = None,
     modes: int | None = None,
     damping: DampingLaw | None = None,
     method: FitMethod = "auto",
@@ -496,7 +496,7 @@ def reduce_block(
     number: int,
     *,
     poles: Poles | None = None,
-    band: tuple[float, float] | None = None,
+    band: Sequence[float] | None = None,
     window: str | None = None,
     seed: int | None = None,
 ) -> Partial: ...
@@ -536,15 +536,15 @@ def estimate(
 def select(
     model: Model,
     *,
-    keep: Sequence[int] | None = None,
-    drop: Sequence[int] | None = None,
+    keep: Sequence[int] | NDArray[np.integer[Any]] | NDArray[np.bool_] | None = None,
+    drop: Sequence[int] | NDArray[np.integer[Any]] | NDArray[np.bool_] | None = None,
     near_hz: Sequence[float] = (),
     within_hz: float = 0.5,
     add: Sequence[float] = (),
     frf: FrfSet | None = None,
 ) -> Model: ...
 def cmif(frf: FrfSet) -> NDArray[np.float64]: ...
-def stabilization(frf: FrfSet, *, band: tuple[float, float] | None = None) -> dict[str, NDArray[Any]]: ...
+def stabilization(frf: FrfSet, *, band: Sequence[float] | None = None) -> dict[str, NDArray[Any]]: ...
 def report(
     path: str | PathLike[str],
     model: Model,

@@ -25,7 +25,7 @@ use pyo3::prelude::*;
 pub fn fit(
     py: Python<'_>,
     frf: &FrfSet,
-    band: Option<(f64, f64)>,
+    band: Option<&Bound<'_, PyAny>>,
     modes: Option<Bound<'_, PyAny>>,
     damping: Option<&str>,
     method: &str,
@@ -74,20 +74,19 @@ pub fn fit(
 }
 
 /// A band, Hz, that begins before it ends.
-pub fn band_of(py: Python<'_>, band: Option<(f64, f64)>) -> PyResult<Option<[f64; 2]>> {
-    let Some((low, high)) = band else {
+pub fn band_of(py: Python<'_>, band: Option<&Bound<'_, PyAny>>) -> PyResult<Option<[f64; 2]>> {
+    let Some(band) = band else {
         return Ok(None);
     };
-    if 0.0 <= low && low < high && high.is_finite() {
-        return Ok(Some([low, high]));
-    }
-    let message = if low >= high {
-        "the band ends before it begins"
-    } else {
-        "no band"
+    let message = match band.extract::<[f64; 2]>() {
+        Ok([low, high]) if 0.0 <= low && low < high && high.is_finite() => {
+            return Ok(Some([low, high]));
+        }
+        Ok([low, high]) if low >= high => "the band ends before it begins",
+        _ => "no band",
     };
     let error = Error::new(ErrorKind::Usage, message)
-        .found(format!("({low}, {high})"))
+        .found(band)
         .expected("(low, high) in Hz, low below high, neither negative");
     Err(wrong_option(py, "band", error))
 }

@@ -203,7 +203,7 @@ pub fn reduce_block(
     frf: &FrfSet,
     number: u64,
     poles: Option<&Poles>,
-    band: Option<(f64, f64)>,
+    band: Option<&Bound<'_, PyAny>>,
     window: Option<&str>,
     seed: Option<u64>,
 ) -> PyResult<Partial> {

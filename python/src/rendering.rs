@@ -4,7 +4,8 @@ use crate::error::{raised, wrong_option, wrong_word};
 use crate::findings::findings_json;
 use crate::frf::FrfSet;
 use crate::model::Model;
-use chladni_io::write_atomically;
+use chladni_frf::{Error, ErrorKind};
+use chladni_io::{is_same_place, refuse_output_among_inputs, try_place, write_atomically};
 use chladni_render::{Count, MethodChoice, On, RenderOptions, Scene};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -206,19 +207,62 @@ pub fn render(
         .map_err(|error| raised(py, &error))
 }
 
-/// A drive corrected by measured fields, as the text of its weights file and of the
-/// calibration.
+/// The files that a correction writes, each as a whole or not at all.
+struct CorrectionFiles {
+    weights: Option<PathBuf>,
+    calibration: Option<PathBuf>,
+    /// Existing files are overwritten.
+    force: bool,
+}
+
+impl CorrectionFiles {
+    /// Refuses, before the work, files that cannot be written and those that are read.
+    fn check(&self, inputs: &[PathBuf]) -> chladni_frf::Result<()> {
+        for output in [&self.weights, &self.calibration].into_iter().flatten() {
+            refuse_output_among_inputs(output, inputs)?;
+            try_place(output, self.force)?;
+        }
+        let both = self.weights.as_deref().zip(self.calibration.as_deref());
+        match both.is_some_and(|(one, other)| is_same_place(one, other)) {
+            true => Err(
+                Error::new(ErrorKind::Usage, "two outputs would be one file")
+                    .field("calibration")
+                    .found("the name of `output`")
+                    .expected("a name of its own"),
+            ),
+            false => Ok(()),
+        }
+    }
+
+    /// Writes the texts to the files that are wanted.
+    fn write(&self, weights: &str, calibration: &str) -> chladni_frf::Result<()> {
+        let texts = [(&self.calibration, calibration), (&self.weights, weights)];
+        for (path, text) in texts {
+            if let Some(path) = path {
+                write_atomically(path, self.force, |out| out.write_all(text.as_bytes()))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A drive corrected by measured fields, as the text of its weights file.
 ///
-/// weights: the files that were played, oldest first; fields: what was measured under each.
+/// weights: the files that were played, oldest first; fields: what was measured under each;
+/// output, calibration: files to write.
 #[pyfunction]
-#[pyo3(signature = (model, scene, weights, fields))]
+#[pyo3(signature = (model, scene, weights, fields, output, calibration, force))]
+#[allow(clippy::too_many_arguments, reason = "keywords of Python")]
 pub fn correct(
     py: Python<'_>,
     model: &Model,
     scene: &Bound<'_, PyAny>,
     weights: Vec<PathBuf>,
     fields: Vec<PathBuf>,
-) -> PyResult<(String, String)> {
+    output: Option<PathBuf>,
+    calibration: Option<PathBuf>,
+    force: bool,
+) -> PyResult<String> {
     if weights.len() != fields.len() {
         let found = format!("{} weights and {} fields", weights.len(), fields.len());
         return Err(wrong_word(
@@ -228,6 +272,14 @@ pub fn correct(
             "weights and fields are no pairs; write one field for each of the weights",
         ));
     }
+    let files = CorrectionFiles {
+        weights: output,
+        calibration,
+        force,
+    };
+    files
+        .check(&[weights.as_slice(), &fields].concat())
+        .map_err(|error| raised(py, &error))?;
     let scene = scene_of(py, scene)?;
     let corrected = py.detach(|| {
         let mut played = Vec::new();
@@ -245,9 +297,11 @@ pub fn correct(
         let options = RenderOptions::default();
         let (weights, calibration) =
             chladni_render::calibrate(&model.model, &scene, &played, &options)?;
-        Ok((weights.to_json()?, calibration.to_json()?))
+        let text = weights.to_json()?;
+        files.write(&text, &calibration.to_json()?)?;
+        Ok(text)
     });
-    corrected.map_err(|error: chladni_frf::Error| raised(py, &error))
+    corrected.map_err(|error: Error| raised(py, &error))
 }
 
 /// The indices of weights on other data, as a JSON text: measured FRFs or a model.

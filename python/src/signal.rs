@@ -215,7 +215,7 @@ type Diagram<'py> = (
 pub fn stabilization<'py>(
     py: Python<'py>,
     frf: &FrfSet,
-    band: Option<(f64, f64)>,
+    band: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Diagram<'py>> {
     let options = FitOptions {
         band_hz: band_of(py, band)?,

@@ -185,6 +185,8 @@ def test_records_with_gaps_and_dofs_that_occur_twice_are_refused():
         ("references", lambda frf, model: chladni.estimate([["a"]], [[1.0]], 1000.0)),
         ("modes", lambda frf, model: chladni.fit(frf, modes=0)),
         ("band", lambda frf, model: chladni.fit(frf, band=(100, 50))),
+        ("band", lambda frf, model: chladni.fit(frf, band=(100,))),
+        ("band", lambda frf, model: chladni.fit(frf, band=[100, "high"])),
         ("band", lambda frf, model: chladni.stabilization(frf, band=(100, 50))),
     ],
 )
@@ -236,3 +238,28 @@ def test_a_measured_field_corrects_and_calibrates(tmp_path):
     assert len(gains) == len(drive.references) and abs(np.mean(gains) - 1.02) < 0.02
     with pytest.raises(chladni.ChladniError):
         chladni.correct(truth, scene, [tmp_path / "w0.json"], [])
+
+
+def test_a_correction_leaves_its_inputs_and_other_files_alone(tmp_path):
+    _, truth = chladni.simulate(FIXTURES / "panel-driving-points.toml", seed=3)
+    scene = (FIXTURES / "scene-corner.toml").read_text()
+    drive = chladni.render(truth, scene, method="fast")
+    weights, field, kept = (tmp_path / name for name in ("w0.json", "f0.csv", "kept.json"))
+    drive.save(weights)
+    rows = [f"{name},{float(v.real)!r},{float(v.imag)!r}" for name, v in zip(drive.responses, drive.velocity_m_per_s)]
+    field.write_text("\n".join([f"# frequency_hz = {drive.frequency_hz}", "# unit = m/s", "response,re,im", *rows]) + "\n")
+    kept.write_text("kept")
+    before = {path: path.read_text() for path in tmp_path.iterdir()}
+    new = tmp_path / "new.json"
+    for files in (
+        {"output": weights, "force": True},
+        {"calibration": field, "force": True},
+        {"output": new, "calibration": new},
+        {"output": new, "calibration": kept},
+        {"output": tmp_path / "missing" / "w.json"},
+    ):
+        with pytest.raises(chladni.ChladniError):
+            chladni.correct(truth, scene, [weights], [field], **files)
+        assert {path: path.read_text() for path in tmp_path.iterdir()} == before, files
+    corrected = chladni.correct(truth, scene, [weights], [field], output=new, calibration=kept, force=True)
+    assert json.loads(new.read_text()) == corrected and json.loads(kept.read_text())["gains"]

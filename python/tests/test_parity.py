@@ -76,6 +76,19 @@ def test_modes_are_dropped_by_their_place(model):
     assert chladni.compare(model, left).only_in_a.tolist() == [1]
 
 
+def test_modes_are_chosen_by_a_mask(model):
+    above = model.frequency_hz > np.median(model.frequency_hz)
+    assert np.array_equal(chladni.select(model, keep=above).frequency_hz, model.frequency_hz[above])
+    assert np.array_equal(chladni.select(model, drop=list(above)).frequency_hz, model.frequency_hz[~above])
+    for places in (above[1:], [1.7], [-1], [len(model)], "sure", [[0]]):
+        with pytest.raises(chladni.ChladniError) as wrong:
+            chladni.select(model, keep=places)
+        assert wrong.value.field == "keep" and wrong.value.expected
+    with pytest.raises(chladni.ChladniError) as beyond:
+        chladni.select(model, drop=[0, len(model)])
+    assert beyond.value.found == str(len(model)) and f"0 to {len(model) - 1}" in beyond.value.expected
+
+
 def test_a_mode_is_added_by_a_new_fit(frf, model):
     few = chladni.fit(frf, modes=len(model) - 4)
     missing = [hz for hz in model.frequency_hz if np.min(np.abs(few.frequency_hz / hz - 1)) > 1e-3]
