@@ -349,7 +349,7 @@ fn fit_lean(data: &Screened, options: &FitOptions, watch: &Watch) -> Result<Moda
     watch.stage("damping law")?;
     let identified = with_free_residues(data, found, options)?;
     watch.stage("shapes")?;
-    let shaped = Shaped::new(data, identified)?;
+    let shaped = Shaped::new(data, identified, options.most_modes())?;
     let residual_energy = shaped.residual_energy(data);
     Ok(shaped.model(data, options, &residual_energy))
 }

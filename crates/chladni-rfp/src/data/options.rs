@@ -292,4 +292,9 @@ impl FitOptions {
             added_hz: &self.added_hz,
         }
     }
+
+    /// The most modes that the band may have; `None`: as many as the data show.
+    pub(crate) fn most_modes(&self) -> Option<usize> {
+        self.modes.map(|modes| modes + self.added_hz.len())
+    }
 }

@@ -165,7 +165,7 @@ fn finished<S: Source>(
         }
     };
     let (identified, mut warnings) = decide(data, found, options, watch, &again)?;
-    let shaped = Shaped::new(data, identified)?;
+    let shaped = Shaped::new(data, identified, options.most_modes())?;
     let residual_energy = match data.values() {
         Some(values) => shaped.residual_energy(values),
         None => shaped.residual_energy_by_sums(data),

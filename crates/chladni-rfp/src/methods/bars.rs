@@ -97,7 +97,7 @@ pub(crate) fn fit_by_method(
     };
     let on_law = note_law(&mut identified, verdict, options, false);
     identified.warnings.extend(on_law);
-    let shaped = Shaped::new(data, identified)?;
+    let shaped = Shaped::new(data, identified, options.most_modes())?;
     let residual_energy = shaped.residual_energy(data);
     let mut model = shaped.model(data, options, &residual_energy);
     let unexplained = model.quality.relative_error;

@@ -5,7 +5,8 @@
 //! The number of modes is what was asked for, else what is significant of a pool for as
 //! many modes as there are visible peaks; poles to spare are taken out before the
 //! refinement. Modes just beyond the ends of the band, which a sketch hardly shows, are
-//! sought with all FRFs. At the Cramér–Rao bound in white noise, in the law that the phases of the
+//! sought with all FRFs. Where a number is given, a mode that the pool lost is looked for in the
+//! residual of the sketch. At the Cramér–Rao bound in white noise, in the law that the phases of the
 //! residues tell, or that is asked for.
 //!
 //! Cost: two passes over the data (16·N·M·m flop for N lines, M FRFs, m unknowns), vector
@@ -13,12 +14,12 @@
 //! for r columns.
 //!
 //! Avoid it where the number of modes is not known (a missed mode of the band biases its
-//! neighbours, and nothing looks for it), or where the residual is not white noise: the
+//! neighbours, and nothing looks for it without a number), or where the residual is not white noise: the
 //! bars are then too small. Both are the business of `auto`.
 //!
 //! Equations: theory.md, section 2.
 
-use super::limits::{BROAD, HELPERS_AT};
+use super::limits::{BROAD, EXCHANGES, HELPERS_AT};
 use crate::damping::structural::basis;
 use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
@@ -31,7 +32,8 @@ use crate::methods::vf::{pool, signed};
 use crate::poles::estimate::{graded, PoleEstimate};
 use crate::poles::pool::Products;
 use crate::poles::refine::{refine, refined_poles, removable, Refined};
-use crate::poles::scan::usual_loss;
+use crate::poles::scan::{scan, usual_loss};
+use crate::poles::settle::keep_strongest;
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
 use chladni_linalg::{qr_thin, LinalgError};
@@ -99,11 +101,62 @@ fn of_sketch(
     let work = thinned.as_ref().unwrap_or(sketch);
     narrow(work, &mut start, modes);
     let rough = refined_poles(work, &start, &POWERS, tol::ROUGH)?;
-    Ok(match inside(work, &rough) > modes {
+    let rough = match inside(work, &rough) > modes {
         // without poles that are redundant once their neighbours are refined
         true => select(work, &rough, modes..=usize::MAX)?.0,
         false => rough,
-    })
+    };
+    match options.modes {
+        Some(modes) => exchanged(work, rough, modes),
+        None => Ok(rough),
+    }
+}
+
+/// Poles of the sketch, with those that the residual shows added or in place of the ones that
+/// matter less: a pool may hold a pole of noise instead of a mode between two lines.
+fn exchanged(
+    work: &Columns,
+    rough: Vec<Complex64>,
+    modes: usize,
+) -> Result<Vec<Complex64>, LinalgError> {
+    let refined = refine(work, &rough, &POWERS, tol::NO_STEP)?;
+    if missed(work, &refined, &[])?.is_none() {
+        return Ok(rough);
+    }
+    // poles that have yet to move leave a residual that is none of a missed one
+    let mut best = refine(work, &rough, &POWERS, tol::FINE)?;
+    let most = EXCHANGES + modes.saturating_sub(inside(work, &rough));
+    let mut tried = Vec::new();
+    while let Some(place) = missed(work, &best, &tried)?.filter(|_| tried.len() < most) {
+        tried.push(place);
+        let more = [best.lambda.as_slice(), &[place]].concat();
+        let mut other = refine(work, &more, &POWERS, tol::ROUGH)?;
+        keep_strongest(work, &mut other, modes)?;
+        if other.projection.sse < best.projection.sse {
+            best = other;
+        }
+    }
+    Ok(best.lambda)
+}
+
+/// The place, not tried yet, where one more pole takes the most out of the residual, if that is
+/// more than the weakest pole of the band does and more than noise allows.
+fn missed(
+    work: &Columns,
+    refined: &Refined,
+    tried: &[Complex64],
+) -> Result<Option<Complex64>, LinalgError> {
+    let rises = refined.significance()?;
+    let in_band = (0..rises.len()).filter(|&q| work.in_band(refined.lambda[q]));
+    let weakest = in_band.map(|q| rises[q]).fold(f64::INFINITY, f64::min);
+    let noise = noise_takes(
+        work,
+        refined.projection.sse,
+        refined.unknowns(),
+        work.columns(),
+    );
+    let places = scan(work, refined).beyond(weakest.max(noise), tried);
+    Ok(places.first().copied())
 }
 
 /// Poles that matter, at least as many in the band as asked for, out of a pool for `modes`

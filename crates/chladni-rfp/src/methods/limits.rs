@@ -133,6 +133,8 @@ pub(super) const BROAD: f64 = 3.0;
 /// Mean distances of modes beyond the ends of the band at which poles stand for what lies
 /// there.
 pub(super) const HELPERS_AT: f64 = 2.0;
+/// Poles of the residual that are tried in place of weaker ones of the band.
+pub(super) const EXCHANGES: usize = 4;
 
 // local.rs
 

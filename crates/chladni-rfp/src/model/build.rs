@@ -51,12 +51,18 @@ pub(crate) struct Shaped {
 impl Shaped {
     /// Finds residues at the poles, shapes of low rank, and the residual terms that go with these.
     ///
+    /// * `modes`: the most that the band may have; `None`: as many as the data show
+    ///
     /// # Errors
     /// A kernel that fails.
-    pub fn new(data: &DataLayout, mut identified: Identified) -> Result<Self, LinalgError> {
+    pub fn new(
+        data: &DataLayout,
+        mut identified: Identified,
+        modes: Option<usize>,
+    ) -> Result<Self, LinalgError> {
         let mut free = FreeFit::new(data, &mut identified)?;
         let real_constraints = free.real_constraints(&identified);
-        let shapes = free.shapes(data, &identified, real_constraints)?;
+        let shapes = free.shapes(data, &identified, real_constraints, modes)?;
         free.doubt_shared_frequencies(&identified.work, &shapes);
         free.refit_terms(data, &shapes);
         let constraints = shapes.constraints + real_constraints;

@@ -80,14 +80,17 @@ impl FreeFit {
 
     /// Shapes of low rank. Each mode has one. A pole outside the band has as many as its residues
     /// show, and more if weak directions of several such poles together explain something. A pole of
-    /// the band has several if one leaves too much and its residues clearly show more.
+    /// the band has several if one leaves too much and its residues clearly show more, unless these
+    /// are more modes than the band may have: what is left is then of modes that are left out.
     ///
     /// * `real_constraints`: as from [`Self::real_constraints`]
+    /// * `modes`: the most that the band may have; `None`: as many as the data show
     pub fn shapes(
         &self,
         data: &DataLayout,
         identified: &Identified,
         real_constraints: usize,
+        modes: Option<usize>,
     ) -> Result<Shapes, LinalgError> {
         let work = &identified.work;
         let variance = identified.variance * self.noise;
@@ -119,7 +122,12 @@ impl FreeFit {
         // share a frequency
         if misfits(&shapes) && shapes.rise > free_sse {
             let shared = shared_ranks(&free, &inside, variance)?;
-            if shared.iter().any(|&rank| rank != 1) {
+            let structured = (0..given.len()).filter(|&n| work.in_band(self.poles[n].lambda()));
+            let known = structured.filter_map(|n| given[n].as_ref());
+            let of_known: usize = known.map(|(shape, _)| shape.nrows()).sum();
+            let all = of_known + shared.iter().sum::<usize>();
+            let allowed = modes.is_none_or(|most| all <= most);
+            if allowed && shared.iter().any(|&rank| rank != 1) {
                 inside
                     .iter()
                     .zip(shared)

@@ -43,7 +43,7 @@ pub fn residues(
         )?;
         given.on(projected.work, Some(projected.back))?
     };
-    let shaped = Shaped::new(&data, given)?;
+    let shaped = Shaped::new(&data, given, None)?;
     let residual_energy = shaped.residual_energy(&data);
     Ok(shaped.model(&data, &options, &residual_energy))
 }

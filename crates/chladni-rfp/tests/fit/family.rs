@@ -231,6 +231,38 @@ fn lean_stands_at_the_cramer_rao_bound() {
     assert!((0.7..1.3).contains(&loss), "loss factor {loss}");
 }
 
+/// Bands with so few lines per bandwidth that some modes lie between two lines, where a pool puts
+/// poles of noise in their places.
+#[test]
+fn lean_finds_as_many_modes_as_it_is_told_of_between_the_lines() {
+    for seed in 0..12_u64 {
+        let draw = |n: u64| {
+            let turns = 0.618_033_988_75 * (n + 1) as f64 + 0.414_213_562_37 * seed as f64;
+            turns.fract()
+        };
+        let count = 15 + seed as usize;
+        // one mode in each cell of 25 Hz, 7 Hz apart or more
+        let place = |n: usize| 20.0 + 25.0 * n as f64 + 18.0 * draw(n as u64);
+        let last = 20.0 + 25.0 * count as f64;
+        let set = Synthetic {
+            natural_frequency_hz: (0..count).map(place).collect(),
+            loss_factor: vec![0.005],
+            responses: 20,
+            references: 2,
+            // 0.05 to 1 line per bandwidth
+            frequency_hz: Array1::range(10.0, last + 10.0, 2.0),
+            snr_db: 50.0,
+            seed,
+            ..Synthetic::default()
+        }
+        .build()
+        .unwrap();
+        let model = run(&set.frf, Method::Lean, Some(count)).unwrap();
+        let worst = worst(&set.truth, &model);
+        assert!(worst < 0.3, "{count} modes: {worst}");
+    }
+}
+
 #[test]
 fn the_demonstration_panel_loses_no_mode() {
     let panel = simulate(&Panel::from_toml("", 2 << 30).unwrap(), None, None).unwrap();

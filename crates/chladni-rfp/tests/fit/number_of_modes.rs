@@ -2,8 +2,8 @@
 //! never before a mode, and what is left out is listed.
 
 use chladni_frf::{ModalModel, Trust};
-use chladni_plate::{add_white_noise, gain_noise, synthesise, Synthetic};
-use chladni_rfp::{fit, FitOptions};
+use chladni_plate::{add_white_noise, gain_noise, simulate, synthesise, Panel, Synthetic};
+use chladni_rfp::{fit, FitOptions, Method};
 use ndarray::Array1;
 
 const MODES_HZ: [f64; 5] = [40.0, 70.0, 105.0, 140.0, 180.0];
@@ -94,4 +94,25 @@ fn one_more_keeps_every_mode_beside_the_tone() {
     assert!(left_out(&model).is_empty());
     let without = self::model(None);
     assert_eq!(kept(&without, &[Trust::Sure]), MODES_HZ);
+}
+
+/// What modes that are left out leave looks like a second shape at the poles beside them.
+#[test]
+fn fewer_than_there_are_stay_fewer() {
+    let panel = simulate(&Panel::from_toml("", 2 << 30).unwrap(), None, None).unwrap();
+    for modes in [1, 8, 10, 15] {
+        for method in [Method::Auto, Method::Lean] {
+            let options = FitOptions {
+                modes: Some(modes),
+                method,
+                ..FitOptions::default()
+            };
+            let model = fit(&panel.frf, &options).unwrap().model;
+            let found = model.in_band_modes().count();
+            assert!(
+                (1..=modes).contains(&found),
+                "{method}: {found} for {modes}"
+            );
+        }
+    }
 }
