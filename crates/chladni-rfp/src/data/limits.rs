@@ -53,6 +53,16 @@ pub(super) const SUMS_KEPT_FRFS: usize = 4000;
 /// many threads.
 pub(super) const GROUPS_LEAST: usize = 2;
 
+// fourth_difference.rs
+
+/// Part of themselves by which gaps between lines may differ and count as even: digits that a file
+/// rounds make that much.
+pub(super) const EVEN_LINES: f64 = 0.01;
+/// Factors of the fourth difference of even lines.
+pub(super) const DIFFERENCE_OF_EVEN: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
+/// Sum of the squares of these: E|Δ⁴n|² over σ².
+pub(super) const DIFFERENCE_OF_NOISE: f64 = 70.0;
+
 // noise_weights.rs
 
 /// Loss of variance by equal weights, mean(σ²)·mean(1/σ²) − 1, from which FRFs are

@@ -6,6 +6,7 @@
 //! not measured. Its values follow from the shapes if its response and its reference occur in other
 //! FRFs; it stays if they do not.
 
+use crate::data::fourth_difference::FourthDifference;
 use crate::data::limits;
 use chladni_frf::FrfSet;
 use num_complex::Complex64;
@@ -15,8 +16,8 @@ use rayon::prelude::*;
 pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize]) -> Vec<usize> {
     let stencils = (limits::STENCILS_IN_ALL / pairs.len().max(1))
         .clamp(limits::STENCILS.0, limits::STENCILS.1);
-    let level =
-        |&(i, j): &(usize, usize)| noise(|k| frf.values.get(i, j, lines[k]), lines.len(), stencils);
+    let stencils = Stencil::spread(frf, lines, stencils);
+    let level = |&(i, j): &(usize, usize)| noise(|line| frf.values.get(i, j, line), &stencils);
     // absolute, and relative to the FRF
     let levels: Vec<[f64; 2]> = pairs.par_iter().map(level).collect();
     if levels.is_empty() {
@@ -46,29 +47,46 @@ pub(crate) fn far_noisier(frf: &FrfSet, pairs: &[(usize, usize)], lines: &[usize
     }
 }
 
+/// Five neighbouring lines with their fourth difference.
+struct Stencil {
+    lines: [usize; 5],
+    difference: FourthDifference,
+}
+
+impl Stencil {
+    /// About so many stencils, spread evenly over these lines.
+    fn spread(frf: &FrfSet, lines: &[usize], stencils: usize) -> Vec<Self> {
+        let stride = (lines.len() / stencils).max(1);
+        let about = |five: &[usize]| {
+            let lines = [0, 1, 2, 3, 4].map(|k| five[k]);
+            Self {
+                lines,
+                difference: FourthDifference::new(lines.map(|line| frf.frequency_hz[line])),
+            }
+        };
+        lines.windows(5).step_by(stride).map(about).collect()
+    }
+}
+
 /// Noise amplitude of one FRF, absolute and over its rms. It comes from fourth differences, which
 /// are next to nothing for smooth curves.
-fn noise(value: impl Fn(usize) -> Complex64, lines: usize, stencils: usize) -> [f64; 2] {
-    let stride = (lines / stencils).max(1);
-    let (mut energy, mut count, mut differences) = (0.0, 0.0, Vec::new());
-    for k in (2..lines.saturating_sub(2)).step_by(stride) {
-        let centre = value(k);
-        energy += centre.norm_sqr();
-        count += 1.0;
-        let difference =
-            value(k - 2) - 4.0 * value(k - 1) + 6.0 * centre - 4.0 * value(k + 1) + value(k + 2);
-        differences.push(difference.norm_sqr());
+fn noise(value: impl Fn(usize) -> Complex64, stencils: &[Stencil]) -> [f64; 2] {
+    let (mut energy, mut differences) = (0.0, Vec::new());
+    for stencil in stencils {
+        let values = stencil.lines.map(&value);
+        energy += values[2].norm_sqr();
+        differences.push(stencil.difference.energy(values));
     }
     if differences.is_empty() {
         return [0.0; 2];
     }
-    let middle = differences.len() / 2;
-    // E|Δ⁴n|² = 70σ², and the median of an exponential variable is ln 2 times its mean
-    let noise = (*differences.select_nth_unstable_by(middle, f64::total_cmp).1
-        / (70.0 * std::f64::consts::LN_2))
+    let count = differences.len();
+    // the median of an exponential variable is ln 2 times its mean
+    let noise = (*differences
+        .select_nth_unstable_by(count / 2, f64::total_cmp)
+        .1
+        / (limits::DIFFERENCE_OF_NOISE * std::f64::consts::LN_2))
         .sqrt();
-    [
-        noise,
-        noise / (energy / count).sqrt().max(f64::MIN_POSITIVE),
-    ]
+    let rms = (energy / count as f64).sqrt();
+    [noise, noise / rms.max(f64::MIN_POSITIVE)]
 }

@@ -217,7 +217,7 @@ fn visible(data: &DataLayout, mut work: Columns) -> (Visible, Vec<Finding>) {
     if windowed && data.hann_on_blows_s.is_none() {
         warnings.push(broadened());
     }
-    let noise = fourth_difference_noise(&work.b, noise_window(work.lines()));
+    let noise = fourth_difference_noise(&work, noise_window(work.lines()));
     let seen = peaks(&work, &line_energy(&work.b), &noise);
     let rows = thinned(&work, &seen);
     let seen = Visible {

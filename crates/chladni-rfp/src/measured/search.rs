@@ -150,7 +150,7 @@ impl<'a> Search<'a> {
         let residual = self
             .weighted
             .with_columns(self.candidates.refined.projection.residual.clone());
-        let noise = fourth_difference_noise(&residual.b, noise_window(residual.lines()));
+        let noise = fourth_difference_noise(&residual, noise_window(residual.lines()));
         let mut changed = false;
         for peak in peaks(&residual, &line_energy(&residual.b), &noise)
             .into_iter()

@@ -54,7 +54,7 @@ impl<'a> Survey<'a> {
     pub fn new(data: &'a Screened<'a>, seed: u64) -> Self {
         let (sketch, energy) = data.sketch(seed);
         let mean = &energy / data.pairs.len() as f64;
-        let noise = fourth_difference_noise(&sketch.b, NOISE_HALF_WINDOW);
+        let noise = fourth_difference_noise(&sketch, NOISE_HALF_WINDOW);
         let peaks = peaks(&sketch, &mean, &noise);
         Self {
             data,

@@ -65,7 +65,7 @@ pub(crate) fn poles_of_sketch(
 ) -> Result<SketchOutcome, FitError> {
     let hz = data.hz();
     let ended = |doubt| Ok(SketchOutcome::Ended(doubt));
-    let noise = fourth_difference_noise(&sketch.b, limits::SKETCH_NOISE_HALF_WINDOW);
+    let noise = fourth_difference_noise(&sketch, limits::SKETCH_NOISE_HALF_WINDOW);
     let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
     let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();
 
