@@ -351,5 +351,5 @@ fn fit_lean(data: &Screened, options: &FitOptions, watch: &Watch) -> Result<Moda
     watch.stage("shapes")?;
     let shaped = Shaped::new(data, identified, options.most_modes())?;
     let residual_energy = shaped.residual_energy(data);
-    Ok(shaped.model(data, options, &residual_energy))
+    Ok(shaped.model(data, options, &residual_energy)?)
 }

@@ -152,9 +152,6 @@ pub(super) const LEAST_LEFT: usize = 6;
 /// Rms residual over rms data from which data are mostly noise. At 0.9 noise of unequal
 /// levels over flat FRFs still had a sure mode in 8 of 40 sets.
 pub(super) const MOSTLY_NOISE: f64 = 0.5;
-/// Spread of the noise energies of FRFs from which each is asked by itself: the gain of a pole
-/// that noise feigns grows by this part of itself.
-pub(super) const UNEVEN_NOISE: f64 = 0.1;
 /// Gain of a mode over the most that uneven noise makes of a pole by chance, beyond which no noise
 /// is asked.
 pub(super) const FAINT: f64 = 10.0;

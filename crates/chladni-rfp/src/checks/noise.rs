@@ -5,6 +5,7 @@ use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
 use crate::damping::structural::{basis, POWERS};
 use crate::data::columns::Columns;
+use crate::data::noise_levels::UnevenNoise;
 use crate::data::screening::Screened;
 use crate::poles::significance::threshold;
 use crate::shapes::line_products::background;
@@ -93,16 +94,11 @@ pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
     Some(Checked { finding, weak })
 }
 
-/// Variance of the noise energies of FRFs over the square of their mean, where that is more than
-/// chance makes: one over the lines that are left free.
+/// Variance of the noise of FRFs over the square of its mean, where that is more than chance makes.
 fn uneven_noise(case: &Case) -> Option<f64> {
+    let unknowns = case.model.modes.len() + case.model.residual_terms.terms.len();
     let left = case.noise.left_of_frfs;
-    let sum: f64 = left.iter().sum();
-    let squares: f64 = left.iter().map(|left| left * left).sum();
-    let spread = squares * left.len() as f64 / (sum * sum) - 1.0;
-    let of_frf = case.model.modes.len() + case.model.residual_terms.terms.len();
-    let free = case.data.lines.len().saturating_sub(of_frf).max(1) as f64;
-    (spread > limits::UNEVEN_NOISE + 1.0 / free).then_some(spread)
+    UnevenNoise::new(left, case.data.lines.len(), unknowns).map(|noise| noise.spread)
 }
 
 /// True for a mode whose bars are so wide that noise of this `spread` might feign it. A mode that

@@ -63,6 +63,12 @@ pub(super) const DIFFERENCE_OF_EVEN: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
 /// Sum of the squares of these: E|Δ⁴n|² over σ².
 pub(super) const DIFFERENCE_OF_NOISE: f64 = 70.0;
 
+// noise_levels.rs
+
+/// Spread of the noise energies of FRFs from which each has a noise of its own: the gain of a pole
+/// that noise feigns grows by this part of itself.
+pub(super) const UNEVEN_NOISE: f64 = 0.1;
+
 // noise_weights.rs
 
 /// Loss of variance by equal weights, mean(σ²)·mean(1/σ²) − 1, from which FRFs are

@@ -12,6 +12,7 @@ pub(crate) mod layout;
 mod limits;
 pub(crate) mod line_variance;
 pub(crate) mod memory;
+pub(crate) mod noise_levels;
 pub(crate) mod noise_weights;
 pub(crate) mod noisy_frfs;
 pub(crate) mod options;

@@ -9,11 +9,16 @@ use crate::data::layout::DataLayout;
 use crate::data::limits;
 use crate::data::pair_weights::PairWeights;
 
+/// True for the relative error of a fit whose residual is rounding and no noise.
+pub(crate) fn is_rounding(relative_error: f64) -> bool {
+    relative_error < limits::ROUNDING
+}
+
 impl PairWeights {
     /// Weights from the residual energy of each pair used; `None` if equal weights are good enough, or
     /// the residual is rounding.
     pub fn new(data: &DataLayout, residual_energy: &[f64], relative_error: f64) -> Option<Self> {
-        (relative_error >= limits::ROUNDING)
+        (!is_rounding(relative_error))
             .then(|| Self::by_noise(data, residual_energy))
             .flatten()
     }

@@ -170,7 +170,7 @@ fn finished<S: Source>(
         Some(values) => shaped.residual_energy(values),
         None => shaped.residual_energy_by_sums(data),
     };
-    let mut model = shaped.model(data, options, &residual_energy);
+    let mut model = shaped.model(data, options, &residual_energy)?;
     if model.quality.relative_error > MOSTLY_LEFT {
         warnings.push(
             Finding::caution(

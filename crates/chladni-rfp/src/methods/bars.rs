@@ -99,7 +99,7 @@ pub(crate) fn fit_by_method(
     identified.warnings.extend(on_law);
     let shaped = Shaped::new(data, identified, options.most_modes())?;
     let residual_energy = shaped.residual_energy(data);
-    let mut model = shaped.model(data, options, &residual_energy);
+    let mut model = shaped.model(data, options, &residual_energy)?;
     let unexplained = model.quality.relative_error;
     if unexplained > MOST_LEFT {
         model.quality.trusted = false;

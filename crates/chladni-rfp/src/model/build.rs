@@ -5,6 +5,8 @@ use crate::damping::law::is_rational;
 use crate::damping::synthesis::synthesis;
 use crate::damping::verdict::shifts;
 use crate::data::layout::DataLayout;
+use crate::data::noise_levels::UnevenNoise;
+use crate::data::noise_weights::is_rounding;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use crate::data::window::block_errors::BlockErrors;
@@ -23,6 +25,7 @@ use crate::shapes::found::Found;
 use crate::shapes::line_bars::line_bars;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
+use crate::shapes::term_noise::{OfFrfs, TermNoise};
 use chladni_frf::{
     ComplexMatrix, Finding, ModalModel, Mode, Quality, ResidualTerm, ResidualTerms, Scaling, Trust,
     CREATED_BY, MODEL_FORMAT,
@@ -38,6 +41,10 @@ pub(crate) struct Shaped {
     /// The poles of the model, rising in frequency.
     poles: Vec<Pole>,
     shapes: Shapes,
+    /// False where a pair was not measured, (response, reference).
+    present: Array2<bool>,
+    /// Noise variance of a value of an FRF, the mean of all.
+    variance: f64,
     /// Scale of each term's shape.
     scales: Vec<Scale>,
     scaling: Scaling,
@@ -68,22 +75,16 @@ impl Shaped {
         let constraints = shapes.constraints + real_constraints;
         let chi2_per_dof = free.chi2_per_dof(&identified, shapes.rise, constraints);
         let (scales, scaling) = scales(data, identified.damping, &free.poles, &shapes);
-        let bars = shape_bars(
-            &Noisy {
-                work: &identified.work,
-                powers: &identified.powers,
-                poles: &free.poles,
-                shapes: &shapes,
-                present: &free.present,
-                variance: identified.variance * free.noise,
-                noise_of_response: &free.noise_of_response,
-                real: identified.real_shapes,
-            },
-            &scales,
-        );
+        let noise = TermNoise::of_responses(&free.noise_of_response, &shapes);
+        let bars = ShapeBars {
+            shape: Array2::zeros((0, 0)),
+            scale: Vec::new(),
+        };
         let mut shaped = Self {
+            variance: identified.variance * free.noise,
             identified,
             poles: free.poles,
+            present: free.present,
             shapes,
             scales,
             scaling,
@@ -91,11 +92,9 @@ impl Shaped {
             terms: free.linear.terms,
             chi2_per_dof,
         };
+        shaped.bars = shaped.shape_bars(&noise);
         if let Some(errors) = &data.errors {
             shaped.set_bars_by_lines(data, errors)?;
-        }
-        if shaped.identified.law_open != LawOpen::No {
-            shaped.widen_by_other_law();
         }
         Ok(shaped)
     }
@@ -124,6 +123,51 @@ impl Shaped {
         for term in terms {
             term.put(&mut self.poles, &mut self.bars);
         }
+        Ok(())
+    }
+
+    /// The error bars of the shapes under this noise of their terms.
+    fn shape_bars(&self, noise: &TermNoise) -> ShapeBars {
+        let noisy = Noisy {
+            work: &self.identified.work,
+            powers: &self.identified.powers,
+            poles: &self.poles,
+            shapes: &self.shapes,
+            present: &self.present,
+            variance: self.variance,
+            noise,
+            real: self.identified.real_shapes,
+        };
+        shape_bars(&noisy, &self.scales)
+    }
+
+    /// Replaces error bars of a white residual where FRFs are not equally noisy.
+    ///
+    /// * `residual_energy`: as from [`Self::residual_energy`]
+    fn set_bars_by_frfs(
+        &mut self,
+        data: &DataLayout,
+        residual_energy: &[f64],
+    ) -> Result<(), LinalgError> {
+        let of_pairs = data.pairs.iter().zip(residual_energy);
+        let left: Vec<f64> = of_pairs
+            .map(|(&pair, left)| left * data.weight_of(pair).powi(2))
+            .collect();
+        let Identified { work, powers, .. } = &self.identified;
+        let unknowns = self.poles.len() + powers.len();
+        let Some(uneven) = UnevenNoise::new(&left, data.lines.len(), unknowns) else {
+            return Ok(());
+        };
+        let noise = OfFrfs {
+            pairs: &data.pairs,
+            over_mean: &uneven.over_mean,
+        };
+        let of_poles = noise.of_poles((work, powers), &self.poles, &self.shapes)?;
+        for (pole, variance) in self.poles.iter_mut().zip(&of_poles) {
+            pole.omega_std *= variance.sqrt();
+            pole.loss_factor_std *= variance.sqrt();
+        }
+        self.bars = self.shape_bars(&TermNoise::of_frfs(&noise, &self.shapes, &of_poles));
         Ok(())
     }
 
@@ -157,15 +201,29 @@ impl Shaped {
     }
 
     /// Builds the model; `residual_energy` as from [`Self::residual_energy`].
+    ///
+    /// # Errors
+    /// A kernel that fails.
     pub fn model(
         mut self,
         data: &DataLayout,
         options: &FitOptions,
         residual_energy: &[f64],
-    ) -> ModalModel {
+    ) -> Result<ModalModel, LinalgError> {
         let values = (data.lines.len() * data.pairs.len()) as f64;
         let mean_square = residual_energy.iter().sum::<f64>() / values;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
+        let Identified {
+            measured, fitted, ..
+        } = self.identified;
+        // bars that come from the residual itself, or from errors of lines, stay
+        let even = fitted && !measured && data.errors.is_none();
+        if even && !is_rounding(relative_error) {
+            self.set_bars_by_frfs(data, residual_energy)?;
+        }
+        if self.identified.law_open != LawOpen::No {
+            self.widen_by_other_law();
+        }
         let mut modes = self.modes(data);
         self.widen_by_turns(&mut modes);
         let mut findings = data.warnings.clone();
@@ -205,7 +263,7 @@ impl Shaped {
             },
         };
         model.number_findings();
-        model
+        Ok(model)
     }
 
     /// All modes, rejected ones included, rising in frequency.

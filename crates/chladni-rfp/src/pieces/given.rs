@@ -45,5 +45,5 @@ pub fn residues(
     };
     let shaped = Shaped::new(&data, given, None)?;
     let residual_energy = shaped.residual_energy(&data);
-    Ok(shaped.model(&data, &options, &residual_energy))
+    Ok(shaped.model(&data, &options, &residual_energy)?)
 }

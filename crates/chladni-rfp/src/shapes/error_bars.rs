@@ -15,6 +15,7 @@ use crate::shapes::low_rank::Shapes;
 use crate::shapes::residues::alike;
 use crate::shapes::scale::Scale;
 use crate::shapes::tangent::{overlapping, taken, unknowns, Tangent, Unknown};
+use crate::shapes::term_noise::TermNoise;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{concatenate, Array1, Array2, Axis};
 use num_complex::Complex64;
@@ -43,9 +44,9 @@ pub(crate) struct Noisy<'a> {
     pub shapes: &'a Shapes,
     /// (response, reference): false where not measured.
     pub present: &'a Array2<bool>,
-    /// Noise variance of a value of an FRF, and that of each response over it.
+    /// Noise variance of a value of an FRF, the mean of all, and what terms see of it.
     pub variance: f64,
-    pub noise_of_response: &'a Array1<f64>,
+    pub noise: &'a TermNoise,
     /// True where shapes and participations that came with poles are real.
     pub real: bool,
 }
@@ -136,9 +137,9 @@ struct ShapeErrors {
     stated: Vec<f64>,
     /// DᴴP⊥D of free residues, (term, term).
     outside: Array2<Complex64>,
-    /// Noise variance of a value, and that of each response over it.
+    /// Noise variance of a value, and what the terms see of it.
     variance: f64,
-    noise_of_response: Array1<f64>,
+    noise: TermNoise,
     /// True where shapes and participations are real.
     real: bool,
     /// True where poles were found with their participations, not from free residues.
@@ -155,7 +156,7 @@ impl ShapeErrors {
             shapes,
             present,
             variance,
-            noise_of_response,
+            noise,
             real,
         } = *noisy;
         let of_terms: Vec<&Pole> = rows.iter().map(|&row| &poles[shapes.owner[row]]).collect();
@@ -180,7 +181,6 @@ impl ShapeErrors {
         let lines = LineProducts::beside(work, &lambda, others, powers)?;
         let outside = lines.outside()?;
         let real = real && joint;
-        let noise_of_response = noise_of_response.clone();
         let groups = Vec::new();
         let mut errors = Self {
             shape,
@@ -192,7 +192,7 @@ impl ShapeErrors {
             stated,
             outside,
             variance,
-            noise_of_response,
+            noise: noise.select(rows),
             real,
             joint,
         };
@@ -421,17 +421,20 @@ impl ShapeErrors {
                         .sum::<Complex64>(),
             )
         };
+        // poles of free residues state their own size
+        let deviation = |a: usize| match (unknowns[a].other, unknowns[a].mode) {
+            (Some(j), mode) => self.noise.reference[[mode, j]].sqrt(),
+            (None, mode) if self.joint => self.noise.pole[mode].sqrt(),
+            (None, _) => 1.0,
+        };
         let of_group = |answer: &Array2<Complex64>| {
-            Array2::from_shape_fn(
-                (unknowns.len(), modes.len() + 1),
-                |(a, direction)| match modes.get(direction) {
-                    Some(mode) if *mode == unknowns[a].mode => {
-                        -taken(self.real, answer[[n, a]]).conj()
-                    }
-                    Some(_) => Complex64::ZERO,
-                    None => along(a).conj(),
-                },
-            )
+            let seen = |(a, direction): (usize, usize)| match modes.get(direction) {
+                Some(mode) if *mode == unknowns[a].mode => -taken(self.real, answer[[n, a]]).conj(),
+                Some(_) => Complex64::ZERO,
+                None => along(a).conj(),
+            };
+            let directions = (unknowns.len(), modes.len() + 1);
+            Array2::from_shape_fn(directions, |(a, b)| deviation(a) * seen((a, b)))
         };
         answers.iter().map(of_group).collect()
     }
@@ -449,7 +452,7 @@ impl ShapeErrors {
         let noise = |i: usize| {
             self.groups[group_of[i]].gram_inverse[[n, n]].re
                 * self.seen_variance()
-                * self.noise_of_response[i]
+                * self.noise.response[[n, i]]
         };
         let scale_noise: f64 = scale
             .response

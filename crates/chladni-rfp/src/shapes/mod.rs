@@ -29,3 +29,4 @@ pub(crate) mod step;
 pub(crate) mod structure;
 pub(crate) mod tangent;
 pub(crate) mod target;
+pub(crate) mod term_noise;

@@ -2,12 +2,13 @@
 //! data, and comes back in measured units.
 
 use crate::common::{easy, fitted, resynthesis_error};
-use chladni_frf::{Finding, FrfSet, FrfValues, ModalModel};
+use chladni_frf::{Damping, Finding, FrfSet, FrfValues, ModalModel};
 use chladni_plate::{
-    add_noise_of_variance, cramer_rao_real, gain_noise, outliers, CramerRao, SyntheticSet,
+    add_noise_of_variance, cramer_rao_real, gain_noise, outliers, synthesise, CramerRao, Synthetic,
+    SyntheticSet,
 };
 use chladni_rfp::FitOptions;
-use ndarray::Array3;
+use ndarray::{Array1, Array3};
 use num_complex::Complex64;
 
 /// Noise of each response and reference, in units of the quietest.
@@ -241,4 +242,84 @@ fn a_weighted_model_is_in_measured_units_and_equal_noise_is_not_weighted() {
     assert!((relative / told - 1.0).abs() < 1e-9, "{relative} {told}");
     let even = easy(40.0, 3).build().unwrap();
     assert!(!path(&fitted(&even.frf, &FitOptions::default())).contains("weighted"));
+}
+
+/// Three modes over eight responses and two driving points, and noise that no weights of responses
+/// and references make equal: the first two modes move mostly in one loud FRF each, the third in
+/// those that are quieter than the mean.
+fn beyond_weights(seed: u64) -> SyntheticSet {
+    let synthetic = Synthetic {
+        natural_frequency_hz: vec![40.0, 80.0, 120.0],
+        loss_factor: vec![0.02, 0.01, 0.015],
+        responses: 8,
+        references: 2,
+        frequency_hz: Array1::range(20.0, 150.0, 0.2),
+        snr_db: f64::INFINITY,
+        ..Synthetic::default()
+    };
+    let mut set = synthetic.build().unwrap();
+    for (n, mode) in set.truth.modes.iter_mut().enumerate() {
+        let moves = |i: usize| if n == 2 { i >= 2 } else { i == n };
+        let values = (0..8).map(|i| Complex64::from(if moves(i) { 1.0 } else { 0.1 }));
+        mode.shape.0 = values.collect();
+        mode.participation.0 = mode.shape.0[..2].to_vec();
+    }
+    let mut values = synthesise(&set.truth, &synthetic.frequency_hz);
+    let mean = values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
+    let mut noise = Array3::zeros(values.dim());
+    add_noise_of_variance(&mut noise, 1e-6 * mean, 200 + seed);
+    for (((i, j, _), value), noise) in values.indexed_iter_mut().zip(&noise) {
+        *value += match (i, i == j) {
+            (0 | 1, true) => 6.0 * noise,
+            (0 | 1, false) => noise / 6.0,
+            _ => *noise,
+        };
+    }
+    set.frf.values = FrfValues::F64(values);
+    set
+}
+
+#[test]
+fn bars_hold_where_noise_of_frfs_is_beyond_weights() {
+    let (mut squares, mut shapes) = ([[0.0; 2]; 3], [(0, 0); 3]);
+    let seeds = 40;
+    for seed in 0..seeds {
+        let set = beyond_weights(seed);
+        let options = FitOptions {
+            damping: Some(Damping::Structural),
+            ..FitOptions::default()
+        };
+        let model = fitted(&set.frf, &options);
+        assert_eq!(model.in_band_modes().count(), 3, "{:?}", model.quality);
+        for (n, (mode, truth)) in model
+            .in_band_modes()
+            .zip(set.truth.in_band_modes())
+            .enumerate()
+        {
+            let over = [
+                (mode.frequency_hz - truth.frequency_hz) / mode.frequency_std_hz,
+                (mode.loss_factor - truth.loss_factor) / mode.loss_factor_std,
+            ];
+            (0..2).for_each(|e| squares[n][e] += over[e] * over[e]);
+            let sign = mode.shape.0[2].re.signum();
+            for ((a, b), std) in mode.shape.0.iter().zip(&truth.shape.0).zip(&mode.shape_std) {
+                shapes[n].0 += usize::from((a * sign - b).norm() < 1.96 * std);
+                shapes[n].1 += 1;
+            }
+        }
+    }
+    for (n, (of_mode, (held, values))) in squares.into_iter().zip(shapes).enumerate() {
+        for sum in of_mode {
+            let over = (sum / seeds as f64).sqrt();
+            assert!(
+                (0.75..1.3).contains(&over),
+                "mode {n}: error over bar {over}"
+            );
+        }
+        let share = held as f64 / values as f64;
+        assert!(
+            (0.9..0.99).contains(&share),
+            "mode {n}: shapes hold {share}"
+        );
+    }
 }
