@@ -180,7 +180,7 @@ fn with_window_found(
 
 /// Fits `data`, each FRF weighted by its noise if the data say how noisy it is. If they do not,
 /// the first fit has no weights; a second one has those that the residuals of the first give,
-/// if these are unequal.
+/// if these are unequal; a third one those that the residuals of the second give, if they still are.
 ///
 /// # Errors
 /// A fit that cannot be made; a pass that others must make.
@@ -191,7 +191,7 @@ pub(crate) fn walk<S: Source>(
 ) -> Result<Fit, S::Stop> {
     let given = match data.weights_left {
         Weights::Given => data.given_noise(),
-        Weights::OfResidual | Weights::None => None,
+        Weights::OfResidual | Weights::Again | Weights::None => None,
     };
     let given = given.and_then(|(noise, giver)| {
         let weights = PairWeights::by_noise(&data, &noise)?;
@@ -234,6 +234,13 @@ pub(crate) fn walk<S: Source>(
         (Some(weighting), _) if weighting.giver.is_none() && !white => {
             return walk(fitted.weighted(None, Weights::None)?, options, watch);
         }
+        (Some(weighting), Some(_))
+            if weighting.giver.is_none() && fitted.weights_left == Weights::Again =>
+        {
+            watch.stage("FRFs weighted by their noise once more")?;
+            let again = PairWeights::by_noise(&fitted, &left_of_frfs).map(|again| (again, None));
+            return walk(fitted.weighted(again, Weights::None)?, options, watch);
+        }
         (Some(weighting), _) => {
             let words = weighting.words();
             let path = fit.model.quality.path;
@@ -241,7 +248,7 @@ pub(crate) fn walk<S: Source>(
         }
         (None, Some(weights)) => {
             watch.stage("FRFs weighted by their noise")?;
-            let weighted = fitted.weighted(Some((weights, None)), Weights::None)?;
+            let weighted = fitted.weighted(Some((weights, None)), Weights::Again)?;
             return walk(weighted, options, watch);
         }
         (None, None) => {}

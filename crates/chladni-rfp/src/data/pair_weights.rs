@@ -24,6 +24,8 @@ impl Giver {
 pub(crate) enum Weights {
     /// No other weights.
     None,
+    /// Weights from the residual of a fit that had such weights.
+    Again,
     /// Weights from the residual of a fit.
     OfResidual,
     /// Weights from the noise that the set gives, then those from the residual.

@@ -76,10 +76,6 @@ impl Shaped {
         let chi2_per_dof = free.chi2_per_dof(&identified, shapes.rise, constraints);
         let (scales, scaling) = scales(data, identified.damping, &free.poles, &shapes);
         let noise = TermNoise::of_responses(&free.noise_of_response, &shapes);
-        let bars = ShapeBars {
-            shape: Array2::zeros((0, 0)),
-            scale: Vec::new(),
-        };
         let mut shaped = Self {
             variance: identified.variance * free.noise,
             identified,
@@ -88,7 +84,7 @@ impl Shaped {
             shapes,
             scales,
             scaling,
-            bars,
+            bars: ShapeBars::default(),
             terms: free.linear.terms,
             chi2_per_dof,
         };

@@ -52,6 +52,7 @@ pub(crate) struct Noisy<'a> {
 }
 
 /// The errors of shapes, as far as they are known.
+#[derive(Default)]
 pub(crate) struct ShapeBars {
     /// √E|δψ|², (term, response).
     pub shape: Array2<f64>,

@@ -323,3 +323,35 @@ fn bars_hold_where_noise_of_frfs_is_beyond_weights() {
         );
     }
 }
+
+/// The residual of the first fit holds the errors of poles that loud FRFs moved: it told the noise
+/// of the quiet one up to 13 times too loud.
+#[test]
+fn a_sensor_a_hundred_times_quieter_has_its_weight() {
+    for seed in 0..4 {
+        let set = Synthetic {
+            natural_frequency_hz: vec![40.0, 80.0, 120.0],
+            loss_factor: vec![0.02, 0.01, 0.015],
+            responses: 4,
+            references: 1,
+            frequency_hz: Array1::range(20.0, 150.0, 0.2),
+            snr_db: f64::INFINITY,
+            seed,
+            ..Synthetic::default()
+        };
+        let mut frf = set.build().unwrap().frf;
+        let FrfValues::F64(values) = &mut frf.values else {
+            panic!("synthetic sets are in double precision")
+        };
+        let mean = values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
+        let mut noise = Array3::zeros(values.dim());
+        add_noise_of_variance(&mut noise, 1e-5 * mean, 300 + seed);
+        for (((i, _, _), value), noise) in values.indexed_iter_mut().zip(&noise) {
+            *value += noise * if i == 2 { 0.01 } else { 1.0 };
+        }
+        let model = fitted(&frf, &FitOptions::default());
+        let told = path(&model).split("differs ").nth(1).unwrap();
+        let ratio: f64 = told.split(' ').next().unwrap().parse().unwrap();
+        assert!((85.0..115.0).contains(&ratio), "seed {seed}: {told}");
+    }
+}
