@@ -222,6 +222,15 @@ pub(crate) fn walk<S: Source>(
     let error = fit.model.quality.relative_error;
     let unequal = PairWeights::new(&fitted, &seen, error)
         .filter(|_| white && fitted.weights_left != Weights::None);
+    // these replace the weights of this fit: they are of the measured FRFs
+    let again = (fitted.weights_left == Weights::Again && unequal.is_some())
+        .then(|| PairWeights::by_noise(&fitted, &left_of_frfs))
+        .flatten();
+    if let Some(again) = again {
+        watch.stage("FRFs weighted by their noise once more")?;
+        let weighted = fitted.weighted(Some((again, None)), Weights::None)?;
+        return walk(weighted, options, watch);
+    }
     match (&fitted.weighting, unequal) {
         // the measured-data path has an error model of its own
         (Some(weighting), unequal)
@@ -233,13 +242,6 @@ pub(crate) fn walk<S: Source>(
         // drop weights taken from a residual if the residual of the weighted fit is not white
         (Some(weighting), _) if weighting.giver.is_none() && !white => {
             return walk(fitted.weighted(None, Weights::None)?, options, watch);
-        }
-        (Some(weighting), Some(_))
-            if weighting.giver.is_none() && fitted.weights_left == Weights::Again =>
-        {
-            watch.stage("FRFs weighted by their noise once more")?;
-            let again = PairWeights::by_noise(&fitted, &left_of_frfs).map(|again| (again, None));
-            return walk(fitted.weighted(again, Weights::None)?, options, watch);
         }
         (Some(weighting), _) => {
             let words = weighting.words();

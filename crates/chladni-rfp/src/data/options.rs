@@ -295,6 +295,7 @@ impl FitOptions {
 
     /// The most modes that the band may have; `None`: as many as the data show.
     pub(crate) fn most_modes(&self) -> Option<usize> {
-        self.modes.map(|modes| modes + self.added_hz.len())
+        self.modes
+            .map(|modes| modes.saturating_add(self.added_hz.len()))
     }
 }

@@ -20,16 +20,16 @@ impl Giver {
 }
 
 /// Weights of FRFs that may still be tried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Weights {
     /// No other weights.
     None,
-    /// Weights from the residual of a fit that had such weights.
-    Again,
     /// Weights from the residual of a fit.
     OfResidual,
     /// Weights from the noise that the set gives, then those from the residual.
     Given,
+    /// Weights from the residual of a fit that was weighted by a residual.
+    Again,
 }
 
 /// Weights 1/(s_i·t_j) of FRFs, about one in the mean: s_i is the noise of response i, t_j that of

@@ -11,10 +11,11 @@
 //!
 //! Cost: two passes over the data (16·N·M·m flop for N lines, M FRFs, m unknowns), vector
 //! fitting as in [`super::vf`] with half the mixtures, and some ten steps of 8Nr(2m)
-//! for r columns.
+//! for r columns; with a number given, refinements of the sketch for each pole that is missing
+//! and up to four others.
 //!
 //! Avoid it where the number of modes is not known (a missed mode of the band biases its
-//! neighbours, and nothing looks for it without a number), or where the residual is not white noise: the
+//! neighbours, and without a number nothing looks for it), or where the residual is not white noise: the
 //! bars are then too small. Both are the business of `auto`.
 //!
 //! Equations: theory.md, section 2.
@@ -31,11 +32,12 @@ use crate::methods::survey::Survey;
 use crate::methods::vf::{pool, signed};
 use crate::poles::estimate::{graded, PoleEstimate};
 use crate::poles::pool::Products;
+use crate::poles::prune::is_spike;
 use crate::poles::refine::{refine, refined_poles, removable, Refined};
-use crate::poles::scan::{scan, usual_loss};
+use crate::poles::scan::{scan, usual_loss, Scan};
 use crate::poles::settle::keep_strongest;
 use crate::poles::significance::threshold;
-use crate::tolerances as tol;
+use crate::tolerances::{self as tol, Precision};
 use chladni_linalg::{qr_thin, LinalgError};
 use num_complex::Complex64;
 
@@ -90,7 +92,7 @@ fn of_sketch(
     let sketch = &survey.sketch;
     let mut start = start(survey, modes, options)?;
     if inside(sketch, &start) < modes {
-        start = self::start(survey, modes + modes / 2, options)?;
+        start = self::start(survey, modes.saturating_add(modes / 2), options)?;
     }
     let rows = survey.rows();
     let thinned = if rows.len() < sketch.lines() {
@@ -107,56 +109,90 @@ fn of_sketch(
         false => rough,
     };
     match options.modes {
-        Some(modes) => exchanged(work, rough, modes),
+        Some(modes) => {
+            let fine = tol::FINE.within(options.effort.likelihood_steps);
+            completed(work, rough, modes, fine)
+        }
         None => Ok(rough),
     }
 }
 
-/// Poles of the sketch, with those that the residual shows added or in place of the ones that
-/// matter less: a pool may hold a pole of noise instead of a mode between two lines.
-fn exchanged(
+/// Poles of the sketch, with those that the residual shows in place of the ones that matter less,
+/// or added while there are fewer than `modes`: a pool may hold a pole of noise instead of a mode
+/// between two lines.
+fn completed(
     work: &Columns,
     rough: Vec<Complex64>,
     modes: usize,
+    fine: Precision,
 ) -> Result<Vec<Complex64>, LinalgError> {
     let refined = refine(work, &rough, &POWERS, tol::NO_STEP)?;
-    if missed(work, &refined, &[])?.is_none() {
+    if Missed::new(work, &refined, modes)?.next(&[]).is_none() {
         return Ok(rough);
     }
     // poles that have yet to move leave a residual that is none of a missed one
-    let mut best = refine(work, &rough, &POWERS, tol::FINE)?;
-    let most = EXCHANGES + modes.saturating_sub(inside(work, &rough));
+    let mut best = refine(work, &rough, &POWERS, fine)?;
+    let mut missed = Missed::new(work, &best, modes)?;
+    let most = modes
+        .saturating_sub(inside(work, &rough))
+        .saturating_add(EXCHANGES);
     let mut tried = Vec::new();
-    while let Some(place) = missed(work, &best, &tried)?.filter(|_| tried.len() < most) {
+    while tried.len() < most {
+        let Some(place) = missed.next(&tried) else {
+            break;
+        };
         tried.push(place);
         let more = [best.lambda.as_slice(), &[place]].concat();
         let mut other = refine(work, &more, &POWERS, tol::ROUGH)?;
+        let last = other.lambda.len() - 1;
+        if !work.in_band(other.lambda[last]) || is_spike(work, &other, last, missed.noise)? {
+            continue;
+        }
         keep_strongest(work, &mut other, modes)?;
-        if other.projection.sse < best.projection.sse {
+        let worth = match other.lambda.len() > best.lambda.len() {
+            true => missed.noise,
+            false => 0.0,
+        };
+        if best.projection.sse - other.projection.sse > worth {
             best = other;
+            missed = Missed::new(work, &best, modes)?;
         }
     }
     Ok(best.lambda)
 }
 
-/// The place, not tried yet, where one more pole takes the most out of the residual, if that is
-/// more than the weakest pole of the band does and more than noise allows.
-fn missed(
-    work: &Columns,
-    refined: &Refined,
-    tried: &[Complex64],
-) -> Result<Option<Complex64>, LinalgError> {
-    let rises = refined.significance()?;
-    let in_band = (0..rises.len()).filter(|&q| work.in_band(refined.lambda[q]));
-    let weakest = in_band.map(|q| rises[q]).fold(f64::INFINITY, f64::min);
-    let noise = noise_takes(
-        work,
-        refined.projection.sse,
-        refined.unknowns(),
-        work.columns(),
-    );
-    let places = scan(work, refined).beyond(weakest.max(noise), tried);
-    Ok(places.first().copied())
+/// Places of the band where one more pole would pay.
+struct Missed {
+    scanned: Scan,
+    /// The least that it must take out of the residual.
+    least: f64,
+    /// The most that noise may take.
+    noise: f64,
+}
+
+impl Missed {
+    /// A place in the residual of poles, fewer than `modes` in the band, must show more than noise;
+    /// else more than the weakest of them, which is given up for it.
+    fn new(work: &Columns, refined: &Refined, modes: usize) -> Result<Self, LinalgError> {
+        let rises = refined.significance()?;
+        let in_band = (0..rises.len()).filter(|&q| work.in_band(refined.lambda[q]));
+        let given_up = match inside(work, &refined.lambda) < modes {
+            true => 0.0,
+            false => in_band.map(|q| rises[q]).fold(f64::INFINITY, f64::min),
+        };
+        let sse = refined.projection.sse;
+        let noise = noise_takes(work, sse, refined.unknowns(), work.columns());
+        Ok(Self {
+            scanned: scan(work, refined),
+            least: given_up.max(noise),
+            noise,
+        })
+    }
+
+    /// The place, none of those `tried`, where a pole takes out most.
+    fn next(&self, tried: &[Complex64]) -> Option<Complex64> {
+        self.scanned.beyond(self.least, tried).first().copied()
+    }
 }
 
 /// Poles that matter, at least as many in the band as asked for, out of a pool for `modes`

@@ -133,7 +133,7 @@ pub(super) const BROAD: f64 = 3.0;
 /// Mean distances of modes beyond the ends of the band at which poles stand for what lies
 /// there.
 pub(super) const HELPERS_AT: f64 = 2.0;
-/// Poles of the residual that are tried in place of weaker ones of the band.
+/// Poles of the residual that are tried in place of weaker ones, beyond those that are missing.
 pub(super) const EXCHANGES: usize = 4;
 
 // local.rs

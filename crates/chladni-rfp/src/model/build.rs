@@ -7,7 +7,7 @@ use crate::damping::verdict::shifts;
 use crate::data::layout::DataLayout;
 use crate::data::noise_levels::UnevenNoise;
 use crate::data::noise_weights::is_rounding;
-use crate::data::options::FitOptions;
+use crate::data::options::{FitOptions, Method};
 use crate::data::screening::Screened;
 use crate::data::window::block_errors::BlockErrors;
 use crate::model::free_fit::{expressible, FreeFit};
@@ -137,13 +137,16 @@ impl Shaped {
         shape_bars(&noisy, &self.scales)
     }
 
-    /// Replaces error bars of a white residual where FRFs are not equally noisy.
+    /// Replaces error bars of an even noise where FRFs are not equally noisy.
     ///
     /// * `residual_energy`: as from [`Self::residual_energy`]
+    /// * `at_maximum`: false for poles that are not at the maximum of the likelihood: their bars hold
+    ///   more than noise, and become no shorter
     fn set_bars_by_frfs(
         &mut self,
         data: &DataLayout,
         residual_energy: &[f64],
+        at_maximum: bool,
     ) -> Result<(), LinalgError> {
         let of_pairs = data.pairs.iter().zip(residual_energy);
         let left: Vec<f64> = of_pairs
@@ -154,14 +157,28 @@ impl Shaped {
         let Some(uneven) = UnevenNoise::new(&left, data.lines.len(), unknowns) else {
             return Ok(());
         };
+        // what shapes leave beside noise lengthens bars, and shortens none
+        let over_mean: Vec<f64> = uneven
+            .over_mean
+            .iter()
+            .map(|noise| noise * self.chi2_per_dof.max(1.0))
+            .collect();
         let noise = OfFrfs {
             pairs: &data.pairs,
-            over_mean: &uneven.over_mean,
+            over_mean: &over_mean,
         };
-        let of_poles = noise.of_poles((work, powers), &self.poles, &self.shapes)?;
+        let mut of_poles = noise.of_poles((work, powers), &self.poles, &self.shapes)?;
+        if !at_maximum {
+            of_poles
+                .iter_mut()
+                .for_each(|noise| *noise = noise.max(1.0));
+        }
         for (pole, variance) in self.poles.iter_mut().zip(&of_poles) {
             pole.omega_std *= variance.sqrt();
             pole.loss_factor_std *= variance.sqrt();
+            if work.in_band(pole.lambda()) {
+                pole.grade_anew();
+            }
         }
         self.bars = self.shape_bars(&TermNoise::of_frfs(&noise, &self.shapes, &of_poles));
         Ok(())
@@ -213,9 +230,10 @@ impl Shaped {
             measured, fitted, ..
         } = self.identified;
         // bars that come from the residual itself, or from errors of lines, stay
-        let even = fitted && !measured && data.errors.is_none();
-        if even && !is_rounding(relative_error) {
-            self.set_bars_by_frfs(data, residual_energy)?;
+        let by_even_noise = fitted && !measured && data.errors.is_none();
+        if by_even_noise && !is_rounding(relative_error) {
+            let at_maximum = matches!(options.method, Method::Auto | Method::Lean);
+            self.set_bars_by_frfs(data, residual_energy, at_maximum)?;
         }
         if self.identified.law_open != LawOpen::No {
             self.widen_by_other_law();

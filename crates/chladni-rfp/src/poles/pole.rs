@@ -4,8 +4,9 @@ use crate::damping::bars::UncertainPole;
 use crate::damping::law;
 use crate::damping::places::value_in;
 use crate::data::grade::Grade;
+use crate::poles::estimate::uncertainty_grade;
 use crate::poles::limits;
-use chladni_frf::Damping;
+use chladni_frf::{Damping, Trust};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -66,6 +67,22 @@ impl Pole {
         self.value = value_in(law, lambda);
         self.omega = lambda.re.max(0.0).sqrt();
         self.loss_factor = lambda.im / lambda.re;
+    }
+
+    /// Doubts a sure pole whose error bars have become too large, and no longer a pole for error bars
+    /// that have become small enough.
+    pub fn grade_anew(&mut self) {
+        let doubted = match self.grade.reasons.as_slice() {
+            [] => false,
+            [only] => only.code == "uncertain",
+            _ => return,
+        };
+        let lambda = self.lambda();
+        let of_omega = (2.0 * self.omega * self.omega_std).powi(2);
+        let of_loss = (lambda.re * self.loss_factor_std).powi(2);
+        if doubted || self.grade.trust == Trust::Sure {
+            self.grade = uncertainty_grade(lambda, [of_omega, of_loss]);
+        }
     }
 
     /// True if ω_n²(1 + jη_n)/ω_max² is `lambda`, to rounding.

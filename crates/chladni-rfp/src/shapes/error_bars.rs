@@ -17,7 +17,7 @@ use crate::shapes::scale::Scale;
 use crate::shapes::tangent::{overlapping, taken, unknowns, Tangent, Unknown};
 use crate::shapes::term_noise::TermNoise;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
-use ndarray::{concatenate, Array1, Array2, Axis};
+use ndarray::{concatenate, s, Array1, Array2, Axis};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -44,8 +44,9 @@ pub(crate) struct Noisy<'a> {
     pub shapes: &'a Shapes,
     /// (response, reference): false where not measured.
     pub present: &'a Array2<bool>,
-    /// Noise variance of a value of an FRF, the mean of all, and what terms see of it.
+    /// Mean noise variance of a value of an FRF.
     pub variance: f64,
+    /// Noise of each term over that mean.
     pub noise: &'a TermNoise,
     /// True where shapes and participations that came with poles are real.
     pub real: bool,
@@ -327,26 +328,27 @@ impl ShapeErrors {
             |sum, one| sum + one,
         );
         let deviation = self.seen_variance().sqrt();
+        let noisy = self.noise.times(columns, unknowns);
         if self.joint && self.real {
             let real = |a: &Array2<Complex64>| a.mapv(|v| v.re);
             return Ok(
-                inverse_root(real(&information).view(), real(columns).view())?
+                inverse_root(real(&information).view(), real(&noisy).view())?
                     .mapv(|v| (v * deviation).into()),
             );
         }
         if self.joint {
-            return Ok(inverse_root(information.view(), columns.view())?.mapv(|v| v * deviation));
+            return Ok(inverse_root(information.view(), noisy.view())?.mapv(|v| v * deviation));
         }
         // poles came from free residues; participations follow them, and have an error of
         // their own besides
         let (of_poles, of_others) = columns.view().split_at(Axis(0), modes.len());
-        let (of_all, own) = information
+        let (of_all, of_own) = information
             .view()
             .split_at(Axis(0), modes.len())
             .1
             .split_at(Axis(1), modes.len());
         let both = inverse_root(
-            own,
+            of_own,
             concatenate(Axis(1), &[of_others, of_all])
                 .expect("as many participations")
                 .view(),
@@ -356,11 +358,13 @@ impl ShapeErrors {
             self.free_pole_root(modes)?.view(),
             (&of_poles - &matmul_h(follow, own)).view(),
         );
-        Ok(concatenate(
-            Axis(0),
-            &[through.view(), own.mapv(|v| v * deviation).view()],
-        )
-        .expect("as many directions"))
+        // the way in which participations follow has no noise
+        let own = match noisy == *columns {
+            true => own.to_owned(),
+            false => inverse_root(of_own, noisy.slice(s![modes.len().., ..]))?,
+        };
+        let own = own.mapv(|v| v * deviation);
+        Ok(concatenate(Axis(0), &[through.view(), own.view()]).expect("as many directions"))
     }
 
     /// The same Vᴴ of E δλ_m δλ_n* of poles found from free residues: the correlations of
@@ -422,20 +426,13 @@ impl ShapeErrors {
                         .sum::<Complex64>(),
             )
         };
-        // poles of free residues state their own size
-        let deviation = |a: usize| match (unknowns[a].other, unknowns[a].mode) {
-            (Some(j), mode) => self.noise.reference[[mode, j]].sqrt(),
-            (None, mode) if self.joint => self.noise.pole[mode].sqrt(),
-            (None, _) => 1.0,
-        };
         let of_group = |answer: &Array2<Complex64>| {
             let seen = |(a, direction): (usize, usize)| match modes.get(direction) {
                 Some(mode) if *mode == unknowns[a].mode => -taken(self.real, answer[[n, a]]).conj(),
                 Some(_) => Complex64::ZERO,
                 None => along(a).conj(),
             };
-            let directions = (unknowns.len(), modes.len() + 1);
-            Array2::from_shape_fn(directions, |(a, b)| deviation(a) * seen((a, b)))
+            Array2::from_shape_fn((unknowns.len(), modes.len() + 1), seen)
         };
         answers.iter().map(of_group).collect()
     }

@@ -7,6 +7,7 @@ use crate::data::information::covariance;
 use crate::poles::pole::Pole;
 use crate::poles::refine::Projection;
 use crate::shapes::low_rank::Shapes;
+use crate::shapes::tangent::Unknown;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
@@ -63,6 +64,19 @@ impl TermNoise {
             reference: reference.means(),
             pole: owner.iter().map(|&owner| of_poles[owner]).collect(),
         }
+    }
+
+    /// Rows of `columns`, one per unknown, times the root of the noise that the unknown sees.
+    pub fn times(&self, columns: &Array2<Complex64>, unknowns: &[Unknown]) -> Array2<Complex64> {
+        let mut noisy = columns.clone();
+        for (mut row, unknown) in zip(noisy.rows_mut(), unknowns) {
+            let seen = match unknown.other {
+                Some(j) => self.reference[[unknown.mode, j]],
+                None => self.pole[unknown.mode],
+            };
+            row.mapv_inplace(|v| v * seen.sqrt());
+        }
+        noisy
     }
 
     /// The noise of some terms.

@@ -96,11 +96,11 @@ fn one_more_keeps_every_mode_beside_the_tone() {
     assert_eq!(kept(&without, &[Trust::Sure]), MODES_HZ);
 }
 
-/// What modes that are left out leave looks like a second shape at the poles beside them.
+/// The rest of modes that are left out looks like a second shape at the poles beside them.
 #[test]
 fn fewer_than_there_are_stay_fewer() {
     let panel = simulate(&Panel::from_toml("", 2 << 30).unwrap(), None, None).unwrap();
-    for modes in [1, 8, 10, 15] {
+    for modes in [1, 10] {
         for method in [Method::Auto, Method::Lean] {
             let options = FitOptions {
                 modes: Some(modes),
@@ -108,11 +108,7 @@ fn fewer_than_there_are_stay_fewer() {
                 ..FitOptions::default()
             };
             let model = fit(&panel.frf, &options).unwrap().model;
-            let found = model.in_band_modes().count();
-            assert!(
-                (1..=modes).contains(&found),
-                "{method}: {found} for {modes}"
-            );
+            assert_eq!(model.in_band_modes().count(), modes, "{method}");
         }
     }
 }
