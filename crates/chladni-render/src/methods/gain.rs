@@ -50,7 +50,8 @@ impl Problem {
     }
 
     /// Every pair of counts that some gain leads to, hot and cold, with such a gain;
-    /// rising.
+    /// rising. While no hot row is felt, the loudest gain is the best: hot ground gets as
+    /// much as cold ground allows.
     fn steps(&self, amplitudes: &Array1<f64>) -> Vec<(f64, (usize, usize))> {
         let limit = |k: usize| {
             if k < self.rows.hot {
@@ -65,7 +66,7 @@ impl Problem {
         meets.retain(|meet| meet.0.is_finite());
         meets.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let (mut felt, mut quiet) = (0, self.rows.cold());
-        let mut steps = Vec::from_iter(meets.first().map(|first| (0.5 * first.0, (felt, quiet))));
+        let mut steps = Vec::from_iter(meets.first().map(|first| (first.0, (felt, quiet))));
         for (k, &(gain, hot)) in meets.iter().enumerate() {
             if hot {
                 felt += 1;
@@ -143,4 +144,24 @@ pub(crate) fn within_drive_limit(
         Finding::caution("limit-binds", words).help("raise the limit, or use more actuators"),
     );
     Ok(solution)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::test_model::test_problem;
+    use ndarray::{array, Array1, Array2};
+    use num_complex::Complex64;
+
+    #[test]
+    fn a_drive_that_reaches_no_hot_row_is_as_loud_as_the_cold_rows_allow() {
+        // a hot row, felt from gain 10 on, and a cold one, quiet up to 0.8
+        let mobility: Array2<Complex64> = array![[0.1.into()], [1.0.into()]];
+        let drive = Array1::from_elem(1, Complex64::ONE);
+        // of the limits one lies on either side of what the cold row allows
+        for (each, expected) in [(0.5, 0.5), (0.8, 0.8), (0.9, 0.8), (5.0, 0.8)] {
+            let problem = test_problem((mobility.clone(), Array1::ones(2)), 1, 0.0, each);
+            let found = problem.with_best_gain(&drive)[0].norm();
+            assert!((found - expected).abs() < 1e-12, "{each}: {found}");
+        }
+    }
 }
