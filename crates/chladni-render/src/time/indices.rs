@@ -20,9 +20,10 @@ pub struct TimeIndices {
     pub area: Option<AreaMeasures>,
     /// The longest ramp, s.
     pub ramp_s: f64,
-    /// Largest |a_i| at any instant, N or V.
+    /// Largest drive of an actuator at any instant, all tones together, N or V: the peak of
+    /// the signal.
     pub peak_drive: f64,
-    /// The same of the steady drives.
+    /// The most that the steady drives of all tones together reach.
     pub steady_drive: f64,
     /// The events and their times.
     pub events: Vec<TimeEvent>,

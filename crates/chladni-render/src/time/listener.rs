@@ -19,7 +19,7 @@ use crate::time::tracks::Tracks;
 use crate::tolerances;
 use chladni_frf::{ModalModel, Result};
 use chladni_linalg::matmul;
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -116,11 +116,12 @@ impl Sounds for Tracks {
 }
 
 /// Judged by each measure, in their order; hot levels of each group by the measure asked
-/// for; largest |a| of each tone.
+/// for; largest |a| of each tone, and of all tones together.
 pub(crate) struct Heard {
     pub(crate) measures: Vec<TimeMeasure>,
     pub(crate) hot_levels: Vec<Vec<Option<f64>>>,
     pub(crate) peaks: Vec<f64>,
+    pub(crate) peak_together: f64,
     /// By the measure at each instant, where it was asked for.
     pub(crate) traces: Option<TimeTraces>,
 }
@@ -192,7 +193,7 @@ impl Listener {
         };
         let mut judges: Vec<Judge> = measures.iter().map(judge).collect();
         let mut panel = Panel::at_rest(self);
-        let mut peaks = vec![0.0; voices.len()];
+        let mut peaks = Peaks::new(&self.models);
         let mut largest = Vec::with_capacity(count);
         for first in (0..count).step_by(tolerances::JUDGE_BLOCK) {
             let length = tolerances::JUDGE_BLOCK.min(count - first);
@@ -200,7 +201,7 @@ impl Listener {
                 .iter()
                 .map(|voice| voice.block(step_s, first, length))
                 .collect();
-            largest.extend(amplitudes(&drives, length, &mut peaks));
+            largest.extend(peaks.take(&drives, first, length));
             let energies = self.energies(&panel.under(&drives, first, step_s));
             match self.positions_m.len() < tolerances::JUDGE_TOGETHER {
                 true => judges
@@ -221,7 +222,8 @@ impl Listener {
                 .map(|judge| judge.result(&timeline.starts_s, &timeline.ends))
                 .collect(),
             hot_levels: judges.iter().map(Judge::hot_levels).collect(),
-            peaks,
+            peaks: peaks.of_tones,
+            peak_together: peaks.together,
         }
     }
 
@@ -327,33 +329,72 @@ impl<'a> Panel<'a> {
     }
 }
 
-/// Amplitudes of all tones together at each sample of a block; raises the `peaks` of each
-/// tone.
-fn amplitudes(drives: &[SampledDrive], length: usize, peaks: &mut [f64]) -> Vec<f64> {
-    let mut sums = vec![0.0; length];
-    for (peak, drive) in peaks.iter_mut().zip(drives) {
-        for (sum, size) in sums.iter_mut().zip(drive.amplitudes()) {
-            *peak = f64::max(*peak, size);
-            *sum += size;
+/// The largest drives so far, N or V.
+struct Peaks {
+    /// ω₀ of each tone, rad/s.
+    carriers_rad_per_s: Vec<f64>,
+    of_tones: Vec<f64>,
+    /// |Σ a·e^{jω₀t}| over the tones: what the signal of one actuator reaches.
+    together: f64,
+}
+
+impl Peaks {
+    fn new(models: &[CausalModel]) -> Self {
+        Self {
+            carriers_rad_per_s: models.iter().map(|model| model.carrier_rad_per_s).collect(),
+            of_tones: vec![0.0; models.len()],
+            together: 0.0,
         }
     }
-    sums
+
+    /// Takes a block that begins at the sample `first`; returns the amplitudes of all tones
+    /// added up at each sample.
+    fn take(&mut self, drives: &[SampledDrive], first: usize, length: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; length];
+        let mut together: Option<Array2<Complex64>> = None;
+        for (k, drive) in drives
+            .iter()
+            .enumerate()
+            .filter(|(_, drive)| drive.sounds())
+        {
+            let mut driven = matmul(drive.values.view(), drive.patterns.view());
+            for (sum, size) in sums.iter_mut().zip(largest(&driven)) {
+                self.of_tones[k] = f64::max(self.of_tones[k], size);
+                *sum += size;
+            }
+            if drives.len() > 1 {
+                let turn_rad = self.carriers_rad_per_s[k] * drive.step_s;
+                for (at, mut row) in driven.rows_mut().into_iter().enumerate() {
+                    let turn = Complex64::from_polar(1.0, turn_rad * (first + at) as f64);
+                    row.mapv_inplace(|value| value * turn);
+                }
+            }
+            together = Some(match together {
+                Some(others) => others + driven,
+                None => driven,
+            });
+        }
+        let sizes = together.iter().flat_map(largest);
+        self.together = sizes.fold(self.together, f64::max);
+        sums
+    }
+}
+
+/// Largest |a_i| of each row.
+fn largest(drive: &Array2<Complex64>) -> Vec<f64> {
+    let of = |row: ArrayView1<Complex64>| {
+        row.iter()
+            .map(Complex64::norm_sqr)
+            .fold(0.0, f64::max)
+            .sqrt()
+    };
+    drive.rows().into_iter().map(of).collect()
 }
 
 impl SampledDrive {
-    /// Largest |a_i| at each sample, N or V.
-    fn amplitudes(&self) -> Vec<f64> {
-        if self.patterns.is_empty() {
-            return vec![0.0; self.values.nrows()];
-        }
-        let drive = matmul(self.values.view(), self.patterns.view());
-        let largest = |row: ndarray::ArrayView1<Complex64>| {
-            row.iter()
-                .map(Complex64::norm_sqr)
-                .fold(0.0, f64::max)
-                .sqrt()
-        };
-        drive.rows().into_iter().map(largest).collect()
+    /// True where any pattern has a value.
+    fn sounds(&self) -> bool {
+        !self.patterns.is_empty()
     }
 }
 

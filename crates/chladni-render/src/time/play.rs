@@ -266,15 +266,21 @@ fn indices(
     events: Vec<TimeEvent>,
     stage: &Stage,
 ) -> TimeIndices {
-    let patterns = stage.voices.iter().flat_map(|voice| &voice.patterns);
+    // of each place and actuator, all tones together
+    let sizes = |voice: &Voice| voice.patterns.mapv(|value| value.norm());
+    let steady = stage
+        .voices
+        .iter()
+        .map(sizes)
+        .reduce(|sum, tone| sum + tone);
     TimeIndices {
         summed: heard.measures[0],
         peak: heard.measures[1],
         rms: heard.measures[2],
         area: area.map(|area| AreaMeasures::of(&area.measures)),
         ramp_s: events.iter().map(|event| event.ramp_s).fold(0.0, f64::max),
-        peak_drive: heard.peaks.iter().copied().fold(0.0, f64::max),
-        steady_drive: patterns.map(|value| value.norm()).fold(0.0, f64::max),
+        peak_drive: heard.peak_together,
+        steady_drive: steady.iter().flatten().copied().fold(0.0, f64::max),
         events,
     }
 }

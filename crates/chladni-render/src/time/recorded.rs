@@ -246,7 +246,7 @@ pub fn evaluate_signal(
         rms,
         area,
         ramp_s,
-        peak_drive: heard.peaks.iter().copied().fold(0.0, f64::max),
+        peak_drive: heard.peak_together,
         steady_drive: 0.0,
         events,
     };

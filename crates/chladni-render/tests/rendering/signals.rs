@@ -69,3 +69,30 @@ fn the_table_lists_amplitude_and_phase() {
         weights.weights[0].amplitude
     );
 }
+
+#[test]
+fn the_peak_drive_is_the_peak_of_the_signal_whatever_the_tones() {
+    let zones = "[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n";
+    let burst = "[time]\n[[time.burst]]\nduration_s = 0.3\nramp_s = 0.02\n";
+    for tones in ["300.0", "[260.0, 335.0]", "[260.0, 290.0, 335.0]"] {
+        let scene = crate::common::scene(&format!("frequency_hz = {tones}\n{zones}{burst}"));
+        let options = PlayOptions {
+            render: RenderOptions {
+                method: Method::PressureMatching.into(),
+                ..Default::default()
+            },
+            area: false,
+            ..Default::default()
+        };
+        let played = play(crate::common::truth(), &scene, None, &options).unwrap();
+        let signal = played.signal(&SignalOptions::default(), "").unwrap();
+        let peak = signal
+            .drive
+            .iter()
+            .fold(0.0, |most: f64, v| most.max(v.abs()));
+        let told = played.indices.peak_drive;
+        assert!((told / peak - 1.0).abs() < 0.02, "{tones}: {told} {peak}");
+        let steady = played.indices.steady_drive;
+        assert!(told < 1.2 * steady, "{tones}: {told} {steady}");
+    }
+}
