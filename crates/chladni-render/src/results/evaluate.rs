@@ -95,25 +95,25 @@ fn silent_tones(weights: &Weights, scene: &Scene) -> Option<Finding> {
     Some(Finding::caution("tone-without-drive", words).help("render the scene again"))
 }
 
-/// The finding on a drive that a scene does not allow.
+/// The finding on a drive that a scene does not allow, by the limits that it names or by
+/// those that hold without a word.
 fn beyond_limit(scene: &Scene, operator: &Operator, drive: &Drive) -> Option<Finding> {
-    let named = &scene.actuators;
-    let is_limited = named.max_force_n.is_some()
-        || named.max_voltage_v.is_some()
-        || named.max_effort.is_some()
-        || named.circuit.is_some();
-    if !is_limited {
-        return None;
-    }
     // limits in another unit are those of another model
     let (limits, _) = drive_limits(scene, operator.unit).ok()?;
     let times = limits.allowed_gain(drive).recip();
     let (limit, unit) = (limits.binding(drive), operator.unit);
     let words = format!("the drive is {times:.3} times {limit} ({unit})");
+    let help = match scene.actuators.names_limit() {
+        true => "render the scene with this limit",
+        false => {
+            "render the scene again, or give the limit of the actuators as \
+             actuators.max_force_n: the scene names none, and this one holds"
+        }
+    };
     (times > 1.0 + tolerances::AT_LIMIT).then(|| {
         Finding::caution("drive-beyond-limit", words)
             .value("times_limit", times)
-            .help("render the scene with this limit")
+            .help(help)
     })
 }
 

@@ -33,6 +33,16 @@ pub struct Actuators {
     pub calibration_file: Option<PathBuf>,
 }
 
+impl Actuators {
+    /// True where a limit is given, of whatever kind.
+    pub(crate) fn names_limit(&self) -> bool {
+        self.max_force_n.is_some()
+            || self.max_voltage_v.is_some()
+            || self.max_effort.is_some()
+            || self.circuit.is_some()
+    }
+}
+
 pub(super) fn read_actuators(table: &Table, beside: Beside) -> Result<Actuators> {
     table.only_keys(KEYS, "actuators")?;
     let limit = |key| {

@@ -213,6 +213,15 @@ fn limits_and_tones_of_the_scene_that_weights_do_not_keep_are_named() {
     let beyond = found(&at_most(0.1 * largest), "drive-beyond-limit").unwrap();
     assert!(beyond.text.contains("10.000 times"), "{beyond:?}");
     assert!(found(&at_most(largest), "drive-beyond-limit").is_none());
+    // a limit holds where none is named, too
+    let mut loud = rendering.weights.clone();
+    for weight in &mut loud.weights {
+        (weight.re, weight.im) = (weight.re * 0.2 / largest, weight.im * 0.2 / largest);
+    }
+    let judged = evaluate(&loud, &scene, On::Model(truth())).unwrap();
+    let beyond = |finding: &&chladni_frf::Finding| finding.code == "drive-beyond-limit";
+    let told = judged.findings.iter().find(beyond).unwrap();
+    assert!(told.text.contains("2.000 times"), "{told:?}");
     let zones = "[zones]\ngrid = [2, 2]\nhot = [1]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n";
     let two = crate::common::scene(&format!("frequency_hz = [300.0, 310.0]\n{zones}"));
     let silent = found(&two, "tone-without-drive").unwrap();
