@@ -7,7 +7,7 @@ use std::path::Path;
 const PAGE: &str = "report.html";
 
 /// Advice of libraries, and the command that follows it.
-const COMMANDS: [(&str, &str); 8] = [
+const COMMANDS: [(&str, &str); 9] = [
     ("look at the contents of the file", "`chladni info FILE`"),
     (
         "in the order of the FRFs in the file",
@@ -25,6 +25,7 @@ const COMMANDS: [(&str, &str); 8] = [
         "`chladni correct` writes one",
     ),
     ("a weights file of Chladni", "`chladni render` writes one"),
+    ("pair DOFs by name", "`--pair-dofs name`"),
 ];
 
 /// The error with the commands that follow its advice.
@@ -75,6 +76,8 @@ pub fn option_for(finding: &Finding) -> Option<&'static str> {
         "decays-not-windowed" => "--exponential-window",
         "mode-on-drive" | "rig-sensitive" => "--sweep LO:HI",
         "ground-between" | "too-few-actuators" => "--actuators",
+        "points-apart" => "--pair-dofs name",
+        "origin-differs" => "--pair-dofs nearest",
         "quicker-method" => "--method robust",
         _ => return None,
     })

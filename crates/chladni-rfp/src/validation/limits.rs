@@ -15,3 +15,11 @@ pub(super) const SPACING_SAMPLES: usize = 400;
 
 /// Shapes less alike than this belong to different modes.
 pub(super) const LEAST_MAC: f64 = 0.5;
+/// Where less than this part of the DOFs of the smaller set has a partner at its place, the
+/// coordinates may not be the same. Of a plate whose origin lies one point off, more than
+/// half of the points still fall on others.
+pub(super) const LEAST_PAIRED: f64 = 0.5;
+/// Extents this many times apart: millimetres taken for metres.
+pub(super) const UNIT_FACTOR: f64 = 1000.0;
+/// Extents of one structure, measured at other points, agree within this factor.
+pub(super) const SAME_EXTENT: f64 = 2.0;

@@ -51,6 +51,10 @@ pub(super) struct CommonDofs {
     pub largest_distance_m: Option<f64>,
     /// The names are shared, yet their places differ.
     pub names_contradicted: bool,
+    /// What all positions of the second set lie beyond those of the first of the same name,
+    /// m: another origin. `None` where the names stand for the same places, or no one offset
+    /// explains how they differ.
+    pub offset_m: Option<[f64; 3]>,
 }
 
 impl CommonDofs {
@@ -61,14 +65,22 @@ impl CommonDofs {
         let apart: Vec<f64> = distances(a, b, &named, &places);
         let far = apart.iter().filter(|&&distance| distance > limit).count();
         let names_contradicted = limit > 0.0 && 2 * far > apart.len();
-        let by = match way {
-            PairDofs::Auto if named.is_empty() || names_contradicted => PairDofs::Nearest,
-            PairDofs::Auto => PairDofs::Name,
-            asked => asked,
-        };
-        let pairs = match by {
-            PairDofs::Nearest => by_place(a, b, &places, limit),
-            _ => named,
+        let near = || by_place(a, b, &places, limit);
+        let offset = names_contradicted
+            .then(|| offset_of(a, b, &named, &places, limit))
+            .flatten();
+        // points that lie on each other need no names, whatever those say
+        let (by, pairs) = match way {
+            PairDofs::Auto if named.is_empty() => (PairDofs::Nearest, near()),
+            PairDofs::Auto if names_contradicted => {
+                let near = near();
+                match offset.is_some() && near.len() < named.len() {
+                    true => (PairDofs::Name, named),
+                    false => (PairDofs::Nearest, near),
+                }
+            }
+            PairDofs::Auto | PairDofs::Name => (PairDofs::Name, named),
+            PairDofs::Nearest => (PairDofs::Nearest, near()),
         };
         let largest = distances(a, b, &pairs, &places)
             .into_iter()
@@ -78,7 +90,47 @@ impl CommonDofs {
             by,
             largest_distance_m: largest,
             names_contradicted,
+            offset_m: offset,
         }
+    }
+}
+
+/// The offset that explains where every pair of one name lies, to within `limit_m`: the
+/// median along each axis.
+fn offset_of(
+    a: &ShapeSet,
+    b: &ShapeSet,
+    named: &[(usize, usize, f64)],
+    places: &[Places; 2],
+    limit_m: f64,
+) -> Option<[f64; 3]> {
+    let apart: Vec<[f64; 3]> = (named.iter())
+        .map(|&(i, j, _)| {
+            let (here, there) = (places[0].of(a.dofs[i])?, places[1].of(b.dofs[j])?);
+            Some([0, 1, 2].map(|axis| there[axis] - here[axis]))
+        })
+        .collect::<Option<_>>()?;
+    let median = |axis: usize| {
+        let mut along: Vec<f64> = apart.iter().map(|apart| apart[axis]).collect();
+        along.sort_unstable_by(f64::total_cmp);
+        along.get(along.len() / 2).copied()
+    };
+    let offset = [median(0)?, median(1)?, median(2)?];
+    let explains = |apart: &[f64; 3]| distance(*apart, offset) <= limit_m;
+    apart.iter().all(explains).then_some(offset)
+}
+
+/// Diagonal of the box around the positions of the DOFs of a set, m.
+pub(super) fn extent_m(set: &ShapeSet) -> f64 {
+    let places = Places::new(set);
+    let side = |axis: usize| {
+        let along = || places.0.values().map(|place| place[axis]);
+        let most = along().fold(f64::NEG_INFINITY, f64::max);
+        most - along().fold(f64::INFINITY, f64::min)
+    };
+    match places.0.is_empty() {
+        true => 0.0,
+        false => distance([side(0), side(1), side(2)], [0.0; 3]),
     }
 }
 

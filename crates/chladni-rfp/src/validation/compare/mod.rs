@@ -9,9 +9,9 @@ pub use common_dofs::PairDofs;
 pub use mac_estimate::MacEstimate;
 pub use tracking::{track, ModeTrack, TrackAgainst, Tracking};
 
-use crate::validation::limits::LEAST_MAC;
+use crate::validation::limits::{LEAST_MAC, LEAST_PAIRED, SAME_EXTENT, UNIT_FACTOR};
 use chladni_frf::{Error, Finding, Result, ShapeMode, ShapeSet};
-use common_dofs::CommonDofs;
+use common_dofs::{extent_m, CommonDofs};
 use mac_estimate::{mac_estimate, UncertainShape};
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -154,7 +154,7 @@ impl Comparison {
 pub fn compare(a: &ShapeSet, b: &ShapeSet, options: &CompareOptions) -> Result<Comparison> {
     let dofs = CommonDofs::new(a, b, options.pair_dofs);
     if dofs.pairs.is_empty() {
-        return Err(nothing_in_common(a, b));
+        return Err(nothing_in_common(a, b, &dofs));
     }
     let (of_a, of_b) = (
         at_dofs(a, dofs.pairs.iter().map(|&(i, ..)| (i, 1.0))),
@@ -185,17 +185,49 @@ pub fn compare(a: &ShapeSet, b: &ShapeSet, options: &CompareOptions) -> Result<C
     })
 }
 
-fn nothing_in_common(a: &ShapeSet, b: &ShapeSet) -> Error {
+fn nothing_in_common(a: &ShapeSet, b: &ShapeSet, dofs: &CommonDofs) -> Error {
     let first = |set: &ShapeSet| set.dofs.first().map_or("none".into(), ToString::to_string);
-    let expected = if a.nodes.is_empty() || b.nodes.is_empty() {
-        "the same names of nodes and directions, or positions of the nodes in both"
-    } else {
-        "the same names of nodes and directions, or nodes at the same places"
+    let error = |found: String, expected: &str, help: String| {
+        Error::bad_data("the two have no DOF in common")
+            .found(found)
+            .expected(expected)
+            .help(help)
     };
-    Error::bad_data("the two have no DOF in common")
-        .found(format!("DOFs like {} and {}", first(a), first(b)))
-        .expected(expected)
-        .help("compare models of one structure in one coordinate system")
+    if dofs.names_contradicted {
+        let names = "the same names of nodes, each at another place";
+        return error(names.into(), "nodes at the same places", ways_out(a, b));
+    }
+    let found = format!("DOFs like {} and {}", first(a), first(b));
+    if a.nodes.is_empty() || b.nodes.is_empty() {
+        let help = "compare models of one structure, with positions or with the same names";
+        return error(
+            found,
+            "the same names of nodes and directions, or positions of the nodes in both",
+            help.into(),
+        );
+    }
+    error(
+        format!("{found}, none at the same place"),
+        "the same names of nodes and directions, or nodes at the same places",
+        ways_out(a, b),
+    )
+}
+
+/// What makes points coincide that should: one unit, one coordinate system, or names alone.
+fn ways_out(a: &ShapeSet, b: &ShapeSet) -> String {
+    let times = extent_m(b) / extent_m(a);
+    let is_thousand = |times: f64| (times / UNIT_FACTOR).ln().abs() < SAME_EXTENT.ln();
+    if is_thousand(times) || is_thousand(times.recip()) {
+        let larger = if times > 1.0 { "second" } else { "first" };
+        return format!(
+            "the points of the {larger} span {:.0} times as much as those of the other: correct the \
+             unit of its positions (mm read as m?), or pair DOFs by name",
+            times.max(times.recip())
+        );
+    }
+    "give the positions of both in one unit, from one origin along the same axes; or pair DOFs by \
+     name where names stand for the same nodes"
+        .into()
 }
 
 /// The shapes of a set at some of its DOFs, some of them turned round.
@@ -304,13 +336,40 @@ fn findings(a: &ShapeSet, b: &ShapeSet, dofs: &CommonDofs) -> Vec<Finding> {
             "names of nodes are shared, but stand for other places: paired by place instead",
         ));
     }
-    if dofs.names_contradicted && dofs.by == PairDofs::Name {
+    if let Some([x, y, z]) = dofs.offset_m.filter(|_| dofs.by == PairDofs::Name) {
+        findings.push(
+            Finding::note(
+                "origin-differs",
+                format!(
+                    "positions in b lie ({:.1}, {:.1}, {:.1}) mm beyond those of the same names in \
+                     a, another origin: paired by name",
+                    1e3 * x,
+                    1e3 * y,
+                    1e3 * z
+                ),
+            )
+            .list("offset_m", [x, y, z])
+            .help("pair DOFs by the nearest node where names do not stand for the same nodes"),
+        );
+    } else if dofs.names_contradicted && dofs.by == PairDofs::Name {
         findings.push(
             Finding::caution(
                 "nodes-elsewhere",
                 "nodes of one name lie at different places: paired by name as asked",
             )
             .help("check the units and the origin of the positions"),
+        );
+    }
+    let fewer = a.dofs.len().min(b.dofs.len());
+    if dofs.by == PairDofs::Nearest && (common as f64) < LEAST_PAIRED * fewer as f64 {
+        findings.push(
+            Finding::caution(
+                "points-apart",
+                format!("only {common} of {fewer} DOFs have a partner at their place"),
+            )
+            .value("common_dofs", common as f64)
+            .value("dofs", fewer as f64)
+            .help(ways_out(a, b)),
         );
     }
     if common < modes {

@@ -317,6 +317,78 @@ fn a_finite_element_program_numbers_its_nodes_in_its_own_way() {
     assert!(error.message.contains("no DOF in common"), "{error}");
 }
 
+/// The same set with every position moved and scaled.
+fn placed(set: &ShapeSet, scale: f64, offset_m: [f64; 3]) -> ShapeSet {
+    let mut out = set.clone();
+    for node in &mut out.nodes {
+        for (at, offset) in node.xyz_m.iter_mut().zip(offset_m) {
+            *at = *at * scale + offset;
+        }
+    }
+    out
+}
+
+#[test]
+fn another_origin_is_told_from_other_numbers() {
+    let (a, b) = (measured(&exact(), 0.02, 1), measured(&exact(), 0.02, 2));
+    // a column and a row of points further on, so that most points still fall on others
+    for offset_m in [[0.02, 0.02, 0.0], [-0.3, 0.0, 0.1]] {
+        let found = compared(&a, &placed(&b, 1.0, offset_m));
+        assert_eq!((found.paired_by, found.common_dofs), (PairDofs::Name, 40));
+        assert_eq!(numbers(&found), same(6));
+        let codes: Vec<&str> = found.findings.iter().map(|f| &*f.code).collect();
+        assert_eq!(codes, ["origin-differs"], "{:?}", found.findings);
+        let told = found.findings[0].values["offset_m"].as_slice();
+        for (told, offset) in told.iter().zip(offset_m) {
+            assert!((told - offset).abs() < 1e-9, "{told} {offset}");
+        }
+    }
+    // a line of points that counts from 0: its places are the same, not its names
+    let mut line = a.clone();
+    let mut renumbered = b.clone();
+    for (set, first) in [(&mut line, 1), (&mut renumbered, 0)] {
+        let shape = |mode: &mut ShapeMode| {
+            mode.shape.truncate(COLUMNS);
+            mode.shape_std.truncate(COLUMNS);
+        };
+        set.modes.iter_mut().for_each(shape);
+        set.dofs.truncate(COLUMNS);
+        set.nodes.truncate(COLUMNS);
+        for (k, (node, dof)) in set.nodes.iter_mut().zip(&mut set.dofs).enumerate() {
+            node.label = k as u64 + first;
+            *dof = Dof::new(node.label, dof.direction);
+        }
+    }
+    let found = compared(&line, &renumbered);
+    assert_eq!((found.paired_by, found.common_dofs), (PairDofs::Nearest, 8));
+}
+
+#[test]
+fn points_that_do_not_meet_are_named_with_the_unit_and_the_origin() {
+    let (a, b) = (measured(&exact(), 0.02, 1), measured(&exact(), 0.02, 2));
+    let millimetres = placed(&b, 1000.0, [0.0; 3]);
+    let found = compared(&a, &millimetres);
+    let told = found.findings.iter().find(|f| f.code == "points-apart");
+    let told = told.unwrap();
+    assert!(told.help.contains("1000 times"), "{told:?}");
+    let far = |set: &ShapeSet| compare(&a, set, &CompareOptions::default()).unwrap_err();
+    let error = far(&placed(&b, 1000.0, [1e6, 0.0, 0.0])).to_string();
+    assert!(
+        error.contains("1000 times") && error.contains("by name"),
+        "{error}"
+    );
+    // neither a unit nor an origin
+    let mut turned = b.clone();
+    let turn = |node: &mut Node| node.xyz_m = [0.0, 0.0, 1.0 + node.xyz_m[0]];
+    turned.nodes.iter_mut().for_each(turn);
+    let error = far(&turned).to_string();
+    assert!(
+        error.contains("from one origin") && error.contains("by name"),
+        "{error}"
+    );
+    assert!(!error.contains("1:+Z"), "{error}");
+}
+
 #[test]
 fn a_mode_is_followed_through_many_models() {
     let mut sets: Vec<ShapeSet> = (0..4).map(|k| measured(&exact(), 0.02, k)).collect();
