@@ -3,7 +3,7 @@
 use chladni_console::output::Output;
 use chladni_console::{bytes_to_stdout, is_standard_output, unbroken, Console};
 use chladni_frf::Result;
-use chladni_io::{write_atomically, write_npz, NamedArray};
+use chladni_io::{write_atomically, write_npz, write_together, NamedArray};
 use chladni_render::{SampleFormat, Signal};
 use chladni_text::door::Claim;
 use std::path::{Path, PathBuf};
@@ -78,10 +78,13 @@ impl SignalFiles {
         }
         let bytes = signal.wav(format)?;
         let text = signal.sidecar.to_json()?;
-        if let Some(sidecar) = &self.sidecar {
-            self.write_bytes(sidecar, text.as_bytes())?;
-        }
-        self.write_bytes(&self.path, &bytes)
+        let mut files = vec![(self.path.as_path(), bytes.as_slice())];
+        files.extend(
+            self.sidecar
+                .as_deref()
+                .map(|sidecar| (sidecar, text.as_bytes())),
+        );
+        unbroken(|| write_together(&files, self.force))
     }
 
     /// Writes `text` in place of a signal.

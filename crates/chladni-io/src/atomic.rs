@@ -44,6 +44,30 @@ pub fn write_atomically(
     persist(file, &target, force)
 }
 
+/// Writes files that belong together: all are complete under temporary names before the
+/// first is renamed, so that none of them stands beside an old one where the disk is full.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn write_together(files: &[(&Path, &[u8])], force: bool) -> Result<()> {
+    let mut waiting = Vec::with_capacity(files.len());
+    for &(path, bytes) in files.iter().filter(|(path, _)| !is_device(path)) {
+        let target = free_target(path, force)?;
+        let mut file = temporary_beside(&target)?;
+        let written = file
+            .write_all(bytes)
+            .and_then(|()| file.as_file().sync_all());
+        written.map_err(|error| write_error(&error, path))?;
+        waiting.push((file, target));
+    }
+    for &(path, bytes) in files.iter().filter(|(path, _)| is_device(path)) {
+        write_atomically(path, force, |out| out.write_all(bytes))?;
+    }
+    waiting
+        .into_iter()
+        .try_for_each(|(file, target)| persist(file, &target, force))
+}
+
 /// Like [`write_atomically`] for libraries that want a path: `write` creates the file
 /// under the path that it is given.
 ///
@@ -208,6 +232,22 @@ mod tests {
             .collect();
         names.sort();
         names
+    }
+
+    #[test]
+    fn files_that_belong_together_are_written_both_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let [one, two] = ["one.json", "two.wav"].map(|name| folder.path().join(name));
+        write_together(&[(&one, b"1"), (&two, b"2")], false).unwrap();
+        assert_eq!(fs::read(&two).unwrap(), b"2");
+        // the second cannot be written: its folder is gone
+        let lost = folder.path().join("gone").join("two.wav");
+        write_together(&[(&one, b"new"), (&lost, b"new")], true).unwrap_err();
+        assert_eq!(fs::read(&one).unwrap(), b"1");
+        // nor may it be, though the first one is free
+        let free = folder.path().join("free.json");
+        write_together(&[(&free, b"new"), (&two, b"new")], false).unwrap_err();
+        assert_eq!(entries(folder.path()), ["one.json", "two.wav"]);
     }
 
     #[test]

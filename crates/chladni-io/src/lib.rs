@@ -68,6 +68,7 @@ mod wav;
 pub use assemble::assemble;
 pub use atomic::{
     create_atomically, is_same_place, refuse_output_among_inputs, try_place, write_atomically,
+    write_together,
 };
 pub use checksums::{checksum_of, sha256_of, sha256_of_bytes, stamp_of, Checksums, Turn};
 pub use contents::Contents;

@@ -87,6 +87,26 @@ fn bursts_become_a_sound_file_that_is_judged_again_from_its_samples() {
 }
 
 #[test]
+fn a_sound_file_beside_the_sidecar_of_another_run_is_refused() {
+    let folder = prepared();
+    folder
+        .run("play model.json burst.toml -o drive.wav -q")
+        .exits(0);
+    let text = folder.text("drive.json");
+    for (key, other) in [("frames", "24001"), ("rate_hz", "44100")] {
+        let mut sidecar: Value = serde_json::from_str(&text).unwrap();
+        sidecar[key] = serde_json::from_str(other).unwrap();
+        folder.write("drive.json", sidecar.to_string());
+        let run = folder
+            .run("evaluate drive.wav --scene burst.toml --on model.json")
+            .exits(65);
+        let said = run.stderr;
+        let all = [key, other, "drive.wav", "of different runs"];
+        assert!(all.iter().all(|part| said.contains(part)), "{said}");
+    }
+}
+
+#[test]
 fn a_drive_in_time_is_tried_on_panels_that_differ_and_under_fingers() {
     let folder = prepared();
     let command = "play model.json burst.toml --method mls --stress --json";

@@ -20,6 +20,10 @@ use ndarray::{s, Array2};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
+/// The way out where a sound file and its sidecar contradict each other.
+const OF_ONE_RUN: &str = "the two are of different runs, and forces would be judged wrongly: make \
+                          both anew, or correct the sidecar of a recording";
+
 /// A drive as it is played.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recorded {
@@ -36,14 +40,25 @@ impl Recorded {
     /// beside it.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`]: another rate, a channel that the samples lack.
+    /// [`chladni_frf::ErrorKind::BadData`]: another rate or length, a channel that the samples
+    /// lack.
     pub fn from_samples(samples: &Array2<f64>, rate_hz: f64, sidecar: &Sidecar) -> Result<Self> {
         if rate_hz != f64::from(sidecar.rate_hz) {
             return Err(
                 Error::bad_data("the sound file and its sidecar have different rates")
                     .field("rate_hz")
                     .found(format!("{rate_hz} Hz in the sound file"))
-                    .expected(format!("{} Hz", sidecar.rate_hz)),
+                    .expected(format!("{} Hz, as the sidecar says", sidecar.rate_hz))
+                    .help(OF_ONE_RUN),
+            );
+        }
+        if samples.nrows() != sidecar.frames {
+            return Err(
+                Error::bad_data("the sound file and its sidecar have different lengths")
+                    .field("frames")
+                    .found(format!("{} frames in the sound file", samples.nrows()))
+                    .expected(format!("{}, as the sidecar says", sidecar.frames))
+                    .help(OF_ONE_RUN),
             );
         }
         let mut drive = Array2::zeros((samples.nrows(), sidecar.channels.len()));
