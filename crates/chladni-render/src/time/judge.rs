@@ -195,6 +195,11 @@ impl<'a> Judge<'a> {
         }
     }
 
+    /// Takes so many samples at which nothing moves and nothing is asked, before all others.
+    pub(crate) fn pass_over(&mut self, samples: usize) {
+        self.trace.resize(self.trace.len() + samples, [None; 2]);
+    }
+
     /// The energies from sample `first` on.
     pub(crate) fn feed(&mut self, first: usize, energies: &Energies) {
         let segments = self.segments;

@@ -107,11 +107,21 @@ pub(crate) struct Judging<'a> {
 pub(crate) trait Sounds {
     /// The envelopes of a block.
     fn block(&self, step_s: f64, first: usize, count: usize) -> SampledDrive;
+
+    /// Time before which it is silent, s.
+    fn silent_to_s(&self) -> f64 {
+        0.0
+    }
 }
 
 impl Sounds for Tracks {
     fn block(&self, step_s: f64, first: usize, count: usize) -> SampledDrive {
         self.sampled(step_s, first, count)
+    }
+
+    fn silent_to_s(&self) -> f64 {
+        let starts_s = self.tracks.iter().map(|track| track.envelope.span_s()[0]);
+        starts_s.fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -194,8 +204,11 @@ impl Listener {
         let mut judges: Vec<Judge> = measures.iter().map(judge).collect();
         let mut panel = Panel::at_rest(self);
         let mut peaks = Peaks::new(&self.models);
+        let still = self.still(voices, chains, count);
+        judges.iter_mut().for_each(|judge| judge.pass_over(still));
         let mut largest = Vec::with_capacity(count);
-        for first in (0..count).step_by(tolerances::JUDGE_BLOCK) {
+        largest.resize(still, 0.0);
+        for first in (still..count).step_by(tolerances::JUDGE_BLOCK) {
             let length = tolerances::JUDGE_BLOCK.min(count - first);
             let drives: Vec<SampledDrive> = voices
                 .iter()
@@ -225,6 +238,20 @@ impl Listener {
             peaks: peaks.of_tones,
             peak_together: peaks.together,
         }
+    }
+
+    /// Samples, in whole blocks, during which nothing sounds, nothing is asked of the ground
+    /// and so nothing is to be simulated.
+    fn still<S: Sounds>(&self, voices: &[S], chains: &[Chain], count: usize) -> usize {
+        if self.touch.is_some() {
+            return 0;
+        }
+        let starts_s = chains.iter().map(Chain::start_s);
+        let starts_s = starts_s.chain(voices.iter().map(Sounds::silent_to_s));
+        let samples = starts_s.fold(f64::INFINITY, f64::min) / tolerances::JUDGE_STEP_S;
+        // one sample less: rounding, and the sample at which the drive begins
+        let blocks = (samples - 1.0).max(0.0) as usize / tolerances::JUDGE_BLOCK;
+        (blocks * tolerances::JUDGE_BLOCK).min(count)
     }
 
     /// Amplitudes of the places over their thresholds, of all tones together, at every

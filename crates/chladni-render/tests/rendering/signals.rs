@@ -96,3 +96,30 @@ fn the_peak_drive_is_the_peak_of_the_signal_whatever_the_tones() {
         assert!(told < 1.2 * steady, "{tones}: {told} {steady}");
     }
 }
+
+#[test]
+fn a_late_event_is_judged_as_an_early_one() {
+    let played = |start_s: f64| {
+        let burst = format!("[time]\n[[time.burst]]\nduration_s = 0.1\nstart_s = {start_s}\n");
+        let scene = crate::common::cell_scene([2, 2], 1, &burst);
+        play(
+            crate::common::truth(),
+            &scene,
+            Some(&weights()),
+            &PlayOptions::default(),
+        )
+        .unwrap()
+    };
+    // whole blocks of samples
+    let (early, late) = (played(0.0), played(3.2));
+    let (one, other) = (early.indices.peak, late.indices.peak);
+    let db = |level: Option<f64>| level.unwrap();
+    assert!((db(one.worst_cold_db) - db(other.worst_cold_db)).abs() < 1e-6);
+    assert!((db(one.worst_hot_db) - db(other.worst_hot_db)).abs() < 1e-6);
+    assert!((db(other.worst_cold_s) - db(one.worst_cold_s) - 3.2).abs() < 1e-9);
+    let (one, other) = (&early.traces, &late.traces);
+    assert_eq!(other.drive.len(), other.cold_db.len());
+    assert_eq!(other.drive.len() - one.drive.len(), 12_800);
+    let loudest = |drive: &[f64]| drive.iter().position(|&size| size > 0.0).unwrap();
+    assert_eq!(loudest(&other.drive) - loudest(&one.drive), 12_800);
+}
