@@ -115,7 +115,7 @@ def test_damaged_bytes_are_refused(values, poles):
         for bad, said in (
             (data[:-1], "cut off"),
             (data[:-1] + bytes([data[-1] ^ 1]), "damaged"),
-            (data.replace(b'"version":7', b'"version":1', 1), "another version"),
+            (data.replace(b'"version":8', b'"version":1', 1), "another version"),
             (b"", "first line"),
         ):
             with pytest.raises(chladni.ChladniError, match=said) as refused:

@@ -9,7 +9,7 @@ use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, MODEL, PARTIAL, POLES_OR_MODEL};
 use chladni_console::table::{counted, significant, table};
 use chladni_console::{Console, Outcome};
-use chladni_frf::{Error, ErrorKind, ModalModel, Result};
+use chladni_frf::{Error, ErrorKind, Finding, ModalModel, Result, Severity};
 use chladni_io::{sha256_of, write_model, FrfParts};
 use chladni_rfp::pieces::{residues, solve, Partial, Poles, Reducer, Solved};
 use chladni_rfp::{FitOptions, Window};
@@ -226,7 +226,10 @@ fn reduce(args: &Reduce, console: &Console) -> Result<Outcome> {
     };
     let before = resume.take();
     let (partial, sources) = stream.with_sources(|| stream.pass(&reducer, before, &mut resume))?;
-    let partial = partial.as_block(args.block as u64).with_sources(&sources);
+    let partial = partial
+        .as_block(args.block as u64)
+        .of_blocks(args.blocks.map(|count| count as u64))
+        .with_sources(&sources);
     output.write_bytes(partial.to_bytes())?;
     resume.done();
     let text = format!(
@@ -250,6 +253,16 @@ fn merge(args: &Merge, console: &Console) -> Result<Outcome> {
         });
     }
     let merged = merged.expect("the command line asks for one");
+    // others may be merged with it later
+    let note = |missing: Finding| Finding {
+        severity: Severity::Note,
+        ..missing
+    };
+    merged
+        .missing()
+        .map(note)
+        .iter()
+        .for_each(|note| console.find(note));
     output.write_bytes(merged.to_bytes())?;
     let text = format!(
         "{}: {}, {}\n",
@@ -273,6 +286,10 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
         return Err(other_pass(args, wants_poles));
     }
     let options = options_of(&args.asked, partial.poles())?;
+    partial
+        .missing()
+        .iter()
+        .for_each(|missing| console.find(missing));
     let (sources, reading) = (partial.sources(), partial.reading().clone());
     let solved = solve(partial, &options, &|stage| console.stage(stage))
         .map_err(|error| explain_piece(error, &options, &args.file))?;

@@ -103,6 +103,40 @@ fn verbs_lead_from_blocks_to_the_model_that_fit_finds() {
 }
 
 #[test]
+fn missing_blocks_are_named_where_the_partials_know_of_them() {
+    let folder = noisy();
+    let reduce = |block: usize, rest: &str| {
+        let line = format!("block reduce panel.h5 --block {block} {rest} -o {block}.part --force");
+        folder.run(&line).exits(0);
+    };
+    let said = |line: &str| {
+        let json = folder
+            .run(&format!("{line} --force --json"))
+            .exits(0)
+            .json();
+        let findings = json["findings"].as_array().unwrap().clone();
+        let found = |finding: &&Value| finding["code"] == "blocks-missing";
+        findings.iter().find(found).cloned()
+    };
+    for block in 0..3 {
+        reduce(block, "--blocks 3");
+    }
+    let note = said("block merge 0.part 2.part -o all.part").unwrap();
+    assert_eq!(note["severity"], "note");
+    assert!(
+        note["text"].as_str().unwrap().contains("missing: 1"),
+        "{note}"
+    );
+    let caution = said("block solve all.part -o found.poles").unwrap();
+    assert_eq!(caution["severity"], "caution");
+    assert_eq!(said("block merge all.part 1.part -o whole.part"), None);
+    assert_eq!(said("block solve whole.part -o found.poles"), None);
+    // blocks that a user made know nothing of others
+    reduce(7, "");
+    assert_eq!(said("block solve 7.part -o found.poles"), None);
+}
+
+#[test]
 fn a_set_larger_than_memory_is_read_in_parts_and_gives_the_same_model() {
     let folder = noisy();
     folder.run("fit panel.h5 -o whole.json").exits(0);

@@ -2,7 +2,7 @@
 //! content.
 //!
 //! ```text
-//! {"format":"chladni.partial","version":7,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
+//! {"format":"chladni.partial","version":8,"created_by":"chladni 0.1.0","bytes":1234,"sha256":"..."}
 //! ```
 
 use crate::pieces::limits;

@@ -6,7 +6,7 @@
 // file.rs
 
 /// Version of the content; another one is refused.
-pub(super) const VERSION: u64 = 7;
+pub(super) const VERSION: u64 = 8;
 /// Most bytes of the first line.
 pub(super) const HEAD_MOST: usize = 1024;
 
@@ -15,6 +15,11 @@ pub(super) const HEAD_MOST: usize = 1024;
 /// Largest share of a pole's column (its square) outside the basis of a pilot with which
 /// one pass is enough: so much of what the data say of that pole is lost at most.
 pub(super) const PILOT_SHARE: f64 = 0.01;
+
+// partial.rs
+
+/// Missing blocks that a finding names by their numbers.
+pub(super) const MISSING_NAMED: usize = 10;
 
 // sound.rs
 

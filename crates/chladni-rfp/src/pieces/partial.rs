@@ -1,9 +1,10 @@
 //! The result of reducing blocks of FRFs, and how it is merged.
 
 use crate::data::pair_weights::Giver;
+use crate::pieces::limits;
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{Matrix, Poles};
-use chladni_frf::{Checksum, Dof, Error, Node, Source};
+use chladni_frf::{Checksum, Dof, Error, Finding, Node, Source};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashSet};
@@ -27,6 +28,8 @@ pub(crate) struct Block {
     pub number: u64,
     /// Of its pieces, where it was reduced piece by piece.
     pub piece: u64,
+    /// Number of blocks that the data were cut into, where it is known.
+    pub of: Option<u64>,
     pub responses: Vec<Dof>,
     pub references: Vec<Dof>,
     /// Of these DOFs, where the data have them.
@@ -50,6 +53,7 @@ impl Block {
         Self {
             number: 0,
             piece: 0,
+            of: None,
             responses: Vec::new(),
             references: Vec::new(),
             nodes: Vec::new(),
@@ -223,6 +227,40 @@ impl Partial {
         };
         self.runs = sums(self.runs).map(run).into_iter().collect();
         self
+    }
+
+    /// Sets the number of blocks that the data were cut into, where it is known.
+    pub fn of_blocks(mut self, count: Option<u64>) -> Self {
+        self.blocks.iter_mut().for_each(|block| block.of = count);
+        self
+    }
+
+    /// The finding on blocks that are not in it, where all that are say the same number of
+    /// them.
+    pub fn missing(&self) -> Option<Finding> {
+        let of = self.blocks.first()?.of?;
+        if self.blocks.iter().any(|block| block.of != Some(of)) {
+            return None;
+        }
+        let missing = of.checked_sub(self.blocks() as u64).filter(|&n| n > 0)?;
+        let numbers = (0..of).filter(|&number| !self.holds(number));
+        let mut named: Vec<String> = numbers
+            .take(limits::MISSING_NAMED)
+            .map(|number| number.to_string())
+            .collect();
+        if missing > named.len() as u64 {
+            named.push("…".into());
+        }
+        let words = format!(
+            "{missing} of {of} blocks {} missing: {}",
+            if missing == 1 { "is" } else { "are" },
+            named.join(", ")
+        );
+        let finding = Finding::caution("blocks-missing", words)
+            .value("missing", missing as f64)
+            .value("blocks", of as f64)
+            .help("merge the partials of all blocks, unless their FRFs are left out on purpose");
+        Some(finding)
     }
 
     /// Sets the sources of the FRFs.

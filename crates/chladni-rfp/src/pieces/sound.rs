@@ -152,6 +152,10 @@ impl Block {
             let expected = format!("{} × {}", self.responses.len(), self.references.len());
             return Err(refused("FRFs", format!("({i}, {j})"), expected));
         }
+        if let Some(of) = self.of.filter(|&of| self.number >= of) {
+            let expected = format!("less than {of}, the number of blocks");
+            return Err(refused("number of the block", self.number, expected));
+        }
         if !self.energy.is_empty() {
             count("energies of the FRFs", self.energy.len(), self.pairs.len())?;
         }
