@@ -46,6 +46,34 @@ pub(crate) fn refuse_short(event: &Event, ramp_s: f64, shortest_s: f64) -> Resul
     )
 }
 
+/// Refuses an event that leaves less time for the ramps that are looked for than the band
+/// can describe.
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`].
+fn refuse_narrow(event: &Event, longest_s: f64, shortest_s: f64) -> Result<()> {
+    if refuse_short(event, longest_s, shortest_s).is_ok() {
+        return Ok(());
+    }
+    Err(
+        Error::bad_data("the event leaves too little time for its rise and fall")
+            .at_line(event.line)
+            .field(event.name.clone())
+            .found(format!(
+                "{:.1} ms beside what sounds in it",
+                1e3 * longest_s
+            ))
+            .expected(format!(
+                "at least {:.1} ms, the shortest ramp that the model's band can describe",
+                1e3 * shortest_s
+            ))
+            .help(
+                "begin it earlier and end it later than the fades inside it, take a longer \
+                 duration_s, or fit a wider band about the drive frequency",
+            ),
+    )
+}
+
 /// The dB by which a drive is to be lowered where cold ground is over its limit by `over_db`
 /// and hot ground has `room_db` above its own; `None` where hot ground cannot give so much.
 ///
@@ -123,7 +151,7 @@ impl RampFinder<'_> {
         let ramp_s = match best {
             Some((ramp_s, _)) => ramp_s,
             None => {
-                refuse_short(event, longest_s, self.shortest_s)?;
+                refuse_narrow(event, longest_s, self.shortest_s)?;
                 longest_s
             }
         };

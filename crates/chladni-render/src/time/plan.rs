@@ -269,9 +269,11 @@ impl Event {
             } => {
                 let half = 0.5 * (end_s - start_s);
                 match (passages.first(), passages.last()) {
-                    (Some(first), Some(last)) => {
-                        half.min(first.start_s - start_s).min(end_s - last.end_s())
-                    }
+                    // 0 where a fade ends with its burst, but for rounding
+                    (Some(first), Some(last)) => half
+                        .min(first.start_s - start_s)
+                        .min(end_s - last.end_s())
+                        .max(0.0),
                     _ => half,
                 }
             }

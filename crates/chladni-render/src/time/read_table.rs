@@ -203,11 +203,19 @@ fn read_move(value: &Value, zones: &Zones, keys: Keys) -> Result<Move> {
             format!("more than hot_radius_m, {hot_radius_m} m"),
         ));
     }
+    let speed = required(&table, "speed_m_per_s", "the speed of the spot in m/s")?;
+    let speed_m_per_s = speed.positive()?;
+    if speed_m_per_s > tolerances::FASTEST_M_PER_S {
+        let most = tolerances::FASTEST_M_PER_S;
+        return Err(speed.error(
+            "the spot is too fast to be felt anywhere",
+            format!("at most {most} m/s"),
+        ));
+    }
     let read = Move {
         start_s: start(&table)?,
         path_m,
-        speed_m_per_s: required(&table, "speed_m_per_s", "the speed of the spot in m/s")?
-            .positive()?,
+        speed_m_per_s,
         hot_radius_m,
         quiet_from_m,
         ramp: ramp(&table)?,

@@ -86,6 +86,10 @@ pub const KEYFRAME_M: f64 = 0.008;
 /// time, s: 0.8 mm at 800 mm/s.
 pub const SPOT_STEP_S: f64 = 1e-3;
 
+/// Fastest moving spot, m/s: a keyframe for each sample that is judged. No ground is felt
+/// long before; at 10⁹ m/s cold ground was said to be 351 dB over its limit.
+pub const FASTEST_M_PER_S: f64 = KEYFRAME_M / JUDGE_STEP_S;
+
 /// Most repetitions of a burst, and keyframes of a move: bounds what a scene file can
 /// ask for.
 pub const MOST_EVENTS: usize = 10_000;

@@ -57,6 +57,7 @@ fn tables_that_cannot_be_are_refused_by_name() {
         (moving(0.0).replace("0.198", "0.298"), "path_m"),
         (moving(0.0).replace("0.06\n", "0.02\n"), "quiet_from_m"),
         (moving(0.0).replace("= 0.2\n", "= 0\n"), "speed_m_per_s"),
+        (moving(0.0).replace("= 0.2\n", "= 1e9\n"), "speed_m_per_s"),
         (moving(0.0).replace("0.198", "0.07"), "path_m"),
     ] {
         let error = Scene::parse(&format!("{zones}{text}"), Path::new("")).unwrap_err();
@@ -86,6 +87,19 @@ fn moves_that_the_responses_cannot_judge_are_refused_by_name() {
         let named = format!("[[time.move]] 1 {key}");
         assert_eq!(error.field.as_deref(), Some(named.as_str()), "{error}");
     }
+}
+
+#[test]
+fn a_fade_that_ends_with_its_burst_leaves_no_time_for_the_ramps() {
+    // 0.1 + 0.2 is more than 0.3
+    let table = "[time]\n[[time.burst]]\nduration_s = 0.3\n[[time.fade]]\nfrom = [1]\nto = \
+                 [2]\nstart_s = 0.1\nfade_s = 0.2\n";
+    let scene = cell_scene([2, 2], 1, table);
+    let error = play(truth(), &scene, None, &PlayOptions::default()).unwrap_err();
+    assert_eq!(error.field.as_deref(), Some("[[time.burst]] 1"), "{error}");
+    let found = error.found.as_deref();
+    assert_eq!(found, Some("0.0 ms beside what sounds in it"), "{error}");
+    assert!(!error.to_string().contains("ramp_s"), "{error}");
 }
 
 #[test]
