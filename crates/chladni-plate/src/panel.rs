@@ -161,7 +161,7 @@ pub struct Measurement {
     /// Distance of lines, Hz.
     pub step_hz: f64,
     /// Level of the white circular noise on all FRFs and lines below the mean square of
-    /// all, dB.
+    /// all, dB; infinite: no noise.
     pub snr_db: f64,
     /// Seed of the noise.
     pub seed: u64,
@@ -272,13 +272,6 @@ impl Panel {
         not_negative("frf.start_hz", frf.start_hz)?;
         positive("frf.stop_hz", frf.stop_hz)?;
         positive("frf.step_hz", frf.step_hz)?;
-        if !frf.snr_db.is_finite() {
-            return Err(Error::bad_data("not a finite number")
-                .field("frf.snr_db")
-                .found(frf.snr_db)
-                .expected("a finite number of decibels")
-                .help("write 400 for FRFs without noise"));
-        }
         crate::noise::check_snr("frf.snr_db", frf.snr_db)?;
         if frf.stop_hz < frf.start_hz {
             return Err(Error::bad_data("the frequency axis ends before it starts")

@@ -47,6 +47,9 @@ const SECTIONS: [(&str, &[&str]); 4] = [
     ),
 ];
 
+/// Keys whose value is a pair of numbers.
+const PAIRS: [&str; 2] = ["grid", "edge_count"];
+
 impl Panel {
     /// Reads and checks a panel; keys that are left out have their defaults.
     ///
@@ -108,13 +111,24 @@ fn check_keys(text: &str, document: &DeTable) -> Result<()> {
                     .expected(format!("the heading [{}]", name.get_ref())),
             );
         };
-        for (key, _) in section.iter() {
+        for (key, value) in section.iter() {
             if !keys.contains(&key.get_ref().as_ref()) {
                 return Err(unknown(text, key, "key", keys).field(format!(
                     "{}.{}",
                     name.get_ref(),
                     key.get_ref()
                 )));
+            }
+            let DeValue::Array(entries) = value.get_ref() else {
+                continue;
+            };
+            // a list that is read as a pair leaves out what follows
+            if PAIRS.contains(&key.get_ref().as_ref()) && entries.len() > 2 {
+                return Err(Error::bad_data("too many numbers")
+                    .at_line(line_of_byte(text, key.span().start))
+                    .field(format!("{}.{}", name.get_ref(), key.get_ref()))
+                    .found(format!("a list of {}", entries.len()))
+                    .expected("a list of 2 whole numbers"));
             }
         }
     }
@@ -208,6 +222,12 @@ mod tests {
     }
 
     #[test]
+    fn an_infinite_level_is_no_noise() {
+        let panel = Panel::from_toml("[frf]\nsnr_db = inf", LIMIT).unwrap();
+        assert_eq!(panel.frf.snr_db, f64::INFINITY);
+    }
+
+    #[test]
     fn an_unknown_key_names_the_nearest_one_and_its_line() {
         let text = message("[frf]\nstart_hz = 2.0\nstep = 0.5\n");
         assert!(
@@ -258,6 +278,14 @@ mod tests {
                 "[responses]\ngrid = [0, 3]",
                 ["line 2", "responses.grid", "at least 1"],
             ),
+            (
+                "[responses]\ngrid = [11, 7, 3]",
+                ["line 2", "responses.grid", "a list of 3"],
+            ),
+            (
+                "[references]\nedge_count = [11, 6, 0]",
+                ["line 2", "references.edge_count", "a list of 3"],
+            ),
             ("[responses]\ngrid = [3]", ["line 2", "responses.grid", "2"]),
             (
                 "[responses]\ngrid = [-3, 1]",
@@ -299,7 +327,14 @@ mod tests {
                 "[frf]\nstop_hz = 1.0",
                 ["line 2", "frf.stop_hz", "ends before"],
             ),
-            ("[frf]\nsnr_db = inf", ["line 2", "frf.snr_db", "finite"]),
+            (
+                "[frf]\nsnr_db = nan",
+                ["line 2", "frf.snr_db", "-100 dB or more"],
+            ),
+            (
+                "[frf]\nsnr_db = -inf",
+                ["line 2", "frf.snr_db", "-100 dB or more"],
+            ),
             (
                 "[frf]\nsnr_db = -1000",
                 ["line 2", "frf.snr_db", "-100 dB or more"],

@@ -11,8 +11,8 @@ use crate::panel::Panel;
 use crate::plate::{LossFactor, Plate};
 use crate::point_mass::PointMass;
 use crate::point_spring::PointSpring;
-use crate::tolerances::{BAND_FACTOR, LEAST_MODES};
-use chladni_frf::{Damping, FrfKind, ModalModel, Mode, Result, Trust};
+use crate::tolerances::{BAND_FACTOR, LEAST_MODES, MOST_LOSS_FACTOR};
+use chladni_frf::{Damping, Error, FrfKind, ModalModel, Mode, Result, Trust};
 use chladni_linalg::matmul;
 use ndarray::{Array1, Array2, Array3, ArrayView2, Axis};
 use num_complex::Complex64;
@@ -82,7 +82,24 @@ impl DampedPlate {
             let own = plate.loss_factor.of_mode(n - rigid);
             own + frame.damping_n_s_per_m * moved / modes.omega()[n]
         };
-        let loss_factor = LossFactor::PerMode((rigid..modes.len()).map(of_mode).collect());
+        let loss_factors: Vec<f64> = (rigid..modes.len()).map(of_mode).collect();
+        let largest = loss_factors.iter().copied().fold(0.0, f64::max);
+        if largest > MOST_LOSS_FACTOR {
+            let damping = frame.damping_n_s_per_m;
+            let own = plate.loss_factor.entries().iter().copied();
+            let room = MOST_LOSS_FACTOR - own.fold(0.0, f64::max);
+            let most = damping * room / (largest - MOST_LOSS_FACTOR + room);
+            return Err(
+                Error::bad_data("the dampers are too strong for damped modes")
+                    .field("references.damping_n_s_per_m")
+                    .found(format!("{damping}, a loss factor of {largest:.3}"))
+                    .expected(format!(
+                    "at most about {most:.3}, so that loss factors stay below {MOST_LOSS_FACTOR}"
+                ))
+                    .help("a damper that holds its point still is a spring: stiffness_n_per_m"),
+            );
+        }
+        let loss_factor = LossFactor::PerMode(loss_factors);
         Ok(Self { modes, loss_factor })
     }
 

@@ -413,6 +413,21 @@ fn actuators_load_hold_and_damp_a_panel() {
             .to_string();
         assert!(error.contains(field) && error.contains("line 2"), "{error}");
     }
+    // dampers that hold the panel still leave no damped modes
+    let held = Panel::from_toml(&text("damping_n_s_per_m = 1e6"), 2 << 30).unwrap();
+    let error = DampedPlate::of_panel(&held, held.frf.stop_hz).unwrap_err();
+    assert_eq!(error.field.as_deref(), Some("references.damping_n_s_per_m"));
+    let most = error.expected.as_deref().and_then(|text| {
+        let number = text.strip_prefix("at most about ")?.split(',').next()?;
+        number.parse::<f64>().ok()
+    });
+    let most = most.unwrap();
+    for (times, passes) in [(0.99, true), (1.1, false)] {
+        let keys = format!("damping_n_s_per_m = {}", times * most);
+        let panel = Panel::from_toml(&text(&keys), 2 << 30).unwrap();
+        let made = DampedPlate::of_panel(&panel, panel.frf.stop_hz);
+        assert_eq!(made.is_ok(), passes, "{keys}");
+    }
     let error = Panel::from_toml("[plate]\nedges = \"EFFF\"", 2 << 30).unwrap_err();
     assert!(
         error.to_string().contains("plate.stiffness_n_per_m2"),
