@@ -26,7 +26,9 @@ pub fn start<C: Parser>(
         Err(answer) => return answer.report(&C::command(), json),
     };
     let common = common(&cli);
-    let console = Console::new(common);
+    let mut console = Console::new(common);
+    // a command that hands its arguments on hands this one on, too; its own errors are JSON
+    console.json |= json;
     let result = outcome::without_panic(|| {
         start_threads(common.threads)?;
         run(&cli, &console)

@@ -39,6 +39,16 @@ fn without_the_program_it_says_how_to_install_it() {
     let said = String::from_utf8(run.stderr).unwrap();
     assert_eq!(run.status.code(), Some(66), "{said}");
     assert!(said.contains("cargo install --path benches"), "{said}");
+    for line in [
+        "bench --json",
+        "--json bench accuracy",
+        "bench accuracy --json",
+    ] {
+        let run = alone(folder.path(), line);
+        assert_eq!(run.status.code(), Some(66), "{line}");
+        let json: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+        assert!(json["error"].is_object(), "{line}: {json}");
+    }
 }
 
 #[cfg(unix)]
