@@ -103,7 +103,7 @@ impl View<'_> {
         Ok(causes)
     }
 
-    /// One natural frequency moved, or all by one factor.
+    /// One natural frequency moved, or all by one factor; shifts that no panel has are left out.
     fn frequencies(&self, model: &ModalModel, modal: &ModalField) -> Result<Vec<Hypothesis>> {
         let numbers = modal.in_band(model);
         let slope = |n: usize| self.rows(&modal.slope(n));
@@ -127,11 +127,17 @@ impl View<'_> {
             let change = slope(n);
             sum += &change;
             let place = Some(Place::Mode(frequency_hz));
-            single.push(cause("mode", place, weighed(&change, numbers.len())?));
+            let found = weighed(&change, numbers.len())?;
+            if found.sizes[0].abs() <= tolerances::LARGEST_SHIFT {
+                single.push(cause("mode", place, found));
+            }
         }
         let mut causes = Vec::from_iter(likeliest(single));
         if numbers.len() > 1 {
-            causes.push(cause("modes", None, weighed(&sum, 1)?));
+            let found = weighed(&sum, 1)?;
+            if found.sizes[0].abs() <= tolerances::LARGEST_SHIFT {
+                causes.push(cause("modes", None, found));
+            }
         }
         Ok(causes)
     }

@@ -224,3 +224,22 @@ fn a_second_field_that_turns_the_wrong_way_is_refused() {
     let about = error.field.as_deref();
     assert_eq!(about, Some("velocity of field 2"), "{error}");
 }
+
+#[test]
+fn no_shift_is_offered_that_no_panel_has() {
+    let weights = drive();
+    let clean = measured(&weights, Rig::new(300.0, 6));
+    for step in [5, 11, 30, 76] {
+        let mut field = clean.clone();
+        for (k, point) in field.points.iter_mut().enumerate() {
+            point.velocity_m_per_s = clean.points[step * k % 77].velocity_m_per_s * 3.0;
+        }
+        let judged = evaluate_field(&weights, &corner(), truth(), &field, None).unwrap();
+        let causes = &judged.agreement.hypotheses;
+        for cause in causes.iter().filter(|one| one.kind.starts_with("mode")) {
+            let [shift, _] = cause.value.unwrap();
+            println!("{step}: {} {shift}", cause.kind);
+            assert!(shift.abs() <= 0.1, "{step}: {cause:?}");
+        }
+    }
+}
