@@ -8,7 +8,8 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum PairDofs {
-    /// By name where names are shared and stand for the same places, else by place.
+    /// By name where names are shared and stand for the same places, one offset of all aside;
+    /// else by place.
     #[default]
     Auto,
     /// By name: node and axis.
