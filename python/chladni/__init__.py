@@ -225,24 +225,31 @@ def select(model, *, keep=None, drop=None, near_hz=(), within_hz=0.5, add=(), fr
     Model
     """
     lines = [f"add = [{', '.join(f'{{frequency_hz = {float(hz)}}}' for hz in add)}]"] if len(add) else []
-    lines += [f"{name} = {[place + 1 for place in _places(name, places, len(model))]}" for name, places in (("keep", keep), ("drop", drop)) if places is not None]
+    for name, places in (("keep", keep), ("drop", drop)):
+        if places is not None:
+            lines.append(f"{name} = {[place + 1 for place in _places(name, places, len(model))]}")
     lines += [f"[[mode]]\nnear_hz = {float(hz)}\nwithin_hz = {float(within_hz)}" for hz in near_hz]
     return _chladni.select(model, "\n".join(lines), frf)
 
 
 def _places(name, places, count):
     """Places of modes, from a list of them or from a mask over the `count` modes."""
-    array = _numpy.asarray(places)
-    if array.dtype == bool:
-        if array.shape != (count,):
-            raise _chladni.refusal(name, "no mask of the modes", f"the shape {array.shape}", f"the shape ({count},)")
-        return _numpy.flatnonzero(array).tolist()
-    if array.ndim != 1 or not (array.size == 0 or _numpy.issubdtype(array.dtype, _numpy.integer)):
-        raise _chladni.refusal(name, "no places of modes", str(places), "a list of integers from 0, or a mask of the modes")
-    for place in array.tolist():
+    expected = "a list of integers from 0, or a mask of the modes"
+    places = places.tolist() if isinstance(places, _numpy.ndarray) else places
+    if isinstance(places, str) or not _numpy.iterable(places):
+        raise _chladni.refusal(name, "no places of modes", str(places), expected)
+    places = list(places)
+    kinds = {isinstance(place, (bool, _numpy.bool_)) for place in places}
+    if kinds == {True}:
+        if len(places) != count:
+            raise _chladni.refusal(name, "no mask of the modes", f"{len(places)} values", f"one for each of the {count} modes")
+        return [place for place, wanted in enumerate(places) if wanted]
+    if kinds == {True, False} or not all(isinstance(place, (int, _numpy.integer)) for place in places):
+        raise _chladni.refusal(name, "no places of modes", str(places), expected)
+    for place in places:
         if not 0 <= place < count:
-            raise _chladni.refusal(name, "no mode has this place", str(place), f"0 to {count - 1}: places count from 0")
-    return array.tolist()
+            raise _chladni.refusal(name, "no mode has this place", str(place), f"places from 0 to below {count}")
+    return [int(place) for place in places]
 
 
 def stabilization(frf, *, band=None):
@@ -253,7 +260,7 @@ def stabilization(frf, *, band=None):
     ----------
     frf : FrfSet
         FRFs on an even axis.
-    band : (float, float), optional
+    band : sequence of two floats, optional
         Band, Hz.
 
     Returns
@@ -327,9 +334,9 @@ def correct(model, scene, weights, fields, *, output=None, calibration=None, for
     weights, fields : sequence of path
         Weights files that were played, oldest first, and the measured field of each.
     output, calibration : path, optional
-        Weights file and calibration file to write.
+        Weights file and calibration file to write, none of the files that are read.
     force : bool
-        Overwrite them.
+        Overwrite existing ones.
 
     Returns
     -------

@@ -218,20 +218,20 @@ struct CorrectionFiles {
 impl CorrectionFiles {
     /// Refuses, before the work, files that cannot be written and those that are read.
     fn check(&self, inputs: &[PathBuf]) -> chladni_frf::Result<()> {
-        for output in [&self.weights, &self.calibration].into_iter().flatten() {
-            refuse_output_among_inputs(output, inputs)?;
-            try_place(output, self.force)?;
-        }
         let both = self.weights.as_deref().zip(self.calibration.as_deref());
-        match both.is_some_and(|(one, other)| is_same_place(one, other)) {
-            true => Err(
+        if both.is_some_and(|(one, other)| is_same_place(one, other)) {
+            return Err(
                 Error::new(ErrorKind::Usage, "two outputs would be one file")
                     .field("calibration")
                     .found("the name of `output`")
                     .expected("a name of its own"),
-            ),
-            false => Ok(()),
+            );
         }
+        for output in [&self.weights, &self.calibration].into_iter().flatten() {
+            refuse_output_among_inputs(output, inputs)?;
+            try_place(output, self.force)?;
+        }
+        Ok(())
     }
 
     /// Writes the texts to the files that are wanted.
@@ -277,9 +277,10 @@ pub fn correct(
         calibration,
         force,
     };
-    files
-        .check(&[weights.as_slice(), &fields].concat())
-        .map_err(|error| raised(py, &error))?;
+    let mut inputs = [weights.as_slice(), &fields].concat();
+    // a scene may be its text, which is the name of no file
+    inputs.extend(scene.extract::<PathBuf>().ok());
+    files.check(&inputs).map_err(|error| raised(py, &error))?;
     let scene = scene_of(py, scene)?;
     let corrected = py.detach(|| {
         let mut played = Vec::new();

@@ -249,6 +249,8 @@ def test_a_correction_leaves_its_inputs_and_other_files_alone(tmp_path):
     rows = [f"{name},{float(v.real)!r},{float(v.imag)!r}" for name, v in zip(drive.responses, drive.velocity_m_per_s)]
     field.write_text("\n".join([f"# frequency_hz = {drive.frequency_hz}", "# unit = m/s", "response,re,im", *rows]) + "\n")
     kept.write_text("kept")
+    scene_file = tmp_path / "scene.toml"
+    scene_file.write_text(scene)
     before = {path: path.read_text() for path in tmp_path.iterdir()}
     new = tmp_path / "new.json"
     for files in (
@@ -257,9 +259,10 @@ def test_a_correction_leaves_its_inputs_and_other_files_alone(tmp_path):
         {"output": new, "calibration": new},
         {"output": new, "calibration": kept},
         {"output": tmp_path / "missing" / "w.json"},
+        {"output": scene_file, "force": True},
     ):
         with pytest.raises(chladni.ChladniError):
-            chladni.correct(truth, scene, [weights], [field], **files)
+            chladni.correct(truth, scene_file, [weights], [field], **files)
         assert {path: path.read_text() for path in tmp_path.iterdir()} == before, files
     corrected = chladni.correct(truth, scene, [weights], [field], output=new, calibration=kept, force=True)
     assert json.loads(new.read_text()) == corrected and json.loads(kept.read_text())["gains"]
