@@ -73,7 +73,7 @@ def fit(frf, *, progress=None, **options):
     ----------
     frf : FrfSet
         FRFs, shape (response, reference, line).
-    band : (float, float), optional
+    band : sequence of two floats, optional
         Band, Hz; all lines without it.
     modes : int, optional
         Number of modes; decided by evidence without it.
