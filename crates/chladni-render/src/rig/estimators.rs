@@ -65,7 +65,11 @@ pub(super) fn estimate(
     let unexplained = structured.scales.unexplained * parts.size();
     let mut own = remainder.covariance.diag_mut();
     own.mapv_inplace(|value| value + unexplained.powi(2));
-    let mut kalman = open.clone();
+    let mut kalman = match structured.common_factor() {
+        // its error bars are those of single channels: a factor of all lies far beyond
+        Some(factor) => open.scaled(factor),
+        None => open.clone(),
+    };
     for seen in seen {
         for operator in [&mut remainder, &mut kalman] {
             let velocity = seen.phased(&operator.mobility);

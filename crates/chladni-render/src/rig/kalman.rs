@@ -21,6 +21,15 @@ pub struct KalmanOperator {
 }
 
 impl KalmanOperator {
+    /// The same behind one factor of all channels.
+    pub(super) fn scaled(&self, factor: Complex64) -> Self {
+        let square = factor.norm_sqr();
+        Self {
+            mobility: self.mobility.mapv(|value| value * factor),
+            covariance: self.covariance.mapv(|value| value * square),
+        }
+    }
+
     /// Takes in what the responses `rows` were seen to do under `drive`, each with the
     /// standard deviation `noise` (mean square over the rows).
     ///

@@ -184,6 +184,18 @@ impl Parts {
 }
 
 impl Structured {
+    /// The factor that all channels share but for odd ones; `None` where they have the level of a
+    /// calibrated rig.
+    pub(crate) fn common_factor(&self) -> Option<Complex64> {
+        if self.scales.level < tolerances::LEVEL_SCALES[1] {
+            return None;
+        }
+        let even = (0..self.gains.len()).filter(|i| !self.odd.contains(i));
+        let gains: Vec<Complex64> = even.map(|i| 1.0 + self.gains[i]).collect();
+        let sum = gains.iter().sum::<Complex64>();
+        (!gains.is_empty()).then(|| sum / gains.len() as f64)
+    }
+
     /// Natural frequency, Hz, and loss factor that give mode `k` in the band the denominator
     /// of its shift at the drive frequency.
     pub(crate) fn moved_pole(
