@@ -88,7 +88,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         console.stage("writing");
         text += &write_calibration(&calibration, path, output)?;
     }
-    let doubt = doubt(weights.feasible, &weights.findings);
+    let doubt = doubt(weights.feasible, &weights.findings).or_else(|| doubted_field(&weights));
     let outcome = match (&args.output, &output) {
         (Some(path), Some(output)) => {
             console.stage("writing");
@@ -98,6 +98,15 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         _ => Outcome::shown(value_of(&weights)?, text),
     };
     Ok(outcome.doubted(doubt))
+}
+
+/// The reason that a correction is not to be trusted: its fields, or what is expected of it.
+fn doubted_field(weights: &Weights) -> Option<String> {
+    let has = |code: &str| weights.findings.iter().any(|finding| finding.code == code);
+    if !is_explained(weights) {
+        return Some("no fault of the rig explains the field: see above".into());
+    }
+    has("correction-no-better").then(|| "the corrected weights are no better: see above".into())
 }
 
 /// Weights corrected by the fields of `played`, and the calibration. Both name `inputs` as
@@ -250,10 +259,9 @@ fn refuse_fields_counted_twice(fields: &[PathBuf], scene: &Scene) -> Result<()> 
 }
 
 fn text(weights: &Weights) -> String {
-    let told = weights
-        .correction
-        .as_ref()
-        .map_or(String::new(), correction);
+    let told = weights.correction.as_ref().map_or(String::new(), |told| {
+        correction(told, is_explained(weights))
+    });
     format!(
         "{told}{}{}",
         indices_table(&weights.indices),
@@ -261,7 +269,16 @@ fn text(weights: &Weights) -> String {
     )
 }
 
-fn correction(told: &Correction) -> String {
+/// True where faults of the rig explain the fields: only then are its odd channels known.
+fn is_explained(weights: &Weights) -> bool {
+    let unexplained = |code: &str| code == "field-unlike" || code == "field-unexplained";
+    !weights
+        .findings
+        .iter()
+        .any(|finding| unexplained(&finding.code))
+}
+
+fn correction(told: &Correction, is_explained: bool) -> String {
     let fields = told.fields.iter().zip(1..).map(|(field, number)| {
         let ratio = field
             .min_ratio
@@ -269,7 +286,8 @@ fn correction(told: &Correction) -> String {
         let nis = significant(field.nis, 2);
         format!("field {number}: smaller of hot and cold {ratio}, NIS {nis}\n")
     });
-    let odd = told.gains.iter().filter(|gain| gain.odd).map(|gain| {
+    let odd = told.gains.iter().filter(|gain| gain.odd && is_explained);
+    let odd = odd.map(|gain| {
         format!(
             "odd channel {}: factor {:.3}{:+.3}j\n",
             gain.reference, gain.re, gain.im
@@ -281,5 +299,9 @@ fn correction(told: &Correction) -> String {
         }
         _ => format!("corrected by the {} estimator\n", told.estimator.name()),
     };
-    fields.chain(odd).chain([drive]).collect()
+    let expected = format!(
+        "to be expected of these weights on the rig: smaller of hot and cold {:.3}\n",
+        told.predicted
+    );
+    fields.chain(odd).chain([drive, expected]).collect()
 }

@@ -57,14 +57,7 @@ pub(crate) fn agreement(
     likeness: &Likeness,
 ) -> Result<(Agreement, Option<Finding>)> {
     let predicted = &prediction.velocity;
-    let measured = field.phased(predicted);
-    let nis = (0..measured.len())
-        .map(|k| {
-            let bar = deviation.powi(2) + field.std[k].powi(2);
-            (measured[k] - predicted[k]).norm_sqr() / bar
-        })
-        .sum::<f64>()
-        / measured.len() as f64;
+    let nis = field.nis(predicted, deviation);
     let measured = raw.phased(predicted);
     let points = raw.rows.iter().zip(measured.iter().zip(predicted));
     let points = points
@@ -78,7 +71,7 @@ pub(crate) fn agreement(
             }
         })
         .collect();
-    let (hypotheses, finding) = diagnose(model, operator, field, prediction)?;
+    let (hypotheses, swapped) = diagnose(model, operator, field, prediction, nis)?;
     let agreement = Agreement {
         nis,
         coefficient: likeness.coefficient,
@@ -87,7 +80,7 @@ pub(crate) fn agreement(
         points,
         hypotheses,
     };
-    Ok((agreement, finding))
+    Ok((agreement, swapped.map(|swapped| swapped.finding())))
 }
 
 /// Form and level of a measured field against its prediction.

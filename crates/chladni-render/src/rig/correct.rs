@@ -2,14 +2,15 @@
 //! tell, and on its posterior covariance.
 
 use super::calibrated::{dead_of, Calibrated};
-use super::calibration::{scan_due, Calibration, ChannelGain, Estimator};
+use super::calibration::{scan_due, Calibration, ChannelGain};
 use super::correction::{Correction, TakenField};
 use super::expectation::most_expected;
+use super::explained::Unexplained;
 use super::given::{best_of, measured_ratio, Count, Given};
 use super::learned::Learned;
 use super::played_field::PlayedField;
 use super::prior::prior_drift;
-use super::seen::{see, Seen};
+use super::seen::{see, AllSeen, Seen};
 use super::structured::Structured;
 use crate::methods::method::Method;
 use crate::methods::options::RenderOptions;
@@ -19,11 +20,12 @@ use crate::problems::problem::Problem;
 use crate::problems::setup::Setup;
 use crate::render::under_fingers;
 use crate::results::outcome::Outcome;
-use crate::results::weights::Weights;
+use crate::results::weights::{Weight, Weights};
 use crate::scene::scene_file::Scene;
 use crate::tolerances;
 use crate::touch::corrected_finding;
 use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
+use ndarray::Array2;
 use num_complex::Complex64;
 
 /// A drive for `scene`, corrected by the fields that were measured under earlier weights,
@@ -70,7 +72,10 @@ pub fn calibrate(
     let setup = Setup::new(model, scene, &drift)?;
     findings.extend(setup.findings.iter().cloned());
     let dead = dead_of(&asked.actuators);
-    let seen = see(&setup, scene, model, played, &dead, &mut findings)?;
+    let AllSeen {
+        fields: seen,
+        swapped,
+    } = see(&setup, scene, model, played, &dead, &mut findings)?;
     let learned = Learned::of(model, &setup, scene, &seen)?;
     findings.extend(learned.findings.iter().cloned());
     let known = before.and_then(|known| known.at(asked.frequency_hz));
@@ -92,20 +97,42 @@ pub fn calibrate(
     let given = best_of(&corrected, new, &seen, (fields, was_kept));
     // tell
     let correction = corrected_by(&setup, &seen, &learned, &given);
-    findings_of_correction(&mut findings, &learned, &seen, &correction);
-    let calibration = learned.calibration([own, model], &corrected, before, &correction);
+    let mobility = &setup.operator.mobility;
+    findings_of_correction(&mut findings, &learned, (mobility, &seen), &correction)?;
+    let calibration = learned.calibration([own, model], &corrected, before, &correction, swapped);
     let outcome = Outcome::of(&corrected, &given.drive)?;
     let touch = under_fingers(model, scene, &corrected, &given.drive);
     let fingers = touch.as_ref().zip(corrected.touch.as_deref());
     findings.extend(fingers.and_then(|(told, plan)| corrected_finding(told, plan)));
-    let weights = Weights {
+    let mut weights = Weights {
         options: options.to_json(&drift),
         correction: Some(correction),
         touch,
         findings: findings.into(),
         ..outcome.weights(&corrected, scene, &given.drive, Method::Robust)
     };
+    if let Some(pair) = swapped {
+        let references = pair.map(|channel| setup.operator.references[channel]);
+        exchange(&mut weights.weights, references);
+    }
     Ok((weights, calibration))
+}
+
+/// Gives each of two channels the weight of the other: what the actuators are to do, behind swapped
+/// cables.
+fn exchange(weights: &mut [Weight], [one, other]: [Dof; 2]) {
+    let value_of = |dof: Dof| {
+        let of_dof = weights.iter().find(|weight| weight.reference == dof);
+        of_dof.map_or(Complex64::ZERO, Weight::value)
+    };
+    let values = [(one, value_of(other)), (other, value_of(one))];
+    for weight in weights {
+        for (dof, value) in values {
+            if weight.reference == dof {
+                *weight = Weight::new(dof, value, weight.unit);
+            }
+        }
+    }
 }
 
 /// Refuses a scene of several tones.
@@ -162,23 +189,41 @@ fn most_expected_drive(
 }
 
 /// Adds the findings of the correction, and takes out those that it explains or renews.
+///
+/// * `mobility`: before any field
 fn findings_of_correction(
     findings: &mut Vec<Finding>,
     learned: &Learned,
-    seen: &[Seen],
+    (mobility, seen): (&Array2<Complex64>, &[Seen]),
     correction: &Correction,
-) {
+) -> Result<()> {
     let structured = &learned.estimators.structured;
-    if learned.chosen == Estimator::Structured {
-        let phases = seen.iter().any(|seen| !seen.magnitudes_only);
-        findings.extend(common_factor(structured, phases));
-    }
+    let phases = seen.iter().any(|seen| !seen.magnitudes_only);
+    findings.extend(common_factor(structured, phases));
     // one dead channel can leave as little of a field's form: it explains the rest
-    let explained = structured.scales.unexplained < tolerances::SCAN_UNEXPLAINED
-        && structured.odd.len() < tolerances::MOST_ODD;
+    let left = seen
+        .iter()
+        .map(|seen| Unexplained::of(mobility, structured, seen))
+        .collect::<Result<Vec<_>>>()?;
+    let explained = left.iter().all(Unexplained::is_explained);
     findings.retain(|finding| !(explained && finding.code == "field-unlike"));
+    if !findings
+        .iter()
+        .any(|finding| finding.code == "field-unlike")
+    {
+        let told = (1..).zip(&left);
+        let told = told.filter_map(|(number, left)| Some((number, left.finding()?)));
+        findings.extend(
+            told.map(|(number, finding): (usize, Finding)| match seen.len() {
+                1 => finding,
+                _ => finding.about(format_args!("field {number}")),
+            }),
+        );
+    }
+    findings.extend(not_better(correction));
     findings.retain(|finding| finding.code != "scan-due");
     findings.extend(correction.scan_reason.as_deref().map(scan_due));
+    Ok(())
 }
 
 /// The result of the fields `seen`.
@@ -205,15 +250,7 @@ fn corrected_by(setup: &Setup, seen: &[Seen], learned: &Learned, given: &Given) 
 
 /// The finding of a factor that all channels share; its phase is known where a field has phases.
 fn common_factor(structured: &Structured, phases: bool) -> Option<Finding> {
-    if structured.scales.level < tolerances::LEVEL_SCALES[1] {
-        return None;
-    }
-    let even = (0..structured.gains.len()).filter(|i| !structured.odd.contains(i));
-    let gains: Vec<Complex64> = even.map(|i| 1.0 + structured.gains[i]).collect();
-    if gains.is_empty() {
-        return None;
-    }
-    let factor = gains.iter().sum::<Complex64>() / gains.len() as f64;
+    let factor = structured.common_factor()?;
     let told = match phases {
         true => format!("{:.3}{:+.3}j", factor.re, factor.im),
         false => format!("{:.3}", factor.norm()),
@@ -226,6 +263,27 @@ fn common_factor(structured: &Structured, phases: bool) -> Option<Finding> {
         .value("re", factor.re)
         .value("im", factor.im);
     Some(finding.help("nothing to do: the gains hold it"))
+}
+
+/// The finding of a drive of which less is expected than the best measured one was seen to serve.
+fn not_better(correction: &Correction) -> Option<Finding> {
+    let best = correction.best_measured.filter(|_| !correction.kept)?;
+    let measured = correction.fields.get(best - 1)?.min_ratio?;
+    if correction.predicted >= measured - tolerances::NO_BETTER {
+        return None;
+    }
+    let words = format!(
+        "the corrected weights are expected to serve {:.3}, less than the {measured:.3} that field \
+         {best} shows: they are no better than those that made it",
+        correction.predicted
+    );
+    let finding = Finding::caution("correction-no-better", words)
+        .value("predicted", correction.predicted)
+        .value("measured", measured);
+    Some(finding.help(
+        "play them to measure another field, from which more is learned; until then the weights of \
+         that field serve more",
+    ))
 }
 
 /// The reason that a new scan is due; `None` where it is not.

@@ -11,19 +11,21 @@
 
 use super::field::{rms, LaidField, Prediction};
 use super::hypothesis::{Hypothesis, Place};
-use super::swapped::Swap;
+use super::swapped::{is_exchanged, Swap, Swapped};
 use super::weighed::{variance, Cause, Found, View};
 use crate::panel::interpolation::{Interpolation, Nodes};
 use crate::panel::modal_field::ModalField;
 use crate::panel::operator::Operator;
 use crate::scene::plane::{Position, Rectangle};
 use crate::tolerances;
-use chladni_frf::{Finding, ModalModel, Result};
+use chladni_frf::{ModalModel, Result};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 
 /// All causes, the likeliest first; of those that can sit at several places the likeliest
-/// place. Two swapped cables are named by the finding beside them.
+/// place. Two swapped cables stand beside them.
+///
+/// * `nis`: of the field; nothing is swapped where the error bars explain it
 ///
 /// # Errors
 /// Those of the factorisations.
@@ -32,7 +34,8 @@ pub(crate) fn diagnose(
     operator: &Operator,
     field: &LaidField,
     prediction: &Prediction,
-) -> Result<(Vec<Hypothesis>, Option<Finding>)> {
+    nis: f64,
+) -> Result<(Vec<Hypothesis>, Option<Swapped>)> {
     let modal = ModalField::new(model, operator, &prediction.drive);
     let view = View::new(model, operator, field, prediction, &modal)?;
     let mut causes = vec![Hypothesis {
@@ -46,13 +49,32 @@ pub(crate) fn diagnose(
     causes.extend(view.frequencies(model, &modal)?);
     causes.extend(view.load(operator, &modal)?);
     causes.push(view.unexplained()?);
-    let swap = Swap::likeliest(&view, operator, prediction)?;
-    let finding = match swap {
-        Some(swap) => swap.finding(&view, prediction, operator, &causes)?,
+    causes.sort_by(|a, b| b.ln_evidence.total_cmp(&a.ln_evidence));
+    let swap = match nis > tolerances::SWAP_NIS {
+        true => Swap::likeliest(&view, operator, prediction)?,
+        false => None,
+    };
+    let swapped = match swap {
+        Some(swap) => swap.told(&view, prediction, causes[0].ln_evidence)?,
         None => None,
     };
-    causes.sort_by(|a, b| b.ln_evidence.total_cmp(&a.ln_evidence));
-    Ok((causes, finding))
+    Ok((causes, swapped))
+}
+
+/// True where the field is likelier with the cables of two channels exchanged than as it is.
+///
+/// # Errors
+/// Those of the factorisations.
+pub(super) fn has_exchanged(
+    model: &ModalModel,
+    operator: &Operator,
+    field: &LaidField,
+    prediction: &Prediction,
+    channels: [usize; 2],
+) -> Result<bool> {
+    let modal = ModalField::new(model, operator, &prediction.drive);
+    let view = View::new(model, operator, field, prediction, &modal)?;
+    is_exchanged(&view, prediction, channels)
 }
 
 impl View<'_> {

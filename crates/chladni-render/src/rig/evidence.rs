@@ -199,21 +199,7 @@ impl Parts {
     fn oddest(&self, posterior: &Posterior, level: f64, odd: &[usize]) -> Option<(usize, f64)> {
         let wide = 2.0 / (level * tolerances::ODD_GAIN_ERROR).powi(2);
         let narrow = 2.0 / (level * posterior.scales.gains).powi(2);
-        let change = wide - narrow;
-        let gain = |i: usize| {
-            let (a, b) = (2 * i, 2 * i + 1);
-            let c = &posterior.covariance;
-            // I + ΣΔ, two by two
-            let [[m00, m01], [m10, m11]] = [
-                [1.0 + c[[a, a]] * change, c[[a, b]] * change],
-                [c[[b, a]] * change, 1.0 + c[[b, b]] * change],
-            ];
-            let det = m00 * m11 - m01 * m10;
-            let (x, y) = (posterior.theta[a], posterior.theta[b]);
-            let solved = [(m11 * x - m01 * y) / det, (m00 * y - m10 * x) / det];
-            let quadratic = change * (x * solved[0] + y * solved[1]);
-            (wide / narrow).ln() - 0.5 * det.ln() - 0.5 * quadratic
-        };
+        let gain = |i: usize| widened(i, &posterior.theta, &posterior.covariance, [wide, narrow]);
         (0..self.actuators())
             .filter(|i| !odd.contains(i))
             .map(|i| (i, gain(i)))
@@ -243,4 +229,28 @@ impl Parts {
         precision.extend([scales.level, turn].map(|std| 2.0 / std.powi(2)));
         precision
     }
+}
+
+/// Growth of ln of the evidence where gain `i` alone gets the prior precision `wide` in place of
+/// `narrow`.
+///
+/// * `sizes`, `covariance`: of all gains under the narrow one, real and imaginary parts in turn
+pub(super) fn widened(
+    i: usize,
+    sizes: &Array1<f64>,
+    covariance: &Array2<f64>,
+    [wide, narrow]: [f64; 2],
+) -> f64 {
+    let (a, b) = (2 * i, 2 * i + 1);
+    let (c, change) = (covariance, wide - narrow);
+    // I + ΣΔ, two by two
+    let [[m00, m01], [m10, m11]] = [
+        [1.0 + c[[a, a]] * change, c[[a, b]] * change],
+        [c[[b, a]] * change, 1.0 + c[[b, b]] * change],
+    ];
+    let det = m00 * m11 - m01 * m10;
+    let (x, y) = (sizes[a], sizes[b]);
+    let solved = [(m11 * x - m01 * y) / det, (m00 * y - m10 * x) / det];
+    let quadratic = change * (x * solved[0] + y * solved[1]);
+    (wide / narrow).ln() - 0.5 * det.ln() - 0.5 * quadratic
 }

@@ -97,6 +97,18 @@ impl LaidField {
         self.std = deviations(&self.stated, &self.velocity);
     }
 
+    /// mean |v − v̂|²/(‖L·A‖² + σ²).
+    ///
+    /// * `deviation`: ‖L·A‖, m/s
+    pub(super) fn nis(&self, predicted: &Array1<Complex64>, deviation: f64) -> f64 {
+        let measured = self.phased(predicted);
+        let of = |k: usize| {
+            let bar = deviation.powi(2) + self.std[k].powi(2);
+            (measured[k] - predicted[k]).norm_sqr() / bar
+        };
+        (0..measured.len()).map(of).sum::<f64>() / measured.len() as f64
+    }
+
     /// The values with the phases of `predicted` where they have none of their own.
     pub(crate) fn phased(&self, predicted: &Array1<Complex64>) -> Array1<Complex64> {
         if !self.magnitudes_only {

@@ -10,6 +10,7 @@ use super::calibration::{
 };
 use super::correction::Correction;
 use super::estimators::{estimate, miss, score, Estimators};
+use super::field::rms;
 use super::kalman::KalmanOperator;
 use super::parts::Parts;
 use super::prior::design;
@@ -136,14 +137,17 @@ impl Learned {
     /// The present knowledge of the rig.
     ///
     /// * `own`, `model`: the model as it was fitted, and as the calibration before made it
+    /// * `swapped`: channels of swapped cables; nothing is kept of their gains, since nobody knows
+    ///   whether they are of the amplifier or of the actuator
     pub(super) fn calibration(
         &self,
         [own, model]: [&ModalModel; 2],
         corrected: &Setup,
         before: Option<&Calibration>,
         told: &Correction,
+        swapped: Option<[usize; 2]>,
     ) -> Calibration {
-        let gains = self.gains(before, told);
+        let gains = self.gains(before, told, swapped);
         let mut dead: Vec<Dof> = before.map_or(Vec::new(), |known| known.dead.clone());
         let mut sizes: Vec<f64> = gains
             .iter()
@@ -167,7 +171,7 @@ impl Learned {
             gains,
             dead,
             modes: self.modes([own, model], corrected.operator.frequency_hz),
-            operators: self.operators(corrected, before, told),
+            operators: self.operators(corrected, before, told, swapped),
         }
     }
 
@@ -176,20 +180,39 @@ impl Learned {
     }
 
     /// The gain of every channel: as known before, times what is told now where that counts.
-    fn gains(&self, before: Option<&Calibration>, told: &Correction) -> Vec<ChannelGain> {
-        let gain = |gain: &ChannelGain| {
+    fn gains(
+        &self,
+        before: Option<&Calibration>,
+        told: &Correction,
+        swapped: Option<[usize; 2]>,
+    ) -> Vec<ChannelGain> {
+        let common = self.common_factor();
+        let gain = |(i, gain): (usize, &ChannelGain)| {
             let known = before.map_or(Complex64::ONE, |known| known.gain_of(gain.reference));
-            let factor = match self.holds_structured() || gain.odd {
+            let is_swapped = swapped.is_some_and(|pair| pair.contains(&i));
+            let factor = match (self.holds_structured() || gain.odd) && !is_swapped {
                 true => known * Complex64::new(gain.re, gain.im),
-                false => known,
+                false => known * common,
+            };
+            let std = match is_swapped {
+                true => gain.std.max(tolerances::RIG_DRIVE_ERROR),
+                false => gain.std,
             };
             ChannelGain {
                 re: factor.re,
                 im: factor.im,
+                std,
+                odd: gain.odd && !is_swapped,
                 ..*gain
             }
         };
-        told.gains.iter().map(gain).collect()
+        told.gains.iter().enumerate().map(gain).collect()
+    }
+
+    /// The factor that all channels share; 1 where they have none.
+    fn common_factor(&self) -> Complex64 {
+        let factor = self.estimators.structured.common_factor();
+        factor.unwrap_or(Complex64::ONE)
     }
 
     /// The modes that may move, as they stand now at a drive frequency.
@@ -222,8 +245,20 @@ impl Learned {
         corrected: &Setup,
         before: Option<&Calibration>,
         told: &Correction,
+        swapped: Option<[usize; 2]>,
     ) -> Vec<CalibratedOperator> {
         let operator = &corrected.operator;
+        let mut mobility = operator.mobility.clone();
+        let mut covariance = corrected.problem.covariance.gram().clone();
+        for i in swapped.into_iter().flatten() {
+            if self.holds_structured() {
+                let own = self.common_factor() / (1.0 + self.estimators.structured.gains[i]);
+                let without_gain = mobility.column(i).mapv(|value| value * own);
+                mobility.column_mut(i).assign(&without_gain);
+            }
+            let square = rms(&mobility.column(i).to_owned()).powi(2);
+            covariance[[i, i]] += square * tolerances::RIG_DRIVE_ERROR.powi(2);
+        }
         let frequency_hz = operator.frequency_hz;
         let here = before.and_then(|known| known.at(frequency_hz));
         let mut operators = vec![CalibratedOperator {
@@ -232,8 +267,8 @@ impl Learned {
             estimator: self.chosen,
             responses: operator.responses.clone(),
             references: operator.references.clone(),
-            mobility: ComplexMatrix(operator.mobility.clone()),
-            covariance: ComplexMatrix(corrected.problem.covariance.gram().clone()),
+            mobility: ComplexMatrix(mobility),
+            covariance: ComplexMatrix(covariance),
         }];
         let elsewhere = |known: &&CalibratedOperator| {
             let distance = (known.frequency_hz - frequency_hz).abs();

@@ -26,16 +26,13 @@ pub(super) fn without_lone_points(
     mobility: &Array2<Complex64>,
     all: &[Dof],
 ) -> Result<Option<Finding>> {
-    if field.magnitudes_only || mobility.nrows() <= mobility.ncols() + tolerances::SPARE_POINTS {
+    if field.magnitudes_only {
         return Ok(None);
     }
+    let Some(motions) = motions(mobility)? else {
+        return Ok(None);
+    };
     let responses: Vec<Dof> = field.rows.iter().map(|&row| all[row]).collect();
-    let mut unit = mobility.clone();
-    for mut column in unit.columns_mut() {
-        let size = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
-        column.mapv_inplace(|value| value / size.max(f64::MIN_POSITIVE));
-    }
-    let motions = range(unit.view(), tolerances::FIELD_RANK).map_err(unsolvable)?;
     let mut basis = motions.clone();
     let most = (responses.len() / tolerances::ONE_LONE_OF).max(1);
     let mut lone: Vec<usize> = Vec::new();
@@ -75,8 +72,26 @@ pub(super) fn without_lone_points(
     ))
 }
 
+/// The motions that the channels can make, as columns of unit length; `None` where the points are
+/// too few to tell of any other.
+///
+/// # Errors
+/// Those of the factorisation.
+pub(super) fn motions(mobility: &Array2<Complex64>) -> Result<Option<Array2<Complex64>>> {
+    if mobility.nrows() <= mobility.ncols() + tolerances::SPARE_POINTS {
+        return Ok(None);
+    }
+    let mut unit = mobility.clone();
+    for mut column in unit.columns_mut() {
+        let size = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+        column.mapv_inplace(|value| value / size.max(f64::MIN_POSITIVE));
+    }
+    let motions = range(unit.view(), tolerances::FIELD_RANK).map_err(unsolvable)?;
+    Ok(Some(motions))
+}
+
 /// The part of a field outside `basis`.
-fn left(basis: &Array2<Complex64>, field: &Array1<Complex64>) -> Array1<Complex64> {
+pub(super) fn left(basis: &Array2<Complex64>, field: &Array1<Complex64>) -> Array1<Complex64> {
     let sizes = basis.t().mapv(|value| value.conj()).dot(field);
     field - &basis.dot(&sizes)
 }

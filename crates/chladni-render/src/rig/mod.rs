@@ -2,17 +2,19 @@
 //! with the rig, and a corrected drive leave.
 //!
 //! `field` (a measured field laid over the operator) → `agreement` (how near) →
-//! `diagnosis` (why not nearer) → `evaluation` (both beside the indices). `seen` (the field
-//! as updates take it) → `structured` (gains and poles: `parts`, weighed by `evidence`) and
-//! `kalman` (the operator itself) → `estimators` → `learned` (which of them counts) →
-//! `correct` (the drive; `given`: or the best measured one). `calibration` keeps what was
-//! learned (`gain_table`: over frequency, `gain_file`: as people write it), `calibrated` starts
-//! the next scene with it; `prior` is what stands before any field. `poles_of_fields` moves the
-//! poles of a model alone.
+//! `diagnosis` (why not nearer; `swapped`: two cables, held against `channel_faults`) →
+//! `evaluation` (both beside the indices). `seen` (the field as updates take it) →
+//! `structured` (gains and poles: `parts`, weighed by `evidence`) and `kalman` (the operator
+//! itself) → `estimators` → `learned` (which of them counts) → `explained` (whether a faulty
+//! rig makes such a field) → `correct` (the drive; `given`: or the best measured one).
+//! `calibration` keeps what was learned (`gain_table`: over frequency, `gain_file`: as people
+//! write it), `calibrated` starts the next scene with it; `prior` is what stands before any
+//! field. `poles_of_fields` moves the poles of a model alone.
 
 mod agreement;
 mod calibrated;
 pub(crate) mod calibration;
+mod channel_faults;
 mod correct;
 mod correction;
 mod diagnosis;
@@ -20,6 +22,7 @@ mod estimators;
 mod evaluation;
 mod evidence;
 mod expectation;
+mod explained;
 mod field;
 mod gain_file;
 mod gain_table;

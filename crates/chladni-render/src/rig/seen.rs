@@ -1,13 +1,15 @@
 //! Measured fields as updates of the operator take them.
 
 use super::agreement::Likeness;
-use super::diagnosis::diagnose;
+use super::diagnosis::{diagnose, has_exchanged};
 use super::field::{noise_assumed, LaidField, Prediction};
 use super::lone_points::without_lone_points;
 use super::played_field::PlayedField;
+use super::swapped::{exchanged, swap_in_words};
 use crate::panel::drive::Drive;
 use crate::problems::setup::Setup;
 use crate::results::evaluate::{laid, Laid, On};
+use crate::results::weights::Weights;
 use crate::scene::scene_file::Scene;
 use crate::tolerances;
 use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
@@ -63,7 +65,17 @@ impl Seen {
     }
 }
 
-/// The fields laid over the operator, each with its drive. The newest tells two swapped cables.
+/// Measured fields as updates take them.
+pub(super) struct AllSeen {
+    /// Each under the drive that the actuators had: swapped cables exchange two weights.
+    pub(super) fields: Vec<Seen>,
+    /// The channels whose cables are swapped under the newest one.
+    pub(super) swapped: Option<[usize; 2]>,
+}
+
+/// The fields laid over the operator, each with its drive. Each tells two swapped cables by itself,
+/// since cables may be exchanged from one to the next; where one does, the same cables are asked
+/// about in the others.
 pub(super) fn see(
     setup: &Setup,
     scene: &Scene,
@@ -71,86 +83,145 @@ pub(super) fn see(
     played: &[PlayedField],
     dead: &[Dof],
     findings: &mut Vec<Finding>,
-) -> Result<Vec<Seen>> {
-    let mut assumed = false;
-    let mut all = Vec::with_capacity(played.len());
+) -> Result<AllSeen> {
+    let operator = &setup.operator;
+    let mut laid_fields = Vec::with_capacity(played.len());
     for (number, pair) in (1..).zip(played) {
-        let weights = &pair.weights;
-        let asked = scene.frequency_hz;
-        if (weights.frequency_hz - asked).abs() > tolerances::SAME_FREQUENCY * asked {
-            return Err(Error::bad_data("the weights are for another frequency")
-                .field("weights.frequency_hz")
-                .found(format!("{} Hz", weights.frequency_hz))
-                .expected(format!("{asked} Hz, as the scene"))
-                .help("give weights that were rendered for this scene"));
-        }
-        let Laid {
-            operator, drive, ..
-        } = laid(weights, scene, On::Model(model))?;
-        let mut whole = Drive::zeros(setup.operator.references.len());
-        for (reference, &weight) in operator.references.iter().zip(&drive) {
-            // what was played into a dead channel moved nothing
-            if dead.iter().any(|dead| dead.same_axis(*reference)) {
-                continue;
-            }
-            let place = setup
-                .operator
-                .references
-                .iter()
-                .position(|known| known == reference);
-            let place = place.ok_or_else(|| {
-                Error::bad_data("the weights drive an actuator that the scene does not use")
-                    .field("weights")
-                    .found(reference)
-                    .expected("the actuators of the scene")
-                    .help("use the same actuators in the scene, or render its weights anew")
-            })?;
-            whole[place] = weight;
-        }
-        if whole.iter().all(|weight| weight.norm() == 0.0) {
-            return Err(Error::bad_data("a field without a drive tells nothing")
-                .field("weights")
-                .found("weights of zero")
-                .expected("weights that drive at least one sound actuator")
-                .help("give the weights that were played"));
-        }
-        let mut field =
-            LaidField::new(&pair.field, &setup.operator, pair.weights_sha256.as_deref())?;
-        let mobility = setup.operator.mobility.select(Axis(0), &field.rows);
-        let responses = &setup.operator.responses;
-        let off = without_lone_points(&mut field, &mobility, responses)?;
-        let predicted = mobility.dot(&whole);
-        let of_field = |finding: Finding| match played.len() {
-            1 => finding,
-            _ => finding.about(format_args!("field {number}")),
+        let drive = drive_of(&pair.weights, setup, scene, model, dead)?;
+        let mut field = LaidField::new(&pair.field, operator, pair.weights_sha256.as_deref())?;
+        let mobility = operator.mobility.select(Axis(0), &field.rows);
+        let off = without_lone_points(&mut field, &mobility, &operator.responses)?;
+        let prediction = Prediction {
+            velocity: mobility.dot(&drive),
+            mobility,
+            drive,
         };
-        let mut told: Vec<Finding> = Vec::from_iter(off);
-        let likeness = Likeness::of(&predicted, &field);
+        let likeness = Likeness::of(&prediction.velocity, &field);
         likeness.check_level()?;
         if number == 1 {
             // the form of a later one is held against what those before it taught
             likeness.check()?;
-            told.extend(likeness.finding());
+        }
+        let deviation = setup.problem.covariance.deviation(&prediction.drive);
+        let nis = field.nis(&prediction.velocity, deviation);
+        let (_, swapped) = diagnose(model, operator, &field, &prediction, nis)?;
+        laid_fields.push((field, prediction, off, swapped));
+    }
+    let of_any = laid_fields.iter().rev().find_map(|laid| laid.3.as_ref());
+    let of_any = of_any.map(|swapped| swapped.channels);
+    let mut all = AllSeen {
+        fields: Vec::with_capacity(played.len()),
+        swapped: None,
+    };
+    let mut assumed = false;
+    for (number, (field, prediction, off, swapped)) in (1..).zip(laid_fields) {
+        let own = swapped.as_ref().map(|swapped| swapped.channels);
+        let other = match (own, of_any) {
+            (None, Some(pair)) => {
+                has_exchanged(model, operator, &field, &prediction, pair)?.then_some(pair)
+            }
+            _ => None,
+        };
+        let drive = match own.or(other) {
+            Some(pair) => exchanged(&prediction.drive, pair),
+            None => prediction.drive,
+        };
+        let mut told: Vec<Finding> = Vec::from_iter(off);
+        if number == 1 {
+            told.extend(Likeness::of(&prediction.mobility.dot(&drive), &field).finding());
         }
         told.extend(few_responses(field.rows.len()));
-        if number == played.len() {
-            // cables may have been exchanged since the fields before
-            let prediction = Prediction {
-                velocity: predicted,
-                mobility,
-                drive: whole.clone(),
-            };
-            let (_, swapped) = diagnose(model, &setup.operator, &field, &prediction)?;
-            told.extend(swapped);
+        let is_newest = number == played.len();
+        if let Some(pair) = own.or(other) {
+            let references = pair.map(|channel| operator.references[channel]);
+            let own = swapped.map(|swapped| swapped.finding());
+            told.push(taken_so(own, references, is_newest));
         }
+        let of_field = |finding: Finding| match played.len() {
+            1 => finding,
+            _ => finding.about(format_args!("field {number}")),
+        };
         findings.extend(told.into_iter().map(of_field));
         assumed |= field.noise_assumed;
-        all.push(Seen::of(field, whole));
+        all.fields.push(Seen::of(field, drive));
+        all.swapped = own.or(other);
     }
     if assumed {
         findings.push(noise_assumed());
     }
     Ok(all)
+}
+
+/// The finding of a field that is taken as that of swapped cables.
+///
+/// * `own`: what the field itself tells of them; `None` where another one does
+fn taken_so(own: Option<Finding>, references: [Dof; 2], is_newest: bool) -> Finding {
+    let code = "channels-swapped";
+    if !is_newest {
+        let [one, other] = references;
+        let words = format!(
+            "the cables of {one} and {other} were swapped when this field was measured, and it is \
+             taken so"
+        );
+        let finding = Finding::note(code, words).dofs(references);
+        return finding.help("nothing to do: they are no longer swapped under the newest field");
+    }
+    let finding =
+        own.unwrap_or_else(|| Finding::caution(code, swap_in_words(references)).dofs(references));
+    finding.help(
+        "the corrected weights are for the rig as it is: play them with these cables swapped; what is \
+         learned of the rig is for cables in their right places: exchange both before the next scene, \
+         and measure the field again",
+    )
+}
+
+/// The drive of `weights` over the actuators of the scene.
+fn drive_of(
+    weights: &Weights,
+    setup: &Setup,
+    scene: &Scene,
+    model: &ModalModel,
+    dead: &[Dof],
+) -> Result<Drive> {
+    let asked = scene.frequency_hz;
+    if (weights.frequency_hz - asked).abs() > tolerances::SAME_FREQUENCY * asked {
+        return Err(Error::bad_data("the weights are for another frequency")
+            .field("weights.frequency_hz")
+            .found(format!("{} Hz", weights.frequency_hz))
+            .expected(format!("{asked} Hz, as the scene"))
+            .help("give weights that were rendered for this scene"));
+    }
+    let Laid {
+        operator, drive, ..
+    } = laid(weights, scene, On::Model(model))?;
+    let mut whole = Drive::zeros(setup.operator.references.len());
+    for (reference, &weight) in operator.references.iter().zip(&drive) {
+        // what was played into a dead channel moved nothing
+        if dead.iter().any(|dead| dead.same_axis(*reference)) {
+            continue;
+        }
+        let place = setup
+            .operator
+            .references
+            .iter()
+            .position(|known| known == reference);
+        let place = place.ok_or_else(|| {
+            Error::bad_data("the weights drive an actuator that the scene does not use")
+                .field("weights")
+                .found(reference)
+                .expected("the actuators of the scene")
+                .help("use the same actuators in the scene, or render its weights anew")
+        })?;
+        whole[place] = weight;
+    }
+    if whole.iter().all(|weight| weight.norm() == 0.0) {
+        return Err(Error::bad_data("a field without a drive tells nothing")
+            .field("weights")
+            .found("weights of zero")
+            .expected("weights that drive at least one sound actuator")
+            .help("give the weights that were played"));
+    }
+    Ok(whole)
 }
 
 /// The finding of a field with too few responses to learn from.

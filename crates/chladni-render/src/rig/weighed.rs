@@ -41,6 +41,8 @@ pub(super) struct Found {
     pub(super) sizes: Array1<f64>,
     pub(super) std: f64,
     pub(super) ln_evidence: f64,
+    /// Covariance of the sizes.
+    pub(super) covariance: Array2<f64>,
 }
 
 /// Evidence of a change, and the mean square of the whitened difference that it leaves: 1 or
@@ -149,6 +151,7 @@ impl<'a> View<'a> {
             ln_evidence: 0.5 * (b.dot(&sizes) - ln_det - ln_prior)
                 - (cause.alternatives as f64).ln(),
             std: inverse.diag().sum().sqrt(),
+            covariance: inverse,
             sizes,
         })
     }
@@ -165,8 +168,22 @@ impl<'a> View<'a> {
             - (alternatives as f64).ln()
     }
 
+    /// The same of a whitened change of a field with phases.
+    pub(super) fn fixed_of_white(
+        &self,
+        change: impl IntoIterator<Item = Complex64>,
+        alternatives: usize,
+    ) -> f64 {
+        let rows = self.difference.len() / 2;
+        let changed = change.into_iter().enumerate().map(|(k, change)| {
+            let left = Complex64::new(self.difference[k], self.difference[rows + k]);
+            (left.conj() * change).re - 0.5 * change.norm_sqr()
+        });
+        changed.sum::<f64>() - (alternatives as f64).ln()
+    }
+
     /// Gains that scatter beside a change without free size, after which each channel moves the
-    /// field by its path.
+    /// field by its path; at the likelier one of the scales of gains.
     pub(super) fn fixed_and_scattered(
         &self,
         change: &Array1<Complex64>,
@@ -174,13 +191,24 @@ impl<'a> View<'a> {
         alternatives: usize,
     ) -> Result<Explained> {
         let changed = self.against(&(self.predicted + change))?;
-        let gains = self.scattered(paths)?;
-        let found = self.weigh_of(&gains, &changed)?;
-        let left = &changed - &gains.columns.dot(&found.sizes);
-        Ok(Explained {
-            ln_evidence: self.fixed_of(&changed, alternatives) + found.ln_evidence,
-            left: left.dot(&left) / left.len() as f64,
-        })
+        let alone = self.fixed_of(&changed, alternatives);
+        let mut gains = self.scattered(paths)?;
+        let mut best = Explained {
+            ln_evidence: f64::NEG_INFINITY,
+            left: f64::INFINITY,
+        };
+        for scale in tolerances::SCATTER_SCALES {
+            gains.prior = variance(scale);
+            let found = self.weigh_of(&gains, &changed)?;
+            if alone + found.ln_evidence > best.ln_evidence {
+                let left = &changed - &gains.columns.dot(&found.sizes);
+                best = Explained {
+                    ln_evidence: alone + found.ln_evidence,
+                    left: left.dot(&left) / left.len() as f64,
+                };
+            }
+        }
+        Ok(best)
     }
 
     /// Gains of all channels, each by itself.

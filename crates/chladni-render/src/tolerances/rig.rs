@@ -30,6 +30,19 @@ pub const CONJUGATE_LEAVES: f64 = 0.3;
 /// cancel.
 pub const UNLIKE: f64 = 0.1;
 
+/// Share of a field that gains and natural frequencies leave where they explain it: single faults, 10 %
+/// of all gains and three dead channels leave 0.001, fields of other weights or mirrored 0.22 and more.
+/// A finger beside a mode on the drive leaves up to 0.9: it is no fault of theirs.
+pub const FAULTS_LEAVE: f64 = 0.1;
+
+/// The same that every motion of the panel leaves: fingers and 3 g leave 0.013 at most, any other fault
+/// less, and points in another order 0.11 to 0.6.
+pub const MOTIONS_LEAVE: f64 = 0.05;
+
+/// Expected share below the best measured one by which a corrected drive is no better: one response of
+/// a hundred.
+pub const NO_BETTER: f64 = 0.01;
+
 /// Points beyond the channels that tell of one that no motion explains.
 pub const SPARE_POINTS: usize = 8;
 
@@ -233,6 +246,17 @@ pub const SWAP_EVIDENCE: f64 = 5.0;
 /// which a swap would be the likeliest single cause, leave 5.8 and more; with four faults at once
 /// down to 3.
 pub const SWAP_LEAVES: f64 = 3.0;
+
+/// NIS of a field up to which its error bars explain it: no cables are called swapped.
+pub const SWAP_NIS: f64 = 1.5;
+
+/// Standard deviations of gains beside two swapped cables, and beside the faults that they are held
+/// against: a batch of amplifiers, and a bad one. With the first alone a swap among gains that err by
+/// a tenth stays unnamed in 8 of 8 rigs.
+pub const SCATTER_SCALES: [f64; 2] = [CHANNEL_GAIN_ERROR, 0.12];
+
+/// Errors of the factor of a channel whose fault has no free size: dead and reversed.
+pub const KNOWN_FAULTS: [f64; 2] = [-1.0, -2.0];
 
 /// Responses from which on two swapped cables are told: with fewer, gains that scatter explain
 /// whatever a wrong pair leaves.

@@ -17,23 +17,23 @@ const REACHED: f64 = 0.99;
 /// Noise of the scanner over the rms of its field.
 const NOISE: f64 = 0.01;
 
-fn corner() -> Scene {
+pub fn corner() -> Scene {
     cell_scene([2, 2], 1, "")
 }
 
-fn first_drive() -> Weights {
+pub fn first_drive() -> Weights {
     render(truth(), &corner(), &RenderOptions::default())
         .unwrap()
         .weights
 }
 
 /// Smaller of hot and cold ratio of what a drive truly does at the responses.
-fn served(rig: &Rig, weights: &Weights) -> f64 {
+pub fn served(rig: &Rig, weights: &Weights) -> f64 {
     served_in(&corner(), rig, weights)
 }
 
 /// The same in another scene.
-fn served_in(scene: &Scene, rig: &Rig, weights: &Weights) -> f64 {
+pub fn served_in(scene: &Scene, rig: &Rig, weights: &Weights) -> f64 {
     let field = rig.field(&rig.drive(weights));
     let limits = scene.limits().unwrap();
     let rendering =
@@ -210,13 +210,13 @@ fn a_drive_that_served_as_measured_is_given_again_after_three_fields() {
 }
 
 /// The scene with a calibration.
-fn with(calibration: &Calibration, scene: &Scene) -> Scene {
+pub fn with(calibration: &Calibration, scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.actuators.calibration = Some(Arc::new(calibration.clone()));
     scene
 }
 
-fn rendered(scene: &Scene) -> Weights {
+pub fn rendered(scene: &Scene) -> Weights {
     render(truth(), scene, &RenderOptions::default())
         .unwrap()
         .weights
