@@ -57,7 +57,6 @@ fn a_field_that_no_fault_explains_is_doubted() {
                 "mirrored",
                 reordered(&right, |k| k + COLUMNS - 1 - 2 * (k % COLUMNS)),
             ),
-            ("turned", reordered(&right, |k| ROWS * COLUMNS - 1 - k)),
             ("of other weights", foreign),
             ("noise", noise),
         ] {
