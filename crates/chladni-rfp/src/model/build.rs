@@ -158,10 +158,14 @@ impl Shaped {
             return Ok(());
         };
         // what shapes leave beside noise lengthens bars, and shortens none
+        let misfit = match self.chi2_per_dof > limits::SHAPE_MISFIT {
+            true => self.chi2_per_dof,
+            false => 1.0,
+        };
         let over_mean: Vec<f64> = uneven
             .over_mean
             .iter()
-            .map(|noise| noise * self.chi2_per_dof.max(1.0))
+            .map(|noise| noise * misfit)
             .collect();
         let noise = OfFrfs {
             pairs: &data.pairs,

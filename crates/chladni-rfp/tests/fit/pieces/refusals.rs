@@ -90,7 +90,7 @@ fn files_of_another_version_or_damaged_are_refused_by_name() {
     let end = bytes.iter().position(|byte| *byte == b'\n').unwrap();
     let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
     let with_head = |head: String| [head.as_bytes(), &bytes[end..]].concat();
-    let other = error(&with_head(head.replace("\"version\":7", "\"version\":1")));
+    let other = error(&with_head(head.replace("\"version\":8", "\"version\":1")));
     assert!(
         other.contains("another version") && other.contains("1 (written by chladni"),
         "{other}"
