@@ -1,4 +1,4 @@
-//! Whether a faulty rig explains a measured field.
+//! The judgement of a measured field: a faulty rig explains it, or nothing does.
 //!
 //! Whatever is wrong with a rig, its panel moves as the columns of the mobility do: behind amplifiers
 //! that err, dead, reversed or swapped channels, moved modes, fingers and masses. A field whose

@@ -23,6 +23,20 @@ fn sure(case: &Case) -> Vec<usize> {
     sure.map(|(n, _)| n).collect()
 }
 
+/// Modes that are sure, and those that their error bars alone make weak.
+fn sure_or_uncertain(case: &Case) -> Vec<usize> {
+    let modes = case.model.modes.iter().enumerate();
+    let uncertain = |mode: &Mode| {
+        let mut codes = mode.reasons.iter().map(|reason| reason.code.as_ref());
+        mode.trust == Trust::Weak
+            && !mode.reasons.is_empty()
+            && codes.all(|code| code == "uncertain")
+    };
+    let asked = |mode: &Mode| mode.in_band && (mode.trust == Trust::Sure || uncertain(mode));
+    let asked = modes.filter(|(_, mode)| asked(mode));
+    asked.map(|(n, _)| n).collect()
+}
+
 /// So few lines that poles, residues and residual terms would explain any values.
 pub(crate) fn few_values(case: &Case) -> Option<Checked> {
     let (lines, frfs) = (case.data.lines.len(), case.data.pairs.len());
@@ -55,22 +69,22 @@ pub(crate) fn few_values(case: &Case) -> Option<Checked> {
 /// loudest FRFs feign modes in data that are mostly noise, and where the weights of responses and
 /// references do not make the noise of FRFs equal.
 pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
-    let sure = sure(case);
     let mostly_noise = case.model.quality.relative_error >= limits::MOSTLY_NOISE;
     let uneven = case.white.then(|| uneven_noise(case)).flatten();
-    let sure: Vec<usize> = match (mostly_noise, uneven) {
-        (true, _) => sure,
-        (false, Some(spread)) => sure
+    let asked: Vec<usize> = match (mostly_noise, uneven) {
+        (true, _) => sure(case),
+        // bars that follow the noise of FRFs may have made a feigned mode weak, and do not say why
+        (false, Some(spread)) => sure_or_uncertain(case)
             .into_iter()
             .filter(|&n| is_faint(case, n, spread))
             .collect(),
         (false, None) => return None,
     };
-    if sure.is_empty() {
+    if asked.is_empty() {
         return None;
     }
-    let stand_out = stand_out(case, case.values?, &sure)?;
-    let modes = sure.into_iter().zip(stand_out);
+    let stand_out = stand_out(case, case.values?, &asked)?;
+    let modes = asked.into_iter().zip(stand_out);
     let weak: Vec<usize> = modes.filter(|(_, out)| !out).map(|(n, _)| n).collect();
     if weak.is_empty() {
         return None;

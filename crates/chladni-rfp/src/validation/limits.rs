@@ -15,7 +15,7 @@ pub(super) const SPACING_SAMPLES: usize = 400;
 
 /// Shapes less alike than this belong to different modes.
 pub(super) const LEAST_MAC: f64 = 0.5;
-/// Where less than this part of the DOFs of the smaller set has a partner at its place, the
+/// Least part of the DOFs of the smaller set that has a partner at its place; below it the
 /// coordinates may not be the same. Of a plate whose origin lies one point off, more than
 /// half of the points still fall on others.
 pub(super) const LEAST_PAIRED: f64 = 0.5;

@@ -189,7 +189,7 @@ fn loud_frfs_feign_no_sure_mode_beside_true_ones() {
         ..Synthetic::default()
     };
     let clean = clean.build().unwrap();
-    let mut feigned = 0;
+    let mut told = 0;
     for seed in 0..60 {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut frf = clean.frf.clone();
@@ -214,7 +214,8 @@ fn loud_frfs_feign_no_sure_mode_beside_true_ones() {
             missed.is_empty() && sure.is_empty(),
             "seed {seed}: {sure:?}"
         );
-        feigned += spurious.len();
+        let findings = &model.quality.findings;
+        told += usize::from(findings.iter().any(|one| one.code == "noise-alone"));
     }
-    assert!(feigned > 0, "no seed shows a mode that noise feigns");
+    assert!(told > 0, "no seed shows what the check is for");
 }

@@ -52,7 +52,7 @@ pub(super) struct CommonDofs {
     pub largest_distance_m: Option<f64>,
     /// The names are shared, yet their places differ.
     pub names_contradicted: bool,
-    /// What all positions of the second set lie beyond those of the first of the same name,
+    /// The way from all positions of the first set to those of the second of the same name,
     /// m: another origin. `None` where the names stand for the same places, or no one offset
     /// explains how they differ.
     pub offset_m: Option<[f64; 3]>,

@@ -213,7 +213,7 @@ fn nothing_in_common(a: &ShapeSet, b: &ShapeSet, dofs: &CommonDofs) -> Error {
     )
 }
 
-/// What makes points coincide that should: one unit, one coordinate system, or names alone.
+/// Advice that makes points coincide: one unit, one coordinate system, or names alone.
 fn ways_out(a: &ShapeSet, b: &ShapeSet) -> String {
     let times = extent_m(b) / extent_m(a);
     let is_thousand = |times: f64| (times / UNIT_FACTOR).ln().abs() < SAME_EXTENT.ln();
