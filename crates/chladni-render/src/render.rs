@@ -53,9 +53,9 @@ pub fn render(model: &ModalModel, scene: &Scene, options: &RenderOptions) -> Res
     render_measured(model, scene, options, None)
 }
 
-/// Finds the weights that move the hot zone of `scene` and keep the cold one quiet; of a
-/// scene with several tones those of each, and where they are counted the same actuators
-/// for all.
+/// Finds the weights that move the hot zone of `scene` and keep the cold one quiet. A scene
+/// with several tones gets weights for each tone; counted actuators
+/// ([`RenderOptions::actuators`]) are the same for all tones.
 ///
 /// * `measured`: FRFs whose line at the drive frequency judges how many modes are enough;
 ///   without them the whole model does
@@ -73,9 +73,9 @@ pub fn render_measured(
     render_with_others(model, scene, &[], options, measured)
 }
 
-/// The same with actuators that, where they are counted, serve the scenes `others` as
-/// well: whichever of these scenes is rendered with the rest as `others`, in one order,
-/// the same actuators are chosen.
+/// As [`render_measured`]. If actuators are counted ([`RenderOptions::actuators`]), one set is
+/// chosen that serves `scene` and all `others`. The set does not depend on which of these scenes
+/// is rendered, if their order is kept.
 ///
 /// # Errors
 /// As [`render_measured`]; scenes that allow different actuators.

@@ -83,18 +83,21 @@ use still::moving;
 use table::Table;
 
 /// Settings of the estimation of FRFs.
+///
+/// Averages take each record as one block, or cut it into several. Under continuous random
+/// excitation records are cut if each response was measured once. Under a force that ends before
+/// its record they are cut if there are fewer runs than references. Under any other force they are
+/// cut if every set of references was measured in one run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EstimateOptions {
     /// Estimator; `None`: [`Estimator::Lrm`] for long records of continuous random
     /// excitation where neither window nor overlap is given, else [`Estimator::H1`].
     pub estimator: Option<Estimator>,
-    /// Window; `None`: Hann for one long record, none for several short ones, and for one whose
-    /// force ends before it.
+    /// Window; `None`: Hann where records are cut into blocks, else none.
     pub window: Option<BlockWindow>,
-    /// Samples of a block; `None`: the whole record where there are several, or where the force
-    /// ends before it, else so that about [`BLOCKS`] half-overlapped ones fill it. With a local
-    /// method the sampling rate over the distance of lines; `None`: as fine as the shortest record
-    /// allows.
+    /// Samples of a block; `None`: where records are cut, so that about [`BLOCKS`] half-overlapped
+    /// blocks fill the shortest, else the whole of it. With a local method the sampling rate over
+    /// the distance of lines; `None`: as fine as the shortest record allows.
     pub block: Option<usize>,
     /// Overlap of blocks, 0 to 0.95; `None`: two thirds with a Hann window, else none.
     pub overlap: Option<f64>,
