@@ -2,7 +2,7 @@
 
 use crate::judging::ceiling::Ceiling;
 use crate::judging::endurance::Endurance;
-use crate::judging::frequency_sweep::{bearing_frequency, mode_near};
+use crate::judging::frequency_sweep::{less_sensitive_frequency, mode_near};
 use crate::judging::shortcomings::{ground_lost, replayed_worse, shortfall, strength, Replay};
 use crate::methods::choice::MethodChoice;
 use crate::methods::drive_error;
@@ -146,8 +146,8 @@ fn render_tone(
         feasible && !refuted && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
     let endurance = endures.then(|| Endurance::of(setup, model, drive, gain_error));
     findings.extend(endurance.iter().filter_map(Endurance::finding));
-    let bears = found.bears.filter(|_| feasible);
-    findings.extend(bears.and_then(drive_error::finding));
+    let tolerated = found.tolerated.filter(|_| feasible);
+    findings.extend(tolerated.and_then(drive_error::finding));
     let touch = under_fingers(model, scene, setup, drive);
     if let Some(told) = &touch {
         let touched_db = found.solution.touched_db;
@@ -158,7 +158,7 @@ fn render_tone(
     numbered(&mut findings, &in_band_hz(model));
     let weights = Weights {
         options: options.to_json(&Drift {
-            drive_relative: found.named.or(found.bears),
+            drive_relative: found.named.or(found.tolerated),
             ..scene.drift.unwrap_or(options.drift)
         }),
         ceiling,
@@ -191,8 +191,8 @@ struct Found {
     actuators: usize,
     /// Error of each actuator's force, relative, that the scene or the options name.
     named: Option<f64>,
-    /// The one that the drive bears where none is named; `None` where that is not sought.
-    bears: Option<f64>,
+    /// The one that the drive tolerates where none is named; `None` where that is not sought.
+    tolerated: Option<f64>,
     method: Method,
     /// The drive of the actuators chosen.
     solution: Solution,
@@ -231,12 +231,12 @@ impl Found {
         // fingers and events in time take the margin that there is: then no error is assumed
         let asks_more = scene.touch.is_some() || scene.time.is_some();
         let is_open = named.is_none() && scene.learned.is_none() && !asks_more;
-        let bears = match is_open && decision.method == Method::Robust {
-            true => Some(drive_error::borne(used)?),
+        let tolerated = match is_open && decision.method == Method::Robust {
+            true => Some(drive_error::tolerated_error(used)?),
             false => None,
         };
-        let fewer = fewer.map(|fewer| fewer.with_drive_error(bears.unwrap_or(0.0)));
-        let setup = setup.with_drive_error(bears.unwrap_or(0.0));
+        let fewer = fewer.map(|fewer| fewer.with_drive_error(tolerated.unwrap_or(0.0)));
+        let setup = setup.with_drive_error(tolerated.unwrap_or(0.0));
         let used = fewer.as_ref().unwrap_or(&setup);
         let (method, mut solution) = decision.run(used, model, options.cut)?;
         let mut findings = setup.findings.clone();
@@ -251,7 +251,7 @@ impl Found {
             all_modes,
             fewer,
             named,
-            bears,
+            tolerated,
             method,
             solution,
             findings,
@@ -371,8 +371,8 @@ pub(crate) fn under_fingers(
     ))
 }
 
-/// Findings on what fingers do to a drive; of one that a firm finger ends, with a frequency
-/// that bears it.
+/// Findings on what fingers do to a drive. If it does not tolerate the firmest finger, they name
+/// a less sensitive frequency.
 fn of_fingers(
     told: &TouchIndices,
     (model, scene): (&ModalModel, &Scene),
@@ -384,10 +384,10 @@ fn of_fingers(
         return Ok(Vec::new());
     };
     let asked = [scene.frequency_hz, setup.limits.apart_db()];
-    let is_borne = told.firmest == plan.touch.impedances.last().map(|t| t.name.clone());
-    let elsewhere = match is_borne {
+    let is_tolerated = told.firmest == plan.touch.impedances.last().map(|t| t.name.clone());
+    let elsewhere = match is_tolerated {
         true => None,
-        false => bearing_frequency(model, scene, options, told.firmest.as_deref())?,
+        false => less_sensitive_frequency(model, scene, options, told.firmest.as_deref())?,
     };
     let mode_hz = mode_near(model, scene.frequency_hz);
     Ok(touch_findings(

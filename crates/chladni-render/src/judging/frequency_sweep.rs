@@ -196,12 +196,12 @@ fn touched_ratio(setup: &Setup, model: &ModalModel, drive: &Drive) -> Option<f64
     least
 }
 
-/// A frequency near that of the scene at which a firmer finger is borne, Hz, with the κ there
+/// A frequency near that of the scene at which a firmer finger is tolerated, Hz, with the κ there
 /// and the name of the fingertip. It is the best of the few frequencies at which a finger
 /// takes least of its own motion.
 ///
-/// * `firmest`: the firmest fingertip that is borne at the scene's own frequency
-pub(crate) fn bearing_frequency(
+/// * `firmest`: the firmest fingertip that is tolerated at the scene's own frequency
+pub(crate) fn less_sensitive_frequency(
     model: &ModalModel,
     scene: &Scene,
     options: &RenderOptions,
@@ -225,10 +225,10 @@ pub(crate) fn bearing_frequency(
             .into_par_iter()
             .map(|hz| at(model, &asked, options, hz))
             .collect::<Result<Vec<_>>>()?;
-        let borne = tried
+        let tolerated = tried
             .iter()
             .filter_map(|f| Some((f.frequency_hz, f.touched_kappa?)));
-        let enough = borne.filter(|(_, kappa)| *kappa >= touch.kappa_least);
+        let enough = tolerated.filter(|(_, kappa)| *kappa >= touch.kappa_least);
         if let Some((hz, kappa)) = enough.max_by(|a, b| a.1.total_cmp(&b.1)) {
             return Ok(Some((hz, kappa, name.clone())));
         }
@@ -303,7 +303,7 @@ mod tests {
         let held = swept(at(0.6), 1.0, 0.9, 0.5);
         assert_eq!(best(&[met, spared]), met.frequency_hz);
         assert_eq!(best(&[met, spared, held]), held.frequency_hz);
-        // of two that are met, the one that bears the fingers of the scene
+        // of two that are met, the one that tolerates the fingers of the scene
         let under = |swept: SweptFrequency, kappa| SweptFrequency {
             touched_kappa: Some(kappa),
             ..swept

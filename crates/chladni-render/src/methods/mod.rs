@@ -3,7 +3,7 @@
 //!
 //! `options` (what a user may set) → `choice` (the method that runs) → `method` (its file) →
 //! `solution`. `mls` iterates by `magnitudes` and `split`; `robust` and `min_effort` climb from
-//! its drive. `gain` scales a drive, `drive_error` finds the error of amplifiers that it bears.
+//! its drive. `gain` scales a drive, `drive_error` finds the error of amplifiers that it tolerates.
 
 pub(crate) mod choice;
 pub(crate) mod contrast;

@@ -22,7 +22,7 @@ use crate::problems::setup::Setup;
 use crate::solving::climb::Climb;
 use crate::solving::drive_program::Asked;
 use crate::tolerances;
-use crate::touch::{bear, Borne};
+use crate::touch::{drive_under_fingers, TouchDrive};
 use chladni_frf::Result;
 
 /// The most robust drive found from the best drive of `mls`; with more than one start
@@ -33,7 +33,7 @@ pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
     let Some(plan) = &setup.touch else {
         return Ok(Solution::of_drive(drive));
     };
-    let Borne { drive, best_db } = bear(setup, plan, drive, effort)?;
+    let TouchDrive { drive, best_db } = drive_under_fingers(setup, plan, drive, effort)?;
     Ok(Solution {
         touched_db: best_db,
         ..Solution::of_drive(drive)

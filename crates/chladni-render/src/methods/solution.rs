@@ -13,7 +13,7 @@ pub(crate) struct Solution {
     /// Quantities between target and drive, of the method that goes through modal
     /// coefficients.
     pub(crate) modal: Option<ModalSteps>,
-    /// Largest contrast that was found under the firmest fingers, dB, where no drive bears
+    /// Largest contrast that was found under the firmest fingers, dB, where no drive tolerates
     /// them.
     pub(crate) touched_db: Option<f64>,
 }

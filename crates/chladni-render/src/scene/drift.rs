@@ -19,7 +19,7 @@ pub struct Drift {
     pub isotropic_relative: f64,
     /// Of each actuator's force for its weight: gains and phases of amplifiers and coils.
     /// `None`: no error is assumed. Method `robust` then still withstands the largest usual
-    /// error that costs no ground (`tolerances::BORNE_DRIVE_ERRORS`).
+    /// error that costs no ground (`tolerances::TOLERATED_DRIVE_ERRORS`).
     pub drive_relative: Option<f64>,
 }
 

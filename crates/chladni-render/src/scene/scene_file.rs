@@ -43,7 +43,7 @@ pub struct Scene {
     /// Drift of the panel away from its model; `None`: as the options of the rendering
     /// say.
     pub drift: Option<Drift>,
-    /// Fingers that the drive must bear; `None`: nobody touches.
+    /// Fingers that the drive must tolerate; `None`: nobody touches.
     pub touch: Option<Touch>,
     /// Events over time; `None`: a steady tone.
     pub time: Option<TimeTable>,

@@ -38,7 +38,7 @@ pub const ENDURANCE_SEED: u64 = 0;
 pub const ENDURANCE_FREQUENCY_ERROR: f64 = 1e-3;
 
 /// Distance from the drive, Hz, within which another frequency is looked for where fingers
-/// are not borne, and the step of that.
+/// are not tolerated, and the step of that.
 pub const TOUCH_SEARCH_HZ: [f64; 2] = [40.0, 10.0];
 
 /// Frequencies of these that are tried by a program.

@@ -73,8 +73,8 @@ pub const SAME_WAY: f64 = 0.95;
 /// scene of the last that no drive serves 1.2 s; its programs grow with this number.
 pub const ROBUST_SIZE: f64 = 1e6;
 
-/// Errors of each actuator's force for its weight that a drive of method `robust` bears
+/// Errors of each actuator's force for its weight that a drive of method `robust` tolerates
 /// where its scene names none and margin allows, rms of the complex factor, relative. The
 /// first is that of the scene contract (amplifiers of 1 % and 1°). docs/accuracy.md has what
 /// each buys and costs.
-pub const BORNE_DRIVE_ERRORS: [f64; 2] = [0.02, 0.01];
+pub const TOLERATED_DRIVE_ERRORS: [f64; 2] = [0.02, 0.01];

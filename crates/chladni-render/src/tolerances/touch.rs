@@ -23,7 +23,7 @@ pub const TOUCH_ROWS_JOINING: usize = 60;
 pub const SAME_TOUCHED_KAPPA: f64 = 0.02;
 
 /// Motion that a finger takes from its own place, dB, above which no program is tried in a
-/// sweep: the study found none that bears it.
+/// sweep: the study found none that tolerates it.
 pub const TOUCH_LOSS_DB: f64 = 3.0;
 
 /// Rounds of programs that a frequency of a sweep is worth.

@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 pub struct TouchIndices {
     /// Least hot over largest cold velocity under all fingertips and at all places, dB.
     pub contrast_db: Option<f64>,
-    /// The firmest fingertip that the drive bears with the κ that was asked for.
+    /// The firmest fingertip that the drive tolerates with the κ that was asked for.
     pub firmest: Option<String>,
-    /// κ under it and all softer ones; under the softest where none is borne.
+    /// κ under it and all softer ones; under the softest where none is tolerated.
     pub kappa: Option<f64>,
     /// Places that were tried, others than the drive was made for.
     pub places: usize,
@@ -102,7 +102,7 @@ fn points(problem: &Problem, judged: Judged, plan: &TouchPlan, drive: &Drive) ->
     }
 }
 
-/// The finding on whether a corrected drive bears the fingers of its scene.
+/// The finding on whether a corrected drive tolerates the fingers of its scene.
 pub(crate) fn corrected_finding(told: &TouchIndices, plan: &TouchPlan) -> Option<Finding> {
     let firmest = &plan.touch.impedances.last()?.name;
     let points = &told.points;
@@ -116,15 +116,16 @@ pub(crate) fn corrected_finding(told: &TouchIndices, plan: &TouchPlan) -> Option
             let kappa = told
                 .kappa
                 .map_or(String::new(), |kappa| format!(" with κ {kappa:.1}"));
-            let words = format!("the corrected drive bears a {name} finger{kappa}; {shares}");
+            let words = format!("the corrected drive tolerates a {name} finger{kappa}; {shares}");
             Finding::note("touch-corrected", words)
         }
-        borne => {
-            let softer = borne
+        softer => {
+            let softer = softer
                 .as_ref()
-                .map_or(String::new(), |name| format!("; it bears a {name} one"));
-            let words =
-                format!("the corrected drive does not bear a {firmest} finger{softer}; {shares}");
+                .map_or(String::new(), |name| format!("; it tolerates a {name} one"));
+            let words = format!(
+                "the corrected drive does not tolerate a {firmest} finger{softer}; {shares}"
+            );
             Finding::caution("touch-corrected", words)
                 .help("measure another field, take another frequency, or ask for softer fingers")
         }
@@ -132,7 +133,7 @@ pub(crate) fn corrected_finding(told: &TouchIndices, plan: &TouchPlan) -> Option
     Some(finding.value("min_ratio", points.min_ratio))
 }
 
-/// Findings on what no drive bears, and what another frequency would.
+/// Findings on what no drive tolerates, and what another frequency would.
 ///
 /// * `best_db`: contrast that was found under the firmest, dB; `asked_db`: what is needed
 /// * `mode_hz`: the mode nearest to the drive, `elsewhere`: a frequency, the κ there and the
@@ -155,15 +156,15 @@ pub(crate) fn findings(
             .help("measure a driving point"),
         );
     }
-    let Some(not_borne) = plan.touch.impedances.last() else {
+    let Some(firm) = plan.touch.impedances.last() else {
         return findings;
     };
-    if told.firmest.as_ref() == Some(&not_borne.name) {
+    if told.firmest.as_ref() == Some(&firm.name) {
         return findings;
     }
     let mut words = format!(
-        "no drive found bears a {} finger at {drive_hz} Hz",
-        not_borne.name
+        "no drive found tolerates a {} finger at {drive_hz} Hz",
+        firm.name
     );
     if let Some(db) = best_db.or(told.contrast_db) {
         words += &format!(" ({db:.1} dB, {asked_db:.1} needed)");
@@ -172,10 +173,10 @@ pub(crate) fn findings(
         words += &format!(": a mode lies at {hz:.1} Hz");
     }
     if let Some(firmest) = &told.firmest {
-        words += &format!("; it bears a {firmest} one");
+        words += &format!("; it tolerates a {firmest} one");
     }
     if let Some((hz, kappa, name)) = &elsewhere {
-        words += &format!(". {hz} Hz bears a {name} one with κ {kappa:.1}");
+        words += &format!(". At {hz} Hz a drive tolerates a {name} one with κ {kappa:.1}");
     }
     let mut finding = Finding::caution("touch-not-borne", words)
         .help("take another frequency, or ask for softer fingers");

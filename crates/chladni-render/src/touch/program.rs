@@ -1,4 +1,4 @@
-//! A drive that bears fingers.
+//! A drive that tolerates fingers.
 //!
 //! The touched rows of every place and fingertip join the robust program by need, the worst
 //! first. κ comes before firmness: the firmest fingertip is taken under which some drive
@@ -16,15 +16,20 @@ use crate::tolerances;
 use chladni_frf::Result;
 
 /// The result of the search for a drive.
-pub(crate) struct Borne {
+pub(crate) struct TouchDrive {
     /// The drive.
     pub(crate) drive: Drive,
     /// Largest contrast that was found under all fingertips, dB, where it is not enough.
     pub(crate) best_db: Option<f64>,
 }
 
-/// The drive that bears the firmest fingers, from `start`, which bears none.
-pub(crate) fn bear(setup: &Setup, plan: &TouchPlan, start: Drive, effort: Effort) -> Result<Borne> {
+/// The drive that tolerates the firmest fingers, from `start`, which tolerates none.
+pub(crate) fn drive_under_fingers(
+    setup: &Setup,
+    plan: &TouchPlan,
+    start: Drive,
+    effort: Effort,
+) -> Result<TouchDrive> {
     let problem = &setup.problem;
     let least = plan.touch.kappa_least;
     let mut best_db = None;
@@ -32,7 +37,7 @@ pub(crate) fn bear(setup: &Setup, plan: &TouchPlan, start: Drive, effort: Effort
         let rows = plan.rows(judged(setup), softest);
         let on = problem.with_between(&rows, 1.0);
         let drive = most_robust(problem, &on, &start, least, effort.conic_rounds)?;
-        if !bears(&on, &drive, least) {
+        if !tolerates(&on, &drive, least) {
             let reached = [&drive, &start].map(|drive| contrast_db(&on, drive));
             let most = reached.into_iter().flatten().max_by(f64::total_cmp);
             best_db = best_db.or(most);
@@ -42,15 +47,15 @@ pub(crate) fn bear(setup: &Setup, plan: &TouchPlan, start: Drive, effort: Effort
             Some(ground) => serve_ground([problem, &on], ground, drive, least, effort)?,
             None => drive,
         };
-        return Ok(Borne { drive, best_db });
+        return Ok(TouchDrive { drive, best_db });
     }
-    Ok(Borne {
+    Ok(TouchDrive {
         drive: start,
         best_db,
     })
 }
 
-/// From a drive that bears fingers on `on` to one that serves the ground between the responses
+/// From a drive that tolerates fingers on `on` to one that serves the ground between the responses
 /// as well. Where that costs the κ at which responses are sure, the touched ones keep 0.9 of
 /// it, and as much ground is served as that and the force limit leave.
 fn serve_ground(
@@ -63,12 +68,12 @@ fn serve_ground(
     let whole = on.with_between(ground, 1.0);
     let all = most_robust(problem, &whole, &drive, least, effort.conic_rounds)?;
     let kappa = problem.kappa_of_confidence().max(least) * tolerances::KEEP;
-    let asked = match bears(on, &drive, kappa) {
+    let asked = match tolerates(on, &drive, kappa) {
         true => kappa,
         // touched rows are not sure even without the ground
         false => least,
     };
-    if bears(&whole, &all, asked) {
+    if tolerates(&whole, &all, asked) {
         return Ok(all);
     }
     let asked = Asked {
@@ -81,9 +86,9 @@ fn serve_ground(
     let most = climb.serve_ground(drive.clone(), asked)?;
     let served = |drive: &Drive| whole.score(drive).min_ratio;
     Ok(
-        if bears(on, &most, asked.kappa) && served(&most) > served(&drive) {
+        if tolerates(on, &most, asked.kappa) && served(&most) > served(&drive) {
             most
-        } else if bears(&whole, &all, least) {
+        } else if tolerates(&whole, &all, least) {
             all
         } else {
             drive
@@ -126,7 +131,7 @@ fn climb<'a>(problem: &Problem, on: &'a Problem, rounds: usize) -> Result<Climb<
 
 /// The largest κ up to what is enough, most of it at the least peak force; where it is enough,
 /// the margin that little force gives, too: fingers and the mobility under them are known to a
-/// few percent, and every part of a limit that is left bears that.
+/// few percent, and every part of a limit that is left covers that.
 fn most_robust(
     problem: &Problem,
     on: &Problem,
@@ -148,19 +153,19 @@ fn most_robust(
     let softer = climb.lower_peak(drive.clone(), asked)?;
     // a force that is hardly less is not worth a tenth of κ
     let is_softer = peak(&softer) < peak(&drive) * (1.0 - tolerances::COST_GAIN);
-    let takes = is_softer && bears(on, &softer, asked.kappa);
+    let takes = is_softer && tolerates(on, &softer, asked.kappa);
     let drive = if takes { softer } else { drive };
     if kappa < enough * (1.0 - tolerances::SAME_TOUCHED_KAPPA) {
         return Ok(drive);
     }
     let wider = climb.take_margin(drive.clone(), asked.kappa)?;
-    Ok(match bears(on, &wider, asked.kappa) {
+    Ok(match tolerates(on, &wider, asked.kappa) {
         true => wider,
         false => drive,
     })
 }
 
-fn bears(on: &Problem, drive: &Drive, least: f64) -> bool {
+fn tolerates(on: &Problem, drive: &Drive, least: f64) -> bool {
     on.score(drive).kappa >= least * (1.0 - tolerances::SAME_TOUCHED_KAPPA)
 }
 

@@ -387,7 +387,7 @@ fn a_correction_says_whether_the_fingers_of_the_scene_are_borne() {
         let finding = findings.find(|finding| finding.code == "touch-corrected");
         let words = &finding.expect("a finding").text;
         assert_eq!(
-            words.contains("does not bear a mid finger"),
+            words.contains("does not tolerate a mid finger"),
             !borne,
             "{words}"
         );
