@@ -1,5 +1,5 @@
-//! Constants of the crate, a table per room: meaning, unit, origin, and what happens at ten
-//! times more or less.
+//! Constants of the crate, a table per room: meaning, unit, origin; where others were tried, what
+//! they do.
 
 mod judging;
 mod methods;

@@ -1,5 +1,5 @@
-//! Every constant of this room: meaning, unit, and where it comes from. Facts of a format
-//! stand beside its parser.
+//! Constants of the crate, under the file that uses them: meaning, unit, and where each comes
+//! from.
 
 // blows.rs
 

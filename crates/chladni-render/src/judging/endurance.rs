@@ -187,7 +187,7 @@ impl<'a> Panel<'a> {
         let scale = |n: usize| guessed_scale(model, operator, modes[n % modes.len()]).into();
         let scales = (0..shapes.ncols()).map(scale).collect();
         let Problem { rows, limits, .. } = &setup.problem;
-        let bound = |(k, level): (usize, &f64)| match k < rows.hot {
+        let bound = |(k, level): (usize, &f64)| match rows.is_hot(k) {
             true => (limits.felt_from_m_per_s() * level).powi(2),
             false => (limits.quiet_to_m_per_s() * level).powi(2),
         };
@@ -263,7 +263,7 @@ impl<'a> Panel<'a> {
             let squares = field.iter().map(Complex64::norm_sqr).zip(&self.bounds);
             let mut kept = [0; 2];
             for (k, (square, &bound)) in squares.enumerate() {
-                match k < problem.rows.hot {
+                match problem.rows.is_hot(k) {
                     true => kept[0] += usize::from(square >= bound),
                     false => kept[1] += usize::from(square <= bound),
                 }

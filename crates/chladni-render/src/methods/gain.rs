@@ -12,8 +12,8 @@ use chladni_frf::{Finding, Result};
 use ndarray::{Array1, Axis};
 
 impl Problem {
-    /// Scales a drive by the gain that serves most rows, and by no more than its largest
-    /// weight may be.
+    /// Scales a drive by the gain that serves the largest share of the worse zone, and among such
+    /// gains most rows; its limits bound the gain.
     ///
     /// Counts change only at the gains where one row meets its limit, so one gain between
     /// each two of them is tried; among the rows that are then inside, the least hot and
@@ -53,15 +53,8 @@ impl Problem {
     /// rising. While no hot row is felt, the loudest gain is the best: hot ground gets as
     /// much as cold ground allows.
     fn steps(&self, amplitudes: &Array1<f64>) -> Vec<(f64, (usize, usize))> {
-        let limit = |k: usize| {
-            if k < self.rows.hot {
-                self.limits.hot_m_per_s
-            } else {
-                self.limits.cold_m_per_s
-            }
-        };
         let mut meets: Vec<(f64, bool)> = (0..amplitudes.len())
-            .map(|k| (limit(k) / amplitudes[k], k < self.rows.hot))
+            .map(|k| (self.limit_m_per_s(k) / amplitudes[k], self.rows.is_hot(k)))
             .collect();
         meets.retain(|meet| meet.0.is_finite());
         meets.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));

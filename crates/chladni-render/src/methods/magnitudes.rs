@@ -132,8 +132,8 @@ impl<'a> Race<'a> {
         self.drives
     }
 
-    /// Scales every drive by the gain that serves most rows; what each is judged by then:
-    /// least zone, total, κ.
+    /// Scales every drive by [`Problem::best_gain`]. Returns the criteria of each after that: least
+    /// zone, total, κ.
     fn take_best_gains(&mut self) -> Vec<[f64; 3]> {
         let problem = self.steps.problem;
         let fields = problem.fields(self.drives.view());

@@ -132,10 +132,13 @@ impl<'a> Contest<'a> {
         }
     }
 
-    /// The same where more κ than `asked` over all ground counts less than a smaller
+    /// The same where more κ than `kappa` over all ground counts less than a smaller
     /// force.
-    pub(crate) fn at_least_force(self, asked: f64) -> Self {
-        Self { asked, ..self }
+    pub(crate) fn prefer_less_force_above(self, kappa: f64) -> Self {
+        Self {
+            asked: kappa,
+            ..self
+        }
     }
 
     /// The best drive that was offered.

@@ -30,6 +30,6 @@ pub(crate) fn solve(problem: &Problem) -> Result<Solution> {
 /// 1 on hot rows, 0 on cold ones.
 pub(crate) fn one_phase_target(problem: &Problem) -> Array1<Complex64> {
     Array1::from_shape_fn(problem.rows.mobility.nrows(), |k| {
-        Complex64::from(if k < problem.rows.hot { 1.0 } else { 0.0 })
+        Complex64::from(if problem.rows.is_hot(k) { 1.0 } else { 0.0 })
     })
 }

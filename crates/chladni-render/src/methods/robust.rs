@@ -67,7 +67,8 @@ fn climb_from(setup: &Setup, starts: &[Drive], effort: Effort) -> Result<Drive> 
         .finely_between()
         .map(|rows| problem.with_between(rows, 1.0));
     let on = ground.as_ref().unwrap_or(problem);
-    let contest = |most| mls::Contest::new(problem, on, problem.kappa_least).at_least_force(most);
+    let contest =
+        |most| mls::Contest::new(problem, on, problem.kappa_least).prefer_less_force_above(most);
     let (mut served, mut others) = (contest(enough), contest(f64::INFINITY));
     let serves = |kappa: f64| kappa >= problem.kappa_least * (1.0 - tolerances::SAME_KAPPA);
     let mut most = 0.0;

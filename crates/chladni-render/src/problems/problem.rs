@@ -40,8 +40,8 @@ pub(crate) struct Problem {
     pub(crate) threshold_m_per_s: f64,
     /// Force or voltage limits.
     pub(crate) drive_limits: DriveLimits,
-    /// κ that the responses keep, whatever that costs of the ground between them:
-    /// `tolerances::KAPPA_LEAST`, or more once fields have corrected the mobility.
+    /// κ that the responses keep even if ground between them is lost: `tolerances::KAPPA_LEAST`,
+    /// or more once fields have corrected the mobility.
     pub(crate) kappa_least: f64,
 }
 
@@ -85,20 +85,22 @@ impl Problem {
 
     /// True for the rows that [`Self::with_between`] took from `measured`.
     pub(crate) fn is_measured(&self, measured: &Self, row: usize) -> bool {
-        let rows = &measured.rows;
-        row < rows.hot || (self.rows.hot..self.rows.hot + rows.cold()).contains(&row)
+        self.rows.is_measured(&measured.rows, row)
+    }
+
+    /// The limit of a row, m/s.
+    #[inline]
+    pub(crate) fn limit_m_per_s(&self, row: usize) -> f64 {
+        match self.rows.is_hot(row) {
+            true => self.limits.hot_m_per_s,
+            false => self.limits.cold_m_per_s,
+        }
     }
 
     /// The limit of each row, m/s.
     pub(crate) fn limits_m_per_s(&self) -> Array1<f64> {
-        let limit = |k: usize| {
-            if k < self.rows.hot {
-                self.limits.hot_m_per_s
-            } else {
-                self.limits.cold_m_per_s
-            }
-        };
-        (0..self.rows.mobility.nrows()).map(limit).collect()
+        let rows = 0..self.rows.mobility.nrows();
+        rows.map(|row| self.limit_m_per_s(row)).collect()
     }
 
     /// The same problem with the columns `actuators` alone.
@@ -137,15 +139,11 @@ impl Problem {
                 extra.levels.slice(s![extra.hot..])
             ],
         };
-        let is_measured =
-            |k: usize| k < measured.hot || (rows.hot..rows.hot + measured.cold()).contains(&k);
-        let row_weights = Array1::from_shape_fn(rows.mobility.nrows(), |k| {
-            if is_measured(k) {
-                1.0
-            } else {
-                weight
-            }
-        });
+        let weight_of = |row: usize| match rows.is_measured(measured, row) {
+            true => 1.0,
+            false => weight,
+        };
+        let row_weights = Array1::from_shape_fn(rows.mobility.nrows(), weight_of);
         Self {
             rows,
             row_weights,
@@ -171,16 +169,12 @@ impl Problem {
     /// Distance of a row of this amplitude from its limit, m/s of the panel; negative where it
     /// misses.
     pub(crate) fn slack(&self, row: usize, amplitude: f64) -> f64 {
-        let limit = match row < self.rows.hot {
-            true => self.limits.hot_m_per_s,
-            false => self.limits.cold_m_per_s,
-        };
-        (amplitude - limit) * self.slack_per_speed(row)
+        (amplitude - self.limit_m_per_s(row)) * self.slack_per_speed(row)
     }
 
     /// Slope of [`Self::slack`] over the amplitude: the level of a hot row, −1 of a cold one.
     pub(crate) fn slack_per_speed(&self, row: usize) -> f64 {
-        match row < self.rows.hot {
+        match self.rows.is_hot(row) {
             true => self.rows.levels[row],
             false => -1.0,
         }
@@ -231,9 +225,9 @@ impl Problem {
         [hot, cold]
     }
 
-    /// Lets the ground between the responses take only the κ that these can spare. For a
-    /// mobility that fields have corrected: no field shows that ground.
-    pub(crate) fn put_responses_first(&mut self) {
+    /// Requires [`Self::kappa_of_confidence`] of the responses, even if ground between them is
+    /// lost. For a mobility that fields have corrected: no field shows that ground.
+    pub(crate) fn require_confident_kappa(&mut self) {
         self.kappa_least = self.kappa_of_confidence();
     }
 
@@ -308,6 +302,18 @@ impl Rows {
             levels,
         }
     }
+
+    /// True for a row to be felt.
+    #[inline]
+    pub(crate) fn is_hot(&self, row: usize) -> bool {
+        row < self.hot
+    }
+
+    /// True for the rows that come from `measured`, with rows between them.
+    fn is_measured(&self, measured: &Self, row: usize) -> bool {
+        row < measured.hot || (self.hot..self.hot + measured.cold()).contains(&row)
+    }
+
     /// The same rows with the columns `actuators` alone.
     pub(crate) fn with_actuators(&self, actuators: &[usize]) -> Self {
         Self {
@@ -315,14 +321,17 @@ impl Rows {
             ..self.clone()
         }
     }
+
     /// Number of cold rows.
     pub(crate) fn cold(&self) -> usize {
         self.mobility.nrows() - self.hot
     }
+
     /// Rows to be felt.
     pub(crate) fn hot_rows(&self) -> ArrayView2<'_, Complex64> {
         self.mobility.slice(s![..self.hot, ..])
     }
+
     /// Rows to be quiet.
     pub(crate) fn cold_rows(&self) -> ArrayView2<'_, Complex64> {
         self.mobility.slice(s![self.hot.., ..])

@@ -34,9 +34,9 @@ pub(crate) struct Setup {
     pub(crate) judged: Vec<usize>,
     /// Judged rows, limits and error bar.
     pub(crate) problem: Problem,
-    /// The responses as nodes of interpolation, where they carry an area. They are found when
-    /// a method first asks. Several threads must not ask at once: products inside may wait
-    /// for each other.
+    /// The responses as nodes of interpolation, where they carry an area; found when a method
+    /// first asks. Not safe inside a rayon task: the initialiser runs parallel products, and two
+    /// tasks that initialise at once can deadlock.
     nodes: OnceLock<Option<Nodes>>,
     /// Rows between them, coarse and fine; found in the same way.
     between: [OnceLock<Option<Rows>>; 2],
@@ -96,7 +96,7 @@ impl Setup {
         );
         let mut problem = Problem::new(rows, covariance, limits, drive_limits);
         if measured {
-            problem.put_responses_first();
+            problem.require_confident_kappa();
         }
         let counts = |n: &usize| model.modes[*n].counts();
         let modes = (0..model.modes.len()).filter(counts).collect();
@@ -160,7 +160,7 @@ impl Setup {
         let none = Array2::zeros((0, mobility.ncols()));
         let mut setup = self.with_model(mobility, none, self.modes.clone());
         setup.problem.covariance = Covariance::of_gram(covariance)?;
-        setup.problem.put_responses_first();
+        setup.problem.require_confident_kappa();
         Ok(setup)
     }
 

@@ -23,9 +23,10 @@ use chladni_frf::{Dof, Error, Finding, FrfSet, ModalModel, Result};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// The whole model, through which drives are replayed.
+/// Replays the drives of reduced models: in the whole model, or on the measured line at the drive
+/// frequency.
 pub(crate) struct Judge {
-    /// Judged responses.
+    /// Judged responses, as the whole model or the measured line has them.
     points: Problem,
     /// Rows of `points` among the judged rows of the setup.
     rows: Vec<usize>,
@@ -141,7 +142,7 @@ impl Judge {
         let limits = reduced.limits_m_per_s();
         self.rows.iter().enumerate().all(|(i, &k)| {
             let amplitude = predicted[k].norm();
-            let slack = if k < reduced.rows.hot {
+            let slack = if reduced.rows.is_hot(k) {
                 amplitude - limits[k]
             } else {
                 limits[k] - amplitude

@@ -67,7 +67,7 @@ fn expectation(problem: &Problem, drive: &Drive) -> (f64, Drive) {
     let field = problem.field(drive);
     let spread = problem.covariance.deviation(drive).max(f64::MIN_POSITIVE);
     let count = [problem.rows.hot, problem.rows.cold()].map(|rows| rows as f64);
-    let kind_of = |row: usize| usize::from(row >= problem.rows.hot);
+    let kind_of = |row: usize| usize::from(!problem.rows.is_hot(row));
     // mean chances, their slopes over ‖L·A‖, and over each value of the field
     let (mut means, mut over_spread, mut pulls) = ([0.0; 2], [0.0; 2], field.clone());
     for (row, value) in field.iter().enumerate() {

@@ -25,7 +25,7 @@ pub(super) fn measured_ratio(setup: &Setup, seen: &Seen, count: Count) -> Option
         };
         let level = rows.levels[number];
         let speed = seen.velocity[place].norm() / level;
-        let (kind, inside, slack) = match number < rows.hot {
+        let (kind, inside, slack) = match rows.is_hot(number) {
             true => (0, limits.is_felt(speed), speed - limits.hot_m_per_s),
             false => (1, limits.is_quiet(speed), limits.cold_m_per_s - speed),
         };

@@ -281,7 +281,7 @@ impl<'a> Climb<'a> {
         let deviation = self.problem.covariance.deviation(drive);
         let slack = |k: usize| {
             let error = kappa * deviation / (limits[k] * self.problem.rows.levels[k]);
-            match k < self.problem.rows.hot {
+            match self.problem.rows.is_hot(k) {
                 true => field[k] / limits[k] - factor - error,
                 false => 1.0 / factor - field[k] / limits[k] - error,
             }

@@ -303,7 +303,7 @@ impl<'a> DriveProgram<'a> {
         for (number, &k) in wished.iter().enumerate() {
             program.minimise(shortfall(number), 1.0);
             program.not_negative(Affine::of(shortfall(number), 1.0));
-            if k < self.problem.rows.hot {
+            if self.problem.rows.is_hot(k) {
                 program.not_negative(
                     self.along(k, phases)
                         .plus(shortfall(number), 1.0)
@@ -404,7 +404,7 @@ impl<'a> DriveProgram<'a> {
         let relative = |least: f64, most: f64| (most - least) / least.abs().max(most.abs());
         let of = |(k, value): (usize, &Complex64)| {
             let error = slack * self.error_scale[k];
-            match k < self.problem.rows.hot {
+            match self.problem.rows.is_hot(k) {
                 true => relative(hot + error, (value * phases[k]).re),
                 false => relative(value.norm(), cold - error),
             }
