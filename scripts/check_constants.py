@@ -50,7 +50,7 @@ FACTS = {
     "chladni-report/src/data/": "codes that the page reads",
     "chladni-rfp/src/data/window/kernel.rs": "coefficients of window functions",
     "chladni-rfp/src/damping/structural.rs:POWERS": "powers of a law",
-    "chladni-signal/src/lpm.rs:TERMS": "follows from the degree",
+    "chladni-signal/src/local_basis.rs:TERMS": "follows from the degree",
     "chladni-render/src/time/envelope.rs:SIGNED": "coefficients of a difference",
     "chladni-render/src/scene/threshold.rs": "standard gravity",
     "chladni-render/src/time/wav_file.rs": "header of sound files",

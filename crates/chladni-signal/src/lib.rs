@@ -44,8 +44,8 @@
 //!   transforms; `estimators` makes FRFs of the averages. `takes` keeps the strongest lines of each
 //!   block, by which `runs_differ` finds blocks that contradict the others.
 //! * Local fits: `whole_record` transforms a record in one piece and shares out its lines;
-//!   `lpm` and `lrm` fit polynomials and rational functions to each share, in which leakage
-//!   is an unknown like others, not an error. `force_noise` undoes what noise in the record of
+//!   `lpm` and `lrm` fit polynomials and rational functions to each share (both on the columns
+//!   of `local_basis`), in which leakage is an unknown like others, not an error. `force_noise` undoes what noise in the record of
 //!   the force takes from them.
 //!
 //! J. Bendat, A. Piersol, *Random Data*, 4th ed. (2010), chapters 6, 7 and 9; P. Welch,
@@ -61,6 +61,7 @@ mod excitation;
 mod force_noise;
 mod limits;
 mod local;
+mod local_basis;
 mod lpm;
 mod lrm;
 mod runs_differ;

@@ -94,14 +94,14 @@ pub(crate) const SPECTRA_BYTES: usize = 1 << 30;
 /// Frequencies that are fitted before their values are stored.
 pub(crate) const BATCH: usize = 8192;
 
-// lpm.rs
+// local_basis.rs
 
 /// Degree of all polynomials.
 pub(crate) const DEGREE: usize = 2;
 /// Lines beyond the unknowns of one response: what its variance is told from.
 pub(crate) const SPARE_LINES: usize = 7;
 /// A reference whose part beyond the other columns is less than this acts as one with them.
-pub(crate) const LPM_SINGULAR: f64 = 1e-10;
+pub(crate) const BASIS_SINGULAR: f64 = 1e-10;
 
 // lrm.rs
 

@@ -3,7 +3,7 @@
 //!
 //! Y_l(r)·D(r) = Σ_j B_lj(r)·X_j(r) + C_l(r),  D = 1 + d₁r + d₂r²
 //!
-//! so that a mode inside the window is followed exactly, however narrow it is. D is found
+//! so that a mode inside these lines is followed exactly, however narrow it is. D is found
 //! by least squares with each line weighted by 1/|D| of the step before (Sanathanan and
 //! Koerner), starting from D = 1. Each response counts by the noise that its fit leaves.
 //! For given D the other unknowns are those of the polynomial method; they are projected
@@ -15,13 +15,15 @@
 //! 8 (1963) 56–58.
 
 use super::force_noise::ForceNoise;
-use super::lpm::{coherence, inner, square, unknowns, Basis, LocalEstimate, LocalLine, Window};
+use super::local_basis::{
+    coherence, inner, square, unknowns, Basis, LocalEstimate, LocalLine, LocalLines,
+};
 use crate::limits::{LEAST_DENOMINATOR, ROUNDING, STEPS};
 use chladni_frf::shared_power;
 use num_complex::Complex64;
 
-/// d₁, d₂.
-type Denominator = [Complex64; 2];
+/// d₁, d₂ of the denominator that the responses share.
+type SharedDenominator = [Complex64; 2];
 
 /// One response projected: residuals of y, r·y and r²·y.
 struct Projected {
@@ -36,47 +38,138 @@ struct Projected {
 }
 
 /// FRFs of every response; `None` where references have no power or act as one.
-pub(super) fn estimate(window: &Window) -> Option<LocalLine> {
-    let mut denominator = Denominator::default();
-    let mut noise: Option<Vec<f64>> = None;
-    let mut shared = None;
-    for step in 0..=STEPS {
-        let weight = weights(&window.places, denominator);
-        let basis = Basis::new(window, &weight)?;
-        let projected: Vec<Projected> = window
-            .responses
-            .iter()
-            .map(|response| Projected::new(window, &basis, response, &weight))
-            .collect();
-        if step == 0 {
-            shared = force_noise(window, &basis, &projected);
-        }
-        let before = noise.unwrap_or_else(|| projected.iter().map(|p| p.power).collect());
-        let normal = Normal::of(&projected, &before);
-        denominator = normal.solution();
-        let after: Vec<f64> = projected
-            .iter()
-            .zip(&before)
-            .map(|(p, &noise)| p.noise(window, denominator, normal.share(p, noise)))
-            .collect();
-        if step == STEPS {
-            let normal = Normal::of(&projected, &after);
-            let raised = raised(&basis, &projected, &normal, &after);
-            return Some(LocalLine {
-                responses: finish(window, &basis, &projected, &normal, denominator, &after),
-                force_noise: shared.map(|shared: ForceNoise| ForceNoise {
-                    unit_variance: raised * shared.unit_variance,
-                    ..shared
-                }),
-            });
-        }
-        noise = Some(after);
+pub(super) fn estimate(local: &LocalLines) -> Option<LocalLine> {
+    let mut fit = Fit::unweighted(local)?;
+    let force_noise = fit.force_noise();
+    for _ in 0..STEPS {
+        fit = fit.refined()?;
     }
-    None
+    Some(fit.finish(force_noise))
+}
+
+/// The unknowns of one step of Sanathanan and Koerner.
+struct Fit<'a> {
+    local: &'a LocalLines<'a>,
+    basis: Basis,
+    projected: Vec<Projected>,
+    denominator: SharedDenominator,
+    /// Variance of the noise that the fit leaves, per response.
+    noise: Vec<f64>,
+}
+
+impl<'a> Fit<'a> {
+    /// The first step, with D = 1; each response counts by its power.
+    fn unweighted(local: &'a LocalLines) -> Option<Self> {
+        Self::new(local, SharedDenominator::default(), None)
+    }
+
+    /// The next step, weighted by this one.
+    fn refined(self) -> Option<Self> {
+        Self::new(self.local, self.denominator, Some(self.noise))
+    }
+
+    /// * `denominator_before`, `noise_before`: those of the step before; without that noise the
+    ///   power of each response stands for it
+    fn new(
+        local: &'a LocalLines,
+        denominator_before: SharedDenominator,
+        noise_before: Option<Vec<f64>>,
+    ) -> Option<Self> {
+        let weight = weights(&local.places, denominator_before);
+        let basis = Basis::new(local, &weight)?;
+        let responses = local.responses.iter();
+        let projected: Vec<Projected> = responses
+            .map(|response| Projected::new(local, &basis, response, &weight))
+            .collect();
+        let noise_before =
+            noise_before.unwrap_or_else(|| projected.iter().map(|p| p.power).collect());
+        let normal = Normal::of(&projected, &noise_before);
+        let denominator = normal.solution();
+        let noise = projected
+            .iter()
+            .zip(&noise_before)
+            .map(|(p, &before)| p.noise(local, denominator, normal.share(p, before)))
+            .collect();
+        Some(Self {
+            local,
+            basis,
+            projected,
+            denominator,
+            noise,
+        })
+    }
+
+    /// Noise of the only force, as the residuals of all responses share it where D = 1: a D of
+    /// its own would take part of what they share.
+    fn force_noise(&self) -> Option<ForceNoise> {
+        let [force] = self.local.references[..] else {
+            return None;
+        };
+        let lines = self.local.places.len();
+        let free = (lines - unknowns(1)) as f64;
+        let projected = self.projected.iter();
+        let each = projected.map(|p| (p.at_centre[0][0], &p.rest[..]));
+        let power = shared_power(each, free)?;
+        Some(ForceNoise {
+            power,
+            // a mean of 1/power, by so many lines
+            attenuation: (lines - 1) as f64 / square(force),
+            unit_variance: self.basis.unit_variance()[0],
+        })
+    }
+
+    /// The result of this step as the last one, with the noise of the force that the first told.
+    fn finish(&self, force_noise: Option<ForceNoise>) -> LocalLine {
+        let normal = Normal::of(&self.projected, &self.noise);
+        let raised = self.raised(&normal);
+        LocalLine {
+            responses: self.responses(&normal),
+            force_noise: force_noise.map(|force_noise| ForceNoise {
+                unit_variance: raised * force_noise.unit_variance,
+                ..force_noise
+            }),
+        }
+    }
+
+    /// Values and variances at the frequency, where D = 1.
+    fn responses(&self, normal: &Normal) -> Vec<LocalEstimate> {
+        let unit_variance = self.basis.unit_variance();
+        let [d1, d2] = self.denominator;
+        let of_response = |((p, &noise), response): ((&Projected, &f64), &&[Complex64])| {
+            let values = p
+                .at_centre
+                .iter()
+                .zip(&unit_variance)
+                .map(|(&[y, ry, rry], unit)| {
+                    let by_denominator = normal.variance([ry, rry]);
+                    (y + d1 * ry + d2 * rry, unit * noise + by_denominator)
+                })
+                .collect();
+            LocalEstimate {
+                values,
+                coherence: coherence(response, noise),
+            }
+        };
+        let responses = self.projected.iter().zip(&self.noise);
+        let responses = responses.zip(&self.local.responses);
+        responses.map(of_response).collect()
+    }
+
+    /// Factor by which D raises the variance of FRFs whose errors are shared: all responses
+    /// tell the same of it.
+    fn raised(&self, normal: &Normal) -> f64 {
+        let unit = self.basis.unit_variance()[0];
+        let projected = self.projected.iter();
+        let by_denominator: f64 = projected
+            .map(|p| normal.variance([p.at_centre[0][1], p.at_centre[0][2]]))
+            .sum();
+        let own: f64 = self.noise.iter().map(|noise| unit * noise).sum();
+        1.0 + self.projected.len() as f64 * by_denominator / own.max(f64::MIN_POSITIVE)
+    }
 }
 
 /// 1/|D| of each line.
-fn weights(places: &[f64], [d1, d2]: Denominator) -> Vec<f64> {
+fn weights(places: &[f64], [d1, d2]: SharedDenominator) -> Vec<f64> {
     let sizes: Vec<f64> = places
         .iter()
         .map(|r| (1.0 + d1 * r + d2 * r * r).norm())
@@ -85,68 +178,9 @@ fn weights(places: &[f64], [d1, d2]: Denominator) -> Vec<f64> {
     sizes.iter().map(|size| size.max(least).recip()).collect()
 }
 
-/// Values and variances at the frequency, where D = 1.
-fn finish(
-    window: &Window,
-    basis: &Basis,
-    projected: &[Projected],
-    normal: &Normal,
-    [d1, d2]: Denominator,
-    noise: &[f64],
-) -> Vec<LocalEstimate> {
-    let unit_variance = basis.unit_variance();
-    let of_response = |((p, &noise), response): ((&Projected, &f64), &&[Complex64])| {
-        let values = p
-            .at_centre
-            .iter()
-            .zip(&unit_variance)
-            .map(|(&[y, ry, rry], unit)| {
-                let by_denominator = normal.variance([ry, rry]);
-                (y + d1 * ry + d2 * rry, unit * noise + by_denominator)
-            })
-            .collect();
-        LocalEstimate {
-            values,
-            coherence: coherence(response, noise),
-        }
-    };
-    let responses = projected.iter().zip(noise).zip(&window.responses);
-    responses.map(of_response).collect()
-}
-
-/// Factor by which D raises the variance of FRFs whose errors are shared: all responses
-/// tell the same of it.
-fn raised(basis: &Basis, projected: &[Projected], normal: &Normal, noise: &[f64]) -> f64 {
-    let unit = basis.unit_variance()[0];
-    let by_denominator: f64 = projected
-        .iter()
-        .map(|p| normal.variance([p.at_centre[0][1], p.at_centre[0][2]]))
-        .sum();
-    let own: f64 = noise.iter().map(|noise| unit * noise).sum();
-    1.0 + projected.len() as f64 * by_denominator / own.max(f64::MIN_POSITIVE)
-}
-
-/// Noise of the only force, as the residuals of all responses share it where D = 1: a D of
-/// its own would take part of what they share.
-fn force_noise(window: &Window, basis: &Basis, projected: &[Projected]) -> Option<ForceNoise> {
-    let [force] = window.references[..] else {
-        return None;
-    };
-    let lines = window.places.len();
-    let free = (lines - unknowns(1)) as f64;
-    let each = projected.iter().map(|p| (p.at_centre[0][0], &p.rest[..]));
-    let power = shared_power(each, free)?;
-    Some(ForceNoise {
-        power,
-        // a mean of 1/power, by so many lines
-        attenuation: (lines - 1) as f64 / square(force),
-        unit_variance: basis.unit_variance()[0],
-    })
-}
-
 impl Projected {
-    fn new(window: &Window, basis: &Basis, response: &[Complex64], weight: &[f64]) -> Self {
-        let lines = || response.iter().zip(weight).zip(&window.places);
+    fn new(local: &LocalLines, basis: &Basis, response: &[Complex64], weight: &[f64]) -> Self {
+        let lines = || response.iter().zip(weight).zip(&local.places);
         let y: Vec<Complex64> = lines().map(|((y, w), _)| y * w).collect();
         let power = square(&y);
         let [y, ry, rry] = [
@@ -156,7 +190,7 @@ impl Projected {
         ];
         let rests = [&y.rest, &ry.rest, &rry.rest];
         let gram = std::array::from_fn(|a| std::array::from_fn(|b| inner(rests[a], rests[b])));
-        let at_centre = (0..window.references.len())
+        let at_centre = (0..local.references.len())
             .map(|j| [&y, &ry, &rry].map(|split| split.at_centre[j]))
             .collect();
         Self {
@@ -169,7 +203,7 @@ impl Projected {
 
     /// Variance of the noise on a line: what is left, over the freedom that is left;
     /// `share` is the part of D's freedom that this response took.
-    fn noise(&self, window: &Window, [d1, d2]: Denominator, share: f64) -> f64 {
+    fn noise(&self, local: &LocalLines, [d1, d2]: SharedDenominator, share: f64) -> f64 {
         let factors = [Complex64::from(1.0), d1, d2];
         let mut left = Complex64::default();
         for (row, a) in self.gram.iter().zip(factors) {
@@ -177,7 +211,7 @@ impl Projected {
                 left += a.conj() * product * b;
             }
         }
-        let free = window.places.len() - unknowns(window.references.len());
+        let free = local.places.len() - unknowns(local.references.len());
         // a response without noise must not outweigh all others by rounding alone
         left.re.max(ROUNDING * self.power) / (free as f64 - share)
     }
@@ -225,7 +259,7 @@ impl Normal {
         )
     }
 
-    fn solution(&self) -> Denominator {
+    fn solution(&self) -> SharedDenominator {
         let ([a, b], upper) = self.inverse();
         let [p, q] = self.right;
         [a * p + upper * q, upper.conj() * p + b * q]

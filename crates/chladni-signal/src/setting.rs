@@ -1,7 +1,7 @@
 //! Decisions on what the options leave open.
 
 use super::excitation::{against_local_fits, forcing, is_continuous_random, misses_period};
-use super::lpm::wanted_lines;
+use super::local_basis::wanted_lines;
 use super::whole_record::{smooth_length, Grid};
 use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
 use crate::limits::{BURST_MOST, HANN_OVERLAP};
