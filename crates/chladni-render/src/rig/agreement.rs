@@ -152,9 +152,10 @@ impl Likeness {
     }
 
     /// True where the field may as well have nothing to do with its drive.
-    fn is_unlike(&self) -> bool {
+    pub(super) fn is_unlike(&self) -> bool {
         let many = self.responses >= tolerances::LEVEL_RESPONSES;
-        many && !self.magnitudes_only && self.coefficient < tolerances::UNLIKE
+        let is_low = self.coefficient < tolerances::UNLIKE;
+        many && !self.magnitudes_only && is_low && !self.is_conjugated()
     }
 
     /// The level and the coefficient in words.

@@ -15,7 +15,6 @@ use crate::scene::limits::Limits;
 use crate::scene::scene_file::Scene;
 use crate::scene::zones::ZoneMap;
 use chladni_frf::{Finding, MeasuredField, ModalModel, Result};
-use ndarray::Axis;
 
 /// Performance of a measured field, and what it says of the rig.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,12 +71,7 @@ pub fn evaluate_field(
     let laid_field = LaidField::new(field, &operator, sha256)?;
     let drift = prior_drift(asked, scene, Drift::default());
     let covariance = design(model, &operator, scene, &drift)?;
-    let mobility = operator.mobility.select(Axis(0), &laid_field.rows);
-    let prediction = Prediction {
-        velocity: mobility.dot(&drive),
-        mobility,
-        drive: drive.clone(),
-    };
+    let prediction = Prediction::of(&operator, &laid_field.rows, drive.clone());
     let mut sound = laid_field.clone();
     let all = &operator.responses;
     let lone = without_lone_points(&mut sound, &prediction.mobility, all)?;
@@ -88,12 +82,8 @@ pub fn evaluate_field(
         ..predicted.clone()
     };
     let points = PointIndices::of_field(&measured, &zones, &limits, &drive, operator.unit)?;
-    if laid_field.rows.len() < operator.responses.len() {
-        findings.push(of_some(laid_field.rows.len(), operator.responses.len()));
-    }
-    if laid_field.noise_assumed {
-        findings.push(noise_assumed());
-    }
+    findings.extend(of_some(laid_field.rows.len(), operator.responses.len()));
+    findings.extend(laid_field.noise_assumed.then(noise_assumed));
     findings.extend(lone);
     let likeness = Likeness::of(&prediction.velocity, &sound);
     let (agreement, swapped) = agreement(
@@ -103,12 +93,9 @@ pub fn evaluate_field(
         (&prediction, covariance.deviation(&drive)),
         &likeness,
     )?;
-    // one dead channel can leave as little of a field's form
-    let likeliest = agreement.hypotheses[0].kind.as_str();
-    let is_open = swapped.is_none() && matches!(likeliest, "unexplained" | "channels");
+    let is_explained = likeness.is_unlike() && explains_form(&agreement, swapped.as_ref());
     findings.extend(swapped);
-    let told = |finding: &Finding| is_open || finding.code != "field-unlike";
-    findings.splice(0..0, likeness.finding().filter(told));
+    findings.splice(0..0, likeness.finding().filter(|_| !is_explained));
     // between few responses nothing is interpolated
     let area = (laid_field.rows.len() == operator.responses.len())
         .then(|| measured.area(&zones))
@@ -125,10 +112,17 @@ pub fn evaluate_field(
     })
 }
 
+/// True where a fault of the rig explains a field that hardly has the form of its drive: swapped
+/// cables, or one dead channel.
+fn explains_form(agreement: &Agreement, swapped: Option<&Finding>) -> bool {
+    let likeliest = agreement.hypotheses[0].kind.as_str();
+    swapped.is_some() || !matches!(likeliest, "unexplained" | "channels")
+}
+
 /// The finding of a field that holds only so many responses.
-fn of_some(held: usize, all: usize) -> Finding {
+fn of_some(held: usize, all: usize) -> Option<Finding> {
     let words = format!("the field holds {held} of the {all} responses; only these are judged");
-    Finding::note("field-of-some-responses", words)
+    (held < all).then(|| Finding::note("field-of-some-responses", words))
 }
 
 /// The field at some of its responses.

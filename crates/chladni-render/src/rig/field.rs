@@ -1,9 +1,10 @@
 //! A measured field laid over the operator that foretells it.
 
 use crate::panel::drive::Drive;
+use crate::panel::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{Error, Finding, MeasuredField, Result};
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
 
 /// Measured values in the order of the operator's rows.
@@ -40,7 +41,7 @@ impl LaidField {
     /// that the operator lacks.
     pub(crate) fn new(
         field: &MeasuredField,
-        operator: &crate::panel::operator::Operator,
+        operator: &Operator,
         sha256: Option<&str>,
     ) -> Result<Self> {
         check_weights(field, operator.frequency_hz, sha256)?;
@@ -173,6 +174,16 @@ pub(crate) struct Prediction {
 }
 
 impl Prediction {
+    /// What `operator` predicts of `drive` at the measured `rows`.
+    pub(super) fn of(operator: &Operator, rows: &[usize], drive: Drive) -> Self {
+        let mobility = operator.mobility.select(Axis(0), rows);
+        Self {
+            velocity: mobility.dot(&drive),
+            mobility,
+            drive,
+        }
+    }
+
     /// The part of each channel in the field of a drive, at the measured rows.
     pub(super) fn paths(&self, drive: &Drive) -> Vec<Array1<Complex64>> {
         let columns = self.mobility.columns().into_iter().zip(drive);

@@ -5,8 +5,9 @@ use super::diagnosis::{diagnose, has_exchanged};
 use super::field::{noise_assumed, LaidField, Prediction};
 use super::lone_points::without_lone_points;
 use super::played_field::PlayedField;
-use super::swapped::{exchanged, swap_in_words};
+use super::swapped::{exchanged, swap_in_words, Swapped};
 use crate::panel::drive::Drive;
+use crate::panel::operator::Operator;
 use crate::problems::setup::Setup;
 use crate::results::evaluate::{laid, Laid, On};
 use crate::results::weights::Weights;
@@ -85,56 +86,39 @@ pub(super) fn see(
     findings: &mut Vec<Finding>,
 ) -> Result<AllSeen> {
     let operator = &setup.operator;
-    let mut laid_fields = Vec::with_capacity(played.len());
-    for (number, pair) in (1..).zip(played) {
-        let drive = drive_of(&pair.weights, setup, scene, model, dead)?;
-        let mut field = LaidField::new(&pair.field, operator, pair.weights_sha256.as_deref())?;
-        let mobility = operator.mobility.select(Axis(0), &field.rows);
-        let off = without_lone_points(&mut field, &mobility, &operator.responses)?;
-        let prediction = Prediction {
-            velocity: mobility.dot(&drive),
-            mobility,
-            drive,
-        };
-        let likeness = Likeness::of(&prediction.velocity, &field);
-        likeness.check_level()?;
-        if number == 1 {
-            // the form of a later one is held against what those before it taught
-            likeness.check()?;
-        }
-        let deviation = setup.problem.covariance.deviation(&prediction.drive);
-        let nis = field.nis(&prediction.velocity, deviation);
-        let (_, swapped) = diagnose(model, operator, &field, &prediction, nis)?;
-        laid_fields.push((field, prediction, off, swapped));
-    }
-    let of_any = laid_fields.iter().rev().find_map(|laid| laid.3.as_ref());
+    let compared: Vec<Compared> = (1..)
+        .zip(played)
+        .map(|(number, pair)| {
+            let drive = drive_of(&pair.weights, setup, scene, model, dead)?;
+            Compared::new(setup, model, pair, drive, number == 1)
+        })
+        .collect::<Result<_>>()?;
+    let of_any = compared
+        .iter()
+        .rev()
+        .find_map(|field| field.swapped.as_ref());
     let of_any = of_any.map(|swapped| swapped.channels);
     let mut all = AllSeen {
         fields: Vec::with_capacity(played.len()),
         swapped: None,
     };
     let mut assumed = false;
-    for (number, (field, prediction, off, swapped)) in (1..).zip(laid_fields) {
-        let own = swapped.as_ref().map(|swapped| swapped.channels);
-        let other = match (own, of_any) {
-            (None, Some(pair)) => {
-                has_exchanged(model, operator, &field, &prediction, pair)?.then_some(pair)
-            }
-            _ => None,
+    for (number, mut compared) in (1..).zip(compared) {
+        let swapped = compared.swapped_channels(model, operator, of_any)?;
+        let drive = match swapped {
+            Some(pair) => exchanged(&compared.prediction.drive, pair),
+            None => compared.prediction.drive.clone(),
         };
-        let drive = match own.or(other) {
-            Some(pair) => exchanged(&prediction.drive, pair),
-            None => prediction.drive,
-        };
-        let mut told: Vec<Finding> = Vec::from_iter(off);
+        let mut told: Vec<Finding> = Vec::from_iter(compared.lone.take());
         if number == 1 {
-            told.extend(Likeness::of(&prediction.mobility.dot(&drive), &field).finding());
+            let foretold = compared.prediction.mobility.dot(&drive);
+            told.extend(Likeness::of(&foretold, &compared.field).finding());
         }
-        told.extend(few_responses(field.rows.len()));
+        told.extend(few_responses(compared.field.rows.len()));
         let is_newest = number == played.len();
-        if let Some(pair) = own.or(other) {
+        if let Some(pair) = swapped {
             let references = pair.map(|channel| operator.references[channel]);
-            let own = swapped.map(|swapped| swapped.finding());
+            let own = compared.swapped.map(|swapped| swapped.finding());
             told.push(taken_so(own, references, is_newest));
         }
         let of_field = |finding: Finding| match played.len() {
@@ -142,14 +126,77 @@ pub(super) fn see(
             _ => finding.about(format_args!("field {number}")),
         };
         findings.extend(told.into_iter().map(of_field));
-        assumed |= field.noise_assumed;
-        all.fields.push(Seen::of(field, drive));
-        all.swapped = own.or(other);
+        assumed |= compared.field.noise_assumed;
+        all.fields.push(Seen::of(compared.field, drive));
+        all.swapped = swapped;
     }
     if assumed {
         findings.push(noise_assumed());
     }
     Ok(all)
+}
+
+/// A measured field beside its prediction.
+struct Compared {
+    field: LaidField,
+    prediction: Prediction,
+    /// The finding of points that were replaced.
+    lone: Option<Finding>,
+    /// Swapped cables that it tells by itself.
+    swapped: Option<Swapped>,
+}
+
+impl Compared {
+    /// * `is_first`: its form is checked; that of a later one is held against what those before it
+    ///   taught
+    ///
+    /// # Errors
+    /// A field that is not of these weights, at another level, or of another form; those of the
+    /// factorisations.
+    fn new(
+        setup: &Setup,
+        model: &ModalModel,
+        pair: &PlayedField,
+        drive: Drive,
+        is_first: bool,
+    ) -> Result<Self> {
+        let operator = &setup.operator;
+        let mut field = LaidField::new(&pair.field, operator, pair.weights_sha256.as_deref())?;
+        let prediction = Prediction::of(operator, &field.rows, drive);
+        let lone = without_lone_points(&mut field, &prediction.mobility, &operator.responses)?;
+        let likeness = Likeness::of(&prediction.velocity, &field);
+        likeness.check_level()?;
+        if is_first {
+            likeness.check()?;
+        }
+        let deviation = setup.problem.covariance.deviation(&prediction.drive);
+        let nis = field.nis(&prediction.velocity, deviation);
+        let (_, swapped) = diagnose(model, operator, &field, &prediction, nis)?;
+        Ok(Self {
+            field,
+            prediction,
+            lone,
+            swapped,
+        })
+    }
+
+    /// The channels whose cables were swapped under this field: those that it tells by itself, else
+    /// `of_any`, which another one tells, where the field is likelier with them exchanged.
+    fn swapped_channels(
+        &self,
+        model: &ModalModel,
+        operator: &Operator,
+        of_any: Option<[usize; 2]>,
+    ) -> Result<Option<[usize; 2]>> {
+        if let Some(swapped) = &self.swapped {
+            return Ok(Some(swapped.channels));
+        }
+        let Some(pair) = of_any else {
+            return Ok(None);
+        };
+        let is_exchanged = has_exchanged(model, operator, &self.field, &self.prediction, pair)?;
+        Ok(is_exchanged.then_some(pair))
+    }
 }
 
 /// The finding of a field that is taken as that of swapped cables.
