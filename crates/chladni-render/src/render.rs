@@ -126,44 +126,41 @@ fn render_tone(
     } = Calibrated::new(model, scene, Some(scene.frequency_hz), &options.drift)?;
     let (model, scene) = (&*model, &*scene);
     let measured = measured.map(|frf| (frf, &asked.1.actuators));
-    let mut found = Found::new(model, scene, &others, options, measured)?;
-    findings.append(&mut found.findings);
-    let outcome = Outcome::of(&found.setup, &found.drive)?;
+    let mut solved = SolvedDrive::new(model, scene, &others, options, measured)?;
+    findings.append(&mut solved.findings);
+    let outcome = Outcome::of(&solved.setup, &solved.drive)?;
     let feasible = outcome.is_feasible();
-    let ceiling = found.ceiling(feasible, options)?;
-    let [_, success_ratio, _] = found.judge.served(&found.drive);
+    let ceiling = solved.ceiling(feasible, options)?;
+    let [_, success_ratio, _] = solved.judge.served(&solved.drive);
     let replay = Replay {
         is_measured: measured.is_some(),
         success_ratio,
     };
     let counted = options.actuators != Count::All;
-    findings.extend(found.shortcomings(&outcome, ceiling.as_ref(), counted, replay));
+    findings.extend(solved.shortcomings(&outcome, ceiling.as_ref(), counted, replay));
     let refuted = replay.refutes(&outcome.indices.points);
-    let (setup, drive, method) = (&found.setup, &found.drive, found.method);
-    // pressure matching and the baselines stay quick without it; a scene that is not met has no
-    // use for it
-    let endures =
-        feasible && !refuted && matches!(method, Method::Mls | Method::Robust | Method::MinEffort);
-    let endurance = endures.then(|| Endurance::of(setup, model, drive, gain_error));
+    let (setup, drive, method) = (&solved.setup, &solved.drive, solved.method);
+    // a scene that is not met has no use for it
+    let endurance = match feasible && !refuted {
+        true => solved.endurance(model, gain_error),
+        false => None,
+    };
     findings.extend(endurance.iter().filter_map(Endurance::finding));
-    let tolerated = found.tolerated.filter(|_| feasible);
+    let tolerated = solved.tolerated.filter(|_| feasible);
     findings.extend(tolerated.and_then(drive_error::finding));
     let touch = under_fingers(model, scene, setup, drive);
     if let Some(told) = &touch {
-        let touched_db = found.solution.touched_db;
+        let touched_db = solved.solution.touched_db;
         findings.extend(of_fingers(told, asked, setup, touched_db, options)?);
     }
-    findings.extend(found.judge.findings);
+    findings.append(&mut solved.judge.findings);
     findings.extend(strength(&outcome.field, &setup.limits));
     numbered(&mut findings, &in_band_hz(model));
     let weights = Weights {
-        options: options.to_json(&Drift {
-            drive_relative: found.named.or(found.tolerated),
-            ..scene.drift.unwrap_or(options.drift)
-        }),
+        options: options.to_json(&solved.drift(scene, options)),
         ceiling,
         endurance,
-        modal: found.solution.modal,
+        modal: solved.solution.modal,
         feasible: feasible && !refuted,
         touch,
         findings: findings.into(),
@@ -174,13 +171,13 @@ fn render_tone(
         field: outcome.field,
         area: outcome.area,
         limits: setup.limits,
-        zones: found.setup.zones,
+        zones: solved.setup.zones,
         other_tones: Vec::new(),
     })
 }
 
-/// A drive, and what it was found on.
-struct Found {
+/// A drive, and the setup that it was solved on.
+struct SolvedDrive {
     setup: Setup,
     judge: Judge,
     /// Number of the modes that could be summed.
@@ -201,7 +198,7 @@ struct Found {
     findings: Vec<Finding>,
 }
 
-impl Found {
+impl SolvedDrive {
     /// Chooses modes and actuators, and solves.
     fn new(
         model: &ModalModel,
@@ -269,6 +266,23 @@ impl Found {
                 Ceiling::of(&used.problem, &self.solution.drive, thorough)
             }
             false => Ok(None),
+        }
+    }
+
+    /// The endurance of the drive; `None` for methods that stay quick without it.
+    fn endurance(&self, model: &ModalModel, gain_error: Option<f64>) -> Option<Endurance> {
+        let is_asked = matches!(
+            self.method,
+            Method::Mls | Method::Robust | Method::MinEffort
+        );
+        is_asked.then(|| Endurance::of(&self.setup, model, &self.drive, gain_error))
+    }
+
+    /// The drift that was allowed for.
+    fn drift(&self, scene: &Scene, options: &RenderOptions) -> Drift {
+        Drift {
+            drive_relative: self.named.or(self.tolerated),
+            ..scene.drift.unwrap_or(options.drift)
         }
     }
 

@@ -34,9 +34,9 @@ impl Problem {
         let start = if allowed.is_finite() { allowed } else { 1.0 };
         let mut best = (start, rank(self.counts(amplitudes, start)));
         for (gain, counts) in self
-            .steps(amplitudes)
+            .tried_gains(amplitudes)
             .into_iter()
-            .filter(|step| step.0 < allowed)
+            .filter(|tried| tried.0 < allowed)
         {
             if rank(counts) > best.1 {
                 best = (gain, rank(counts));
@@ -52,14 +52,14 @@ impl Problem {
     /// Every pair of counts that some gain leads to, hot and cold, with such a gain;
     /// rising. While no hot row is felt, the loudest gain is the best: hot ground gets as
     /// much as cold ground allows.
-    fn steps(&self, amplitudes: &Array1<f64>) -> Vec<(f64, (usize, usize))> {
+    fn tried_gains(&self, amplitudes: &Array1<f64>) -> Vec<(f64, (usize, usize))> {
         let mut meets: Vec<(f64, bool)> = (0..amplitudes.len())
             .map(|k| (self.limit_m_per_s(k) / amplitudes[k], self.rows.is_hot(k)))
             .collect();
         meets.retain(|meet| meet.0.is_finite());
         meets.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let (mut felt, mut quiet) = (0, self.rows.cold());
-        let mut steps = Vec::from_iter(meets.first().map(|first| (first.0, (felt, quiet))));
+        let mut tried = Vec::from_iter(meets.first().map(|first| (first.0, (felt, quiet))));
         for (k, &(gain, hot)) in meets.iter().enumerate() {
             if hot {
                 felt += 1;
@@ -68,10 +68,10 @@ impl Problem {
             }
             let next = meets.get(k + 1).map_or(4.0 * gain, |next| next.0);
             if next > gain {
-                steps.push(((gain * next).sqrt(), (felt, quiet)));
+                tried.push(((gain * next).sqrt(), (felt, quiet)));
             }
         }
-        steps
+        tried
     }
 
     /// The gain at which the least hot and the loudest cold row, of those inside at

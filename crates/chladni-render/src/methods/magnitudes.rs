@@ -22,7 +22,7 @@ use std::cmp::Ordering;
 pub(crate) type Round = (usize, usize);
 
 /// The quantities that every step over the rows of a problem takes, found once.
-pub(crate) struct Steps<'a> {
+pub(crate) struct MagnitudeSteps<'a> {
     problem: &'a Problem,
     /// From a drive to the velocities of all rows, then to its fit to these.
     field_and_fit: Split,
@@ -30,7 +30,7 @@ pub(crate) struct Steps<'a> {
     pull: Split,
 }
 
-impl<'a> Steps<'a> {
+impl<'a> MagnitudeSteps<'a> {
     /// Of a factorised problem.
     ///
     /// # Errors
@@ -85,7 +85,7 @@ impl<'a> Steps<'a> {
 
 /// Drives on their way.
 pub(crate) struct Race<'a> {
-    steps: &'a Steps<'a>,
+    steps: &'a MagnitudeSteps<'a>,
     /// Axes (actuator, drive).
     drives: Array2<Complex64>,
     /// Margin of the rows that each aims at, as a factor.
@@ -94,7 +94,7 @@ pub(crate) struct Race<'a> {
 
 impl<'a> Race<'a> {
     /// From all starts, each with its margin in dB.
-    pub(crate) fn new(steps: &'a Steps<'a>, starts: &[(&Drive, f64)]) -> Self {
+    pub(crate) fn new(steps: &'a MagnitudeSteps<'a>, starts: &[(&Drive, f64)]) -> Self {
         let mut drives = Array2::zeros((steps.problem.rows.mobility.ncols(), starts.len()));
         for (mut column, (start, _)) in drives.columns_mut().into_iter().zip(starts) {
             column.assign(start);

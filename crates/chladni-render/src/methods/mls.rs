@@ -19,7 +19,7 @@
 
 use crate::methods::contrast;
 use crate::methods::gain::within_drive_limit;
-use crate::methods::magnitudes::{better_first, Race, Round, Steps};
+use crate::methods::magnitudes::{better_first, MagnitudeSteps, Race, Round};
 use crate::methods::solution::Solution;
 use crate::panel::drive::Drive;
 use crate::problems::problem::{Problem, Rows, Score};
@@ -86,14 +86,14 @@ fn search(problem: &Problem, between: Option<&Rows>, ridge: f64) -> Result<(Driv
     let [from_starts, with_each_margin, on_ground] = tolerances::MLS_ROUNDS;
     let on_points = LeastSquares::new(problem, ridge)?;
     let starts = starts(&on_points)?;
-    let steps = Steps::new(&on_points)?;
+    let steps = MagnitudeSteps::new(&on_points)?;
     let [first_margin, ..] = tolerances::MLS_MARGINS_DB;
     let first = contest.enter(&steps, &starts, &[first_margin], from_starts);
     let margins = &tolerances::MLS_MARGINS_DB;
     let mut ended = contest.enter(&steps, &first, margins, with_each_margin);
     if let Some(ground) = &with_ground {
         let last = contest.enter(
-            &Steps::new(&LeastSquares::new(ground, ridge)?)?,
+            &MagnitudeSteps::new(&LeastSquares::new(ground, ridge)?)?,
             &ended,
             margins,
             on_ground,
@@ -156,7 +156,7 @@ impl<'a> Contest<'a> {
     /// from round to round; returns the leading drives.
     fn enter(
         &mut self,
-        steps: &Steps,
+        steps: &MagnitudeSteps,
         starts: &[Drive],
         margins_db: &[f64],
         rounds: [Round; 2],

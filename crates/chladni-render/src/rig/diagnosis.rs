@@ -12,7 +12,7 @@
 use super::field::{rms, LaidField, Prediction};
 use super::hypothesis::{Hypothesis, Place};
 use super::swapped::{is_exchanged, Swap, Swapped};
-use super::weighed::{variance, Cause, Found, View};
+use super::weighed::{variance, Cause, View, WeighedCause};
 use crate::panel::interpolation::{Interpolation, Nodes};
 use crate::panel::modal_field::ModalField;
 use crate::panel::operator::Operator;
@@ -80,7 +80,7 @@ pub(super) fn has_exchanged(
 impl View<'_> {
     /// Gain of all channels, of each, of one; dead and reversed ones.
     fn channels(&self, operator: &Operator, prediction: &Prediction) -> Result<Vec<Hypothesis>> {
-        let sized = |kind: &str, place, found: &Found| Hypothesis {
+        let sized = |kind: &str, place, found: &WeighedCause| Hypothesis {
             kind: kind.into(),
             place,
             value: (found.sizes.len() == 2).then(|| [found.sizes[0], found.sizes[1]]),
@@ -129,14 +129,14 @@ impl View<'_> {
     fn frequencies(&self, model: &ModalModel, modal: &ModalField) -> Result<Vec<Hypothesis>> {
         let numbers = modal.in_band(model);
         let slope = |n: usize| self.rows(&modal.slope(n));
-        let weighed = |change: &Array1<Complex64>, alternatives: usize| -> Result<Found> {
+        let weighed = |change: &Array1<Complex64>, alternatives: usize| -> Result<WeighedCause> {
             self.weigh(&Cause {
                 columns: self.whitened(change.view())?.insert_axis(Axis(1)),
                 prior: tolerances::FREQUENCY_ERROR.powi(2),
                 alternatives,
             })
         };
-        let cause = |kind: &str, place, found: Found| Hypothesis {
+        let cause = |kind: &str, place, found: WeighedCause| Hypothesis {
             kind: kind.into(),
             place,
             value: Some([found.sizes[0], 0.0]),

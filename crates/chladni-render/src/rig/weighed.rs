@@ -37,7 +37,7 @@ pub(super) struct Cause {
 }
 
 /// Sizes of a cause and the evidence for it.
-pub(super) struct Found {
+pub(super) struct WeighedCause {
     pub(super) sizes: Array1<f64>,
     pub(super) std: f64,
     pub(super) ln_evidence: f64,
@@ -131,12 +131,12 @@ impl<'a> View<'a> {
         Ok(columns)
     }
 
-    pub(super) fn weigh(&self, cause: &Cause) -> Result<Found> {
+    pub(super) fn weigh(&self, cause: &Cause) -> Result<WeighedCause> {
         self.weigh_of(cause, &self.difference)
     }
 
     /// The same of another difference.
-    fn weigh_of(&self, cause: &Cause, difference: &Array1<f64>) -> Result<Found> {
+    fn weigh_of(&self, cause: &Cause, difference: &Array1<f64>) -> Result<WeighedCause> {
         let b = cause.columns.t().dot(difference);
         let mut normal = cause.columns.t().dot(&cause.columns);
         normal
@@ -147,7 +147,7 @@ impl<'a> View<'a> {
         let ln_det = 2.0 * root.diag().iter().map(|value| value.ln()).sum::<f64>();
         let sizes = inverse.dot(&b);
         let ln_prior = cause.prior.ln() * b.len() as f64;
-        Ok(Found {
+        Ok(WeighedCause {
             ln_evidence: 0.5 * (b.dot(&sizes) - ln_det - ln_prior)
                 - (cause.alternatives as f64).ln(),
             std: inverse.diag().sum().sqrt(),
