@@ -57,51 +57,21 @@ pub(crate) fn solve(
         .map(|value| value.norm())
         .fold(0.0, f64::max)
         .max(f64::MIN_POSITIVE);
-    let scale = Complex64::from(unit / threshold);
-    let limit = limit / unit;
-    let field = |control: &Array2<Complex64>| splines.field(control) * scale;
-    let kept = |control: &Array2<Complex64>| {
-        let control = control.mapv(|value| value * (limit / value.norm()).min(1.0));
-        let moved = field(&control) + fixed;
-        (asked.worst(&moved), control)
+    let program = Program {
+        splines,
+        scale: Complex64::from(unit / threshold),
+        fixed,
+        asked,
+        limit: limit / unit,
     };
-    let mut goal = Goal::new(asked, limit, start.dim());
-    let mut control = start.mapv(|value| value / unit);
-    let mut moved = field(&control) + fixed;
+    let mut goal = Goal::new(asked, program.limit, start.dim());
+    let mut reached = program.at(start.mapv(|value| value / unit));
     let mut memory = Memory::default();
-    let mut best = kept(&control);
+    let mut best = program.kept(&reached.control);
     let mut in_vain = 0;
     for _ in 0..tolerances::PROGRAM_ROUNDS {
-        let slope = |moved: &Array2<Complex64>, control: &Array2<Complex64>| {
-            let [pull, strain] = goal.pulls(moved, control);
-            splines.adjoint(&pull) * scale + strain
-        };
-        let mut gradient = slope(&moved, &control);
-        for _ in 0..tolerances::PROGRAM_STEPS {
-            let way = memory.descent(&gradient);
-            let along = field(&way);
-            let begins = inner(&gradient, &way);
-            // at the bottom, to the last digit: numbers below the normal ones tell no way
-            if !(begins < 0.0 && begins.is_normal()) {
-                break;
-            }
-            let share = goal.share(&Line {
-                from: [&moved, &control],
-                along: [&along, &way],
-                begins,
-            });
-            let step = way * Complex64::from(share);
-            let ahead = &control + &step;
-            let moved_ahead = &moved + &(along * Complex64::from(share));
-            let next = slope(&moved_ahead, &ahead);
-            if !inner(&next, &next).is_finite() {
-                break;
-            }
-            (control, moved) = (ahead, moved_ahead);
-            memory.learn(step, &next - &gradient);
-            gradient = next;
-        }
-        let found = kept(&control);
+        program.descend(&goal, &mut reached, &mut memory);
+        let found = program.kept(&reached.control);
         in_vain += 1;
         if found.0 < best.0 {
             best = found;
@@ -111,9 +81,83 @@ pub(crate) fn solve(
         if best.0 <= asked.slack || in_vain == tolerances::PROGRAM_PATIENCE {
             break;
         }
-        goal.shift(asked, limit, &moved, &control);
+        goal.shift(asked, program.limit, &reached.moved, &reached.control);
     }
     best.1 * Complex64::from(unit)
+}
+
+/// The program in units of its own.
+struct Program<'a> {
+    splines: &'a Splines<'a>,
+    /// From a drive of these units to thresholds.
+    scale: Complex64,
+    fixed: &'a Array2<Complex64>,
+    asked: &'a Asked,
+    /// Largest |c|.
+    limit: f64,
+}
+
+/// Control points, and the field that they make.
+struct Reached {
+    control: Array2<Complex64>,
+    moved: Array2<Complex64>,
+}
+
+impl Program<'_> {
+    fn field(&self, control: &Array2<Complex64>) -> Array2<Complex64> {
+        self.splines.field(control) * self.scale
+    }
+
+    fn at(&self, control: Array2<Complex64>) -> Reached {
+        Reached {
+            moved: self.field(&control) + self.fixed,
+            control,
+        }
+    }
+
+    /// Control points within the limit, and the factor by which they miss what is asked.
+    fn kept(&self, control: &Array2<Complex64>) -> (f64, Array2<Complex64>) {
+        let control = control.mapv(|value| value * (self.limit / value.norm()).min(1.0));
+        let Reached { control, moved } = self.at(control);
+        (self.asked.worst(&moved), control)
+    }
+
+    /// The gradient by the control points.
+    fn slope(&self, goal: &Goal, reached: &Reached) -> Array2<Complex64> {
+        let [pull, strain] = goal.pulls(&reached.moved, &reached.control);
+        self.splines.adjoint(&pull) * self.scale + strain
+    }
+
+    /// The steps of a round.
+    fn descend(&self, goal: &Goal, reached: &mut Reached, memory: &mut Memory) {
+        let mut gradient = self.slope(goal, reached);
+        for _ in 0..tolerances::PROGRAM_STEPS {
+            let way = memory.descent(&gradient);
+            let along = self.field(&way);
+            let begins = inner(&gradient, &way);
+            // at the bottom, to the last digit: numbers below the normal ones tell no way
+            if !(begins < 0.0 && begins.is_normal()) {
+                break;
+            }
+            let share = goal.share(&Line {
+                from: [&reached.moved, &reached.control],
+                along: [&along, &way],
+                begins,
+            });
+            let step = way * Complex64::from(share);
+            let ahead = Reached {
+                control: &reached.control + &step,
+                moved: &reached.moved + &(along * Complex64::from(share)),
+            };
+            let next = self.slope(goal, &ahead);
+            if !inner(&next, &next).is_finite() {
+                break;
+            }
+            *reached = ahead;
+            memory.learn(step, &next - &gradient);
+            gradient = next;
+        }
+    }
 }
 
 /// A way from one drive to another: of the field and of the control points.
