@@ -1,6 +1,6 @@
 //! Records that begin within the blow.
 
-use super::excitation::offset;
+use super::excitation::rest_level;
 use crate::limits::{BLOW_CUT, BLOW_NOISE, BLOW_PART, LAST_PART};
 use chladni_frf::{Dof, Finding, Run};
 use std::collections::BTreeSet;
@@ -38,7 +38,7 @@ pub(super) fn cut_off(runs: &[Run], block: usize) -> Option<Finding> {
 
 /// The first sample of a blow over its peak, where the blow has begun before it.
 fn begins_at(samples: &[f64]) -> Option<f64> {
-    let silence = offset(samples);
+    let silence = rest_level(samples);
     let size = |x: &f64| (x - silence).abs();
     let peak = samples.iter().map(size).fold(0.0, f64::max);
     let last = &samples[samples.len() - samples.len().div_ceil(LAST_PART)..];

@@ -118,7 +118,7 @@ pub(super) fn acting_part(samples: &[f64], block: usize) -> f64 {
     let piece = (block / BLOCK_PIECES).max(1);
     let mut powers = vec![0.0; block.div_ceil(piece)];
     for samples in samples.chunks_exact(block) {
-        let silence = offset(samples);
+        let silence = rest_level(samples);
         for (power, samples) in powers.iter_mut().zip(samples.chunks(piece)) {
             *power += samples.iter().map(|x| (x - silence).powi(2)).sum::<f64>();
         }
@@ -132,7 +132,7 @@ pub(super) fn acting_part(samples: &[f64], block: usize) -> f64 {
 /// Offset of the sensor in a block that ends in silence: the median of its last part, where that
 /// is at rest and well below the largest value. 0 elsewhere: the last level of a signal that
 /// switches is none.
-pub(super) fn offset(samples: &[f64]) -> f64 {
+pub(super) fn rest_level(samples: &[f64]) -> f64 {
     let mut last = samples[samples.len() - samples.len().div_ceil(LAST_PART)..].to_vec();
     let middle = last.len() / 2;
     let (_, median, _) = last.select_nth_unstable_by(middle, f64::total_cmp);

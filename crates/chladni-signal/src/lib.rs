@@ -78,6 +78,7 @@ mod window;
 use chladni_frf::{
     BlockWindow, Channel, Dof, Error, Estimation, Estimator, Finding, FrfSet, Result, Run,
 };
+use limits::SAME_RATE;
 use setting::{groups, Setting};
 use std::collections::BTreeSet;
 use still::moving;
@@ -195,7 +196,7 @@ fn common_rate(runs: &[Run]) -> Result<f64> {
     let rate = first.sample_rate_hz;
     match runs
         .iter()
-        .find(|run| (run.sample_rate_hz / rate - 1.0).abs() > 1e-6)
+        .find(|run| (run.sample_rate_hz / rate - 1.0).abs() > SAME_RATE)
     {
         None => Ok(rate),
         Some(other) => Err(Error::bad_data("records of different sampling rates")

@@ -86,6 +86,11 @@ pub(crate) const FORCE_MEDIAN: f64 = 0.953;
 /// Most of an FRF's inverse that is taken off: there the force is half noise.
 pub(crate) const FORCE_MOST: f64 = 0.5;
 
+// lib.rs
+
+/// Difference of sampling rates, relative, up to which they are one: rounding of printed rates.
+pub(crate) const SAME_RATE: f64 = 1e-6;
+
 // local.rs
 
 /// Memory of the spectra that are held at a time, bytes. Responses of one run that do not
@@ -115,6 +120,9 @@ pub(crate) const LEAST_DENOMINATOR: f64 = 1e-6;
 
 // runs_differ.rs
 
+/// Blocks agree where at most one in so many of their coherent peaks is apart.
+pub(crate) const AGREE_PARTS: usize = 4;
+
 /// Power of the force of a block beside the median one from which on the block is compared.
 pub(crate) const FORCE_LEAST: f64 = 0.01;
 /// Blocks that all others are compared with before each is compared with each.
@@ -137,11 +145,26 @@ pub(crate) const RATIO_FAR: f64 = 0.5;
 pub(crate) const RATIO_ERRORS: f64 = 4.0;
 /// Part of a factor by which a peak that follows it differs at most, beside errors.
 pub(crate) const RATIO_LAW: f64 = 0.12;
+/// The same as one part in so many of the largest effect of the law: a weak one must be followed
+/// more closely.
+pub(crate) const LAW_EFFECT: f64 = 3.0;
+/// Errors of a ratio on top of that.
+pub(crate) const LAW_ERRORS: f64 = 3.0;
+/// Share of the coherent peaks that follow a law: so many of so many.
+pub(crate) const LAW_PEAKS: [usize; 2] = [3, 4];
+/// One in so many coherent peaks is apart under a factor, and under a delay, which hardly turns
+/// peaks of low frequency.
+pub(crate) const LAW_APART: [usize; 2] = [2, 3];
+/// One in so many peaks, on which a majority agrees, is far off where no law explains a block.
+pub(crate) const FAR_PARTS: usize = 3;
 /// Longest delay that is looked for, samples, and steps of a sample.
 pub(crate) const DELAY_MOST: i32 = 8;
 pub(crate) const DELAY_STEPS: i32 = 16;
 
 // setting.rs
+
+/// Samples of a block, at least: fewer have one line.
+pub(crate) const LEAST_BLOCK: usize = 4;
 
 /// Overlap of Hann blocks: beyond it the variance does not fall any further (the window
 /// has a hop of a third for which its squares add up to a constant).
@@ -171,6 +194,11 @@ pub(crate) const UNHEARD_MEAN: f64 = 1.05;
 /// Standard errors of that mean, at least: lines under a window are not independent, so that a true
 /// one is up to 1.4 times as large.
 pub(crate) const UNHEARD_ERRORS: f64 = 4.0;
+
+// whole_record.rs, setting.rs
+
+/// Rounding of a number of lines: it must not decide on a line at the border of two frequencies.
+pub(crate) const LINE_ROUNDING: f64 = 1e-6;
 
 // whole_record.rs
 

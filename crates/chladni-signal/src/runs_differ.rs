@@ -10,8 +10,9 @@
 
 use super::takes::{Take, Takes};
 use crate::limits::{
-    DELAY_MOST, DELAY_STEPS, FORCE_LEAST, LOOKED_AT_FIRST, PEAKS_MOST, PEAK_LEAST, PEAK_LINES,
-    PEAK_PARTS, RATIO_APART, RATIO_COHERENT, RATIO_ERRORS, RATIO_FAR, RATIO_LAW,
+    AGREE_PARTS, DELAY_MOST, DELAY_STEPS, FAR_PARTS, FORCE_LEAST, LAW_APART, LAW_EFFECT,
+    LAW_ERRORS, LAW_PEAKS, LOOKED_AT_FIRST, PEAKS_MOST, PEAK_LEAST, PEAK_LINES, PEAK_PARTS,
+    RATIO_APART, RATIO_COHERENT, RATIO_ERRORS, RATIO_FAR, RATIO_LAW,
 };
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -125,15 +126,16 @@ fn told(with: &[Ratio], known: &[usize]) -> Option<Apart> {
     let count = with.iter().filter(|ratio| ratio.is_coherent).count();
     let apart = with.iter().filter(|ratio| ratio.is_apart()).count();
     if let Some((factor, delay)) = law(with) {
-        // a delay hardly turns peaks of low frequency: only the others are apart by it
-        let least = count.div_ceil(if delay == 0.0 { 2 } else { 3 }).max(2);
+        let [by_factor, by_delay] = LAW_APART;
+        let parts = if delay == 0.0 { by_factor } else { by_delay };
+        let least = count.div_ceil(parts).max(2);
         let is_clear = count > 2 || with.iter().all(|r| r.is_apart() && r.is_far());
         if apart >= least && is_clear {
             return Some(Apart::Law { factor, delay });
         }
     }
     let far = known.iter().filter(|&&peak| with[peak].is_far()).count();
-    let is_told = known.len() > 2 && far > 1 && 3 * far >= known.len();
+    let is_told = known.len() > 2 && far > 1 && FAR_PARTS * far >= known.len();
     is_told.then_some(Apart::Otherwise)
 }
 
@@ -221,7 +223,7 @@ fn ratio(
 fn agree(ratios: &[Ratio]) -> bool {
     let coherent = ratios.iter().filter(|ratio| ratio.is_coherent).count();
     let apart = ratios.iter().filter(|ratio| ratio.is_apart()).count();
-    coherent > 1 && 4 * apart <= coherent
+    coherent > 1 && AGREE_PARTS * apart <= coherent
 }
 
 /// Factor and delay that three quarters of the peaks follow; a delay only where no factor does.
@@ -239,13 +241,15 @@ fn law(ratios: &[Ratio]) -> Option<(f64, f64)> {
         let of = |ratio: &Ratio| factor * Complex64::from_polar(1.0, -ratio.turn * delay);
         let effect = ratios.iter().map(|ratio| (of(ratio) - 1.0).norm());
         let effect = effect.fold(0.0, f64::max);
-        let within = (effect / 3.0).min(RATIO_LAW) * factor.abs();
+        let within = (effect / LAW_EFFECT).min(RATIO_LAW) * factor.abs();
         let misfit =
-            |ratio: &&Ratio| (ratio.value - of(ratio)).norm() / (within + 3.0 * ratio.error);
+            |ratio: &&Ratio| (ratio.value - of(ratio)).norm() / (within + LAW_ERRORS * ratio.error);
         let misfits: Vec<f64> = ratios.iter().map(misfit).collect();
         let count = misfits.iter().filter(|misfit| **misfit <= 1.0).count();
+        let [least, of_all] = LAW_PEAKS;
+        let is_followed = of_all * count >= least * ratios.len();
         let left: f64 = misfits.iter().map(|misfit| misfit.min(1.0).powi(2)).sum();
-        (4 * count >= 3 * ratios.len(), left, factor)
+        (is_followed, left, factor)
     };
     if let (true, _, factor) = follow(0.0) {
         return Some((factor, 0.0));

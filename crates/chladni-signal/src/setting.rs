@@ -4,7 +4,7 @@ use super::excitation::{against_local_fits, forcing, is_continuous_random, misse
 use super::local_basis::wanted_lines;
 use super::whole_record::{smooth_length, Grid};
 use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
-use crate::limits::{BURST_MOST, HANN_OVERLAP};
+use crate::limits::{BURST_MOST, HANN_OVERLAP, LEAST_BLOCK, LINE_ROUNDING};
 use chladni_frf::{
     BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Forcing, Result, Run,
 };
@@ -105,7 +105,7 @@ impl Setting {
                     gate_s: record_s,
                     hop_s: record_s,
                     averages,
-                    lines_per_value: (setting.grid.step_hz * record_s + 1e-6) as usize,
+                    lines_per_value: (setting.grid.step_hz * record_s + LINE_ROUNDING) as usize,
                 }
             }
         }
@@ -198,7 +198,7 @@ impl LocalSetting {
             .map(|run| wanted_lines(run.references().count()))
             .max()
             .unwrap_or(0);
-        if let Some(block) = options.block.filter(|block| *block < 4) {
+        if let Some(block) = options.block.filter(|block| *block < LEAST_BLOCK) {
             return Err(no_block(block, samples));
         }
         if samples < 2 * wanted {
@@ -278,7 +278,7 @@ impl BlockSetting {
                     .help("`block`, `window` and `overlap` choose others"),
             );
         }
-        if block < 4 || block > shortest {
+        if block < LEAST_BLOCK || block > shortest {
             return Err(no_block(block, shortest));
         }
         if let BlockWindow::Exponential { rate_per_s } = window {
@@ -296,15 +296,15 @@ impl BlockSetting {
 
 fn no_block(block: usize, shortest: usize) -> Error {
     let error = Error::bad_data("no possible block").field("block");
-    match shortest < 4 {
+    match shortest < LEAST_BLOCK {
         true => error
             .found(format!("{shortest} samples in the shortest record"))
-            .expected("records of 4 samples or more")
+            .expected(format!("records of {LEAST_BLOCK} samples or more"))
             .help("measure a longer record"),
         false => error
             .found(format!("{block} samples"))
             .expected(format!(
-                "4 to {shortest}, the samples of the shortest record"
+                "{LEAST_BLOCK} to {shortest}, the samples of the shortest record"
             ))
             .help("choose a block within that"),
     }

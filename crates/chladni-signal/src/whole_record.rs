@@ -1,6 +1,6 @@
 //! Transform of a whole record, and the lines that belong to each line of the FRFs.
 
-use crate::limits::LARGEST_FACTOR;
+use crate::limits::{LARGEST_FACTOR, LINE_ROUNDING};
 use chladni_frf::{Error, Result};
 use chladni_linalg::fft;
 use num_complex::Complex64;
@@ -83,8 +83,7 @@ impl Grid {
     pub(super) fn lines(&self, k: usize, samples: usize, sample_rate_hz: f64) -> Lines {
         let step = self.step_hz * samples as f64 / sample_rate_hz;
         let centre = (k + 1) as f64 * step;
-        // rounding must not decide on a line at the border of two frequencies
-        let edge = |at: f64| (at - 1e-6).ceil() as usize;
+        let edge = |at: f64| (at - LINE_ROUNDING).ceil() as usize;
         let range = edge(centre - 0.5 * step)..edge(centre + 0.5 * step).min(samples / 2);
         Lines {
             range,
@@ -95,7 +94,8 @@ impl Grid {
 
     /// Refuses a grid that leaves fewer than `least` lines to a frequency.
     pub(super) fn check(&self, least: usize, samples: usize, sample_rate_hz: f64) -> Result<()> {
-        let lines = (self.step_hz * samples as f64 / sample_rate_hz + 1e-6).floor() as usize;
+        let lines =
+            (self.step_hz * samples as f64 / sample_rate_hz + LINE_ROUNDING).floor() as usize;
         if self.count > 0 && lines >= least {
             return Ok(());
         }

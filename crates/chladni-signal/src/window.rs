@@ -40,13 +40,13 @@ pub(super) fn level(window: BlockWindow, samples: &[f64]) -> f64 {
     match window {
         BlockWindow::Rectangular => 0.0,
         BlockWindow::Hann => samples.iter().sum::<f64>() / samples.len() as f64,
-        BlockWindow::Exponential { .. } => offset(samples),
+        BlockWindow::Exponential { .. } => settled_mean(samples),
     }
 }
 
 /// Offset of a sensor whose signal dies out: the mean of the last half. 0 where its two quarters
 /// do not agree on one, and where it is small, so that the rest of an oscillation is not taken for an offset.
-fn offset(samples: &[f64]) -> f64 {
+fn settled_mean(samples: &[f64]) -> f64 {
     let quarter = samples.len() / 4;
     let taper = window_values(BlockWindow::Hann, quarter, 1.0);
     let mean = |samples: &[f64]| {

@@ -114,11 +114,12 @@ impl Endurance {
         };
         let words = format!(
             "the scene survives on {} of {} simulated rigs (gains off by {:.1} % rms, natural \
-             frequencies by 0.1 %, a light finger); with the gains alone on {}, the frequencies \
+             frequencies by {:.1} %, a light finger); with the gains alone on {}, the frequencies \
              alone on {}, the finger alone on {}{how}",
             percent(self.survival_ratio),
             self.rigs,
             100.0 * self.gain_error,
+            100.0 * tolerances::ENDURANCE_FREQUENCY_ERROR,
             percent(self.amplifiers_alone),
             percent(self.frequencies_alone),
             percent(self.finger_alone)

@@ -266,13 +266,14 @@ fn still_frequencies(
     Ok(candidates.into_iter().map(|(_, hz)| hz).collect())
 }
 
-/// The mode nearest to `frequency_hz` within twice its bandwidth, Hz: one that a finger moves
+/// The mode nearest to `frequency_hz` within `tolerances::NEAR_BANDWIDTHS`, Hz: one that a finger moves
 /// across it.
 pub(crate) fn mode_near(model: &ModalModel, frequency_hz: f64) -> Option<f64> {
     let distance = |hz: f64| (hz - frequency_hz).abs();
-    let near = model
-        .in_band_modes()
-        .filter(|mode| distance(mode.frequency_hz) <= 2.0 * mode.loss_factor * mode.frequency_hz);
+    let near = model.in_band_modes().filter(|mode| {
+        distance(mode.frequency_hz)
+            <= tolerances::NEAR_BANDWIDTHS * mode.loss_factor * mode.frequency_hz
+    });
     near.map(|mode| mode.frequency_hz)
         .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
 }

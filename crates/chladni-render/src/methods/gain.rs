@@ -66,7 +66,8 @@ impl Problem {
             } else {
                 quiet -= 1;
             }
-            let next = meets.get(k + 1).map_or(4.0 * gain, |next| next.0);
+            let next = meets.get(k + 1);
+            let next = next.map_or(tolerances::BEYOND_LAST_GAIN * gain, |next| next.0);
             if next > gain {
                 tried.push(((gain * next).sqrt(), (felt, quiet)));
             }

@@ -190,8 +190,9 @@ fn grid_axes(responses: Rectangle, area: Rectangle, step_m: f64) -> Option<(Vec<
     let coarsest = (width * height / most).sqrt().max(width.max(height) / most);
     let step = step_m.max(coarsest);
     let axis = |[start, stop]: [f64; 2]| {
-        // a thousandth of a step is room for the rounding of decimal lengths
-        let intervals = ((stop - start) / step - 1e-3).ceil().max(1.0) as usize;
+        let intervals = ((stop - start) / step - tolerances::AREA_GRID_ROUNDING)
+            .ceil()
+            .max(1.0) as usize;
         (0..=intervals)
             .map(|k| start + (stop - start) * k as f64 / intervals as f64)
             .collect()

@@ -30,7 +30,7 @@ struct Axis {
 impl Lattice {
     /// `None` where coordinates, or distances, hardly repeat.
     pub(crate) fn of(places: &[Position], nodes: &[Position]) -> Option<Self> {
-        let worth_it = places.len() * nodes.len() / 4;
+        let worth_it = places.len() * nodes.len() / tolerances::PAIRS_PER_DISTANCE;
         let axis = |which: usize| {
             Axis::of(
                 places.iter().map(|p| p[which]),

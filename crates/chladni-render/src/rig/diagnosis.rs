@@ -260,7 +260,9 @@ impl View<'_> {
 /// Places of at most `step_m` over a rectangle.
 fn grid(over: Rectangle, step_m: f64) -> Vec<Position> {
     let axis = |low: f64, high: f64| {
-        let wanted = ((high - low) / step_m - 1e-9).ceil().max(1.0);
+        let wanted = ((high - low) / step_m - tolerances::GRID_ROUNDING)
+            .ceil()
+            .max(1.0);
         let steps = wanted.min(tolerances::LOAD_GRID_MOST as f64) as usize;
         (0..=steps).map(move |k| low + (high - low) * k as f64 / steps as f64)
     };

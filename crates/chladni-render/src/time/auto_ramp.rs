@@ -119,7 +119,9 @@ impl RampFinder<'_> {
             return Ok((known.0.min(event.longest_ramp_s()), known.1));
         }
         let step_s = tolerances::AUTO_RAMP_STEP_S;
-        let first = (self.shortest_s / step_s - 1e-6).ceil().max(1.0) as usize;
+        let first = (self.shortest_s / step_s - tolerances::STEP_ROUNDING)
+            .ceil()
+            .max(1.0) as usize;
         let longest_s = event.longest_ramp_s().min(tolerances::LONGEST_AUTO_RAMP_S);
         let mut best: Option<(f64, f64)> = None;
         // at a lower level of the drive, and by how much

@@ -234,14 +234,15 @@ impl Goal {
                 break;
             }
             let ahead = secant(from, to);
-            let reaches = ahead > to[0] && ahead < 4.0 * to[0];
-            (from, to) = (to, at(if reaches { ahead } else { 4.0 * to[0] }));
+            let farthest = tolerances::PROGRAM_GROWTH * to[0];
+            let reaches = ahead > to[0] && ahead < farthest;
+            (from, to) = (to, at(if reaches { ahead } else { farthest }));
         }
         for _ in 0..tolerances::PROGRAM_TRIES {
             if to[1] <= flat {
                 break;
             }
-            let edge = 0.05 * (to[0] - from[0]);
+            let edge = tolerances::PROGRAM_EDGE * (to[0] - from[0]);
             let ahead = secant(from, to);
             let ahead = match ahead.is_finite() {
                 true => ahead.clamp(from[0] + edge, to[0] - edge),

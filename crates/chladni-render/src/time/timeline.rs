@@ -186,7 +186,10 @@ struct Draft<'a> {
 
 impl Draft<'_> {
     fn sample(&self, time_s: f64) -> usize {
-        ((time_s / self.step_s - 1e-6).ceil().max(0.0) as usize).min(self.count)
+        ((time_s / self.step_s - tolerances::STEP_ROUNDING)
+            .ceil()
+            .max(0.0) as usize)
+            .min(self.count)
     }
 
     fn add(&mut self, from_s: f64, to: usize, ground: usize, hot: Option<bool>) {

@@ -20,6 +20,9 @@ pub const SWEEP_STEP_HZ: f64 = 2.0;
 /// Most steps of a sweep.
 pub const MOST_SWEPT: f64 = 500.0;
 
+/// Bandwidths of a mode within which it lies near the drive: a finger may move it across.
+pub const NEAR_BANDWIDTHS: f64 = 2.0;
+
 /// Shares of responses nearer than this are equal to the frequency chooser: less than one
 /// response in a hundred.
 pub const SAME_SUCCESS: f64 = 0.005;

@@ -9,6 +9,10 @@ pub const ILL_CONDITIONED: f64 = 1e4;
 /// whether a stronger ridge is tried.
 pub const AT_LIMIT: f64 = 1e-6;
 
+/// Gain at which a next row would meet its limit, over that of the last one that does: beyond
+/// the last all gains serve the same rows, and one of them is tried.
+pub const BEYOND_LAST_GAIN: f64 = 4.0;
+
 /// Ridges, relative to the mean diagonal of the normal matrix, tried in turn where the
 /// force limit binds. From below the covariance of a good model to where the drive is
 /// little more than time reversal.

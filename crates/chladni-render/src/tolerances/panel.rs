@@ -48,5 +48,16 @@ pub const RESPONSES_OVER_ACTUATORS: f64 = 0.6;
 /// bandwidth, and a thousand times the rounding of its square root.
 pub const SLOPE_STEP: f64 = 1e-6;
 
+/// Part of a step by which rounding of decimal lengths may exceed a grid of areas before it gets
+/// another step.
+pub const AREA_GRID_ROUNDING: f64 = 1e-3;
+
+/// The same of grids of fingers and loads.
+pub const GRID_ROUNDING: f64 = 1e-9;
+
+/// Pairs of places and nodes for each pair of distances along x and y from which on sharing
+/// distances pays.
+pub const PAIRS_PER_DISTANCE: usize = 4;
+
 /// The orders m that are tried, the smoothest first.
 pub const ORDERS: [usize; 3] = [4, 3, 2];

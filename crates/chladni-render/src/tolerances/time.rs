@@ -101,6 +101,10 @@ pub const LATEST_END_S: f64 = 3600.0;
 /// Times nearer than this are the same, s: rounding of decimal seconds.
 pub const SAME_TIME_S: f64 = 1e-9;
 
+/// Part of a step by which rounding of decimal seconds may exceed a number of steps before it
+/// counts as one more.
+pub const STEP_ROUNDING: f64 = 1e-6;
+
 /// By how much a ramp may miss what the steady drive misses already, dB: scenes that are
 /// not quite met have ramps, too.
 pub const STEADY_MISS_DB: f64 = 0.05;
@@ -145,6 +149,12 @@ pub const PROGRAM_FLAT: f64 = 0.1;
 
 /// See [`PROGRAM_FLAT`].
 pub const PROGRAM_TRIES: usize = 12;
+
+/// Growth of a step, at most, from one try to the next.
+pub const PROGRAM_GROWTH: f64 = 4.0;
+
+/// Least distance of a try between two others from both, over theirs.
+pub const PROGRAM_EDGE: f64 = 0.05;
 
 /// Price of a control point over its limit, with the largest force of modal ramps as one,
 /// beside a threshold that is missed. A third does as well.

@@ -223,7 +223,9 @@ fn places(touch: &Touch, zones: &ZoneMap, around: Rectangle, between: bool) -> V
     loop {
         let offset = if between { 0.5 * step_m } else { 0.0 };
         let axis = |low: f64, high: f64| {
-            let steps = ((high - low - offset) / step_m + 1e-9).floor().max(0.0) as usize;
+            let steps = ((high - low - offset) / step_m + tolerances::GRID_ROUNDING)
+                .floor()
+                .max(0.0) as usize;
             (0..=steps).map(move |k| low + offset + step_m * k as f64)
         };
         let all = axis(around.y_min, around.y_max)
