@@ -49,7 +49,7 @@ FACTS = {
     "chladni-report/src/page/": "the list of modules; vision of colours",
     "chladni-report/src/data/": "codes that the page reads",
     "chladni-rfp/src/data/window/kernel.rs": "coefficients of window functions",
-    "chladni-rfp/src/damping/structural.rs:POWERS": "powers of a law",
+    "chladni-rfp/src/damping/basis.rs:RESIDUAL_POWERS": "powers of a law",
     "chladni-signal/src/local_basis.rs:TERMS": "follows from the degree",
     "chladni-render/src/time/envelope.rs:SIGNED": "coefficients of a difference",
     "chladni-render/src/scene/threshold.rs": "standard gravity",

@@ -5,19 +5,16 @@
 //! stops at a pass that is not made yet, and goes on from there once other machines have made
 //! it.
 
-use crate::checks::case::{Case, Noise};
+use crate::checks::case::Noise;
 use crate::checks::examine::examine;
-use crate::checks::window_bias;
 use crate::data::error::FitError;
 use crate::data::layout::{DataLayout, Weighting};
 use crate::data::options::{FitOptions, Method};
 use crate::data::outliers::{self, OutlierLines};
-use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::pair_weights::{NextWeights, NoiseSource, PairWeights};
 use crate::data::screening::Screened;
 use crate::data::source::Source;
-use crate::data::watch::{CancelToken, Watch};
-use crate::data::window::kinds::Window;
-use crate::data::window::of_set::with_set;
+use crate::data::watch::Watch;
 use crate::methods::aaa::aaa;
 use crate::methods::auto::auto;
 use crate::methods::bars::fit_by_method;
@@ -36,242 +33,169 @@ use crate::model::decide::with_free_residues;
 use crate::model::exponential;
 use crate::poles::whiteness::Residual;
 use crate::tolerances::OUTLIER_ROUNDS;
-use chladni_frf::{Estimator, Finding, Forcing, FrfSet, ModalModel};
-use chladni_linalg::blocked::in_pool;
+use chladni_frf::{Finding, ModalModel};
 
-/// Identifies the modes in `frf`.
+/// Fits `data`, each FRF weighted by its noise if that is known:
 ///
-/// # Errors
-/// [`FitError`]: unknown kind, a band outside the data, too few lines, no data, a window
-/// of records whose length the lines do not tell. A fit that was made but cannot be trusted is no
-/// error: `model.quality.trusted` says so, with the reasons in its warnings.
-pub fn fit(frf: &FrfSet, options: &FitOptions) -> Result<Fit, FitError> {
-    fit_watched(frf, options, &|_stage| (), &CancelToken::new())
-}
-
-/// The same as [`fit`], watched: `progress` is told the name of each stage as it begins,
-/// and the fit stops there once `cancel` asks for it.
+/// 1. Weights from the set, if it gives its noise.
+/// 2. Else no weights; then those from the residual, if it shows unequal noise.
+/// 3. Once more those from the residual of the weighted fit, if they still differ.
 ///
-/// ```
-/// # use chladni_plate::{simulate, Panel};
-/// use chladni_rfp::{fit_watched, CancelToken, FitError, FitOptions};
-/// # let mut panel = Panel::default();
-/// # panel.frf.stop_hz = 150.0;
-/// # let frf = simulate(&panel, None, None)?.frf;
-///
-/// let cancel = CancelToken::new(); // a clone of it goes to whoever may stop the fit
-/// let progress = |stage: &str| {
-///     eprintln!("{stage}");
-///     cancel.cancel();
-/// };
-/// let stopped = fit_watched(&frf, &FitOptions::default(), &progress, &cancel);
-/// assert_eq!(stopped.unwrap_err(), FitError::Cancelled);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// Those of [`fit`], and [`FitError::Cancelled`].
-pub fn fit_watched(
-    frf: &FrfSet,
-    options: &FitOptions,
-    progress: &(dyn Fn(&str) + Sync),
-    cancel: &CancelToken,
-) -> Result<Fit, FitError> {
-    let watch = Watch {
-        tell: progress,
-        cancel,
-    };
-    in_pool(|| {
-        let options = with_set(frf, options);
-        let data = Screened::new(frf, &options)?;
-        let fit = walk(data.clone(), &options, &watch)?;
-        match options.window.filter(|window| *window != Window::None) {
-            Some(window) => with_known_window(data, fit, window, options, &watch),
-            None if window_bias::is_open(&fit.model) => {
-                with_window_found(frf, fit, options, &watch)
-            }
-            None => Ok(fit),
-        }
-    })
-}
-
-/// The fit under the known window. It is not trusted if line shapes doubt that window and a
-/// fit without it leaves far less.
-///
-/// # Errors
-/// Those of [`fit`].
-fn with_known_window(
-    data: Screened,
-    mut fit: Fit,
-    window: Window,
-    options: FitOptions,
-    watch: &Watch,
-) -> Result<Fit, FitError> {
-    if !window_bias::is_doubted(&Case::of_fit(&data, &fit.model, &options)) {
-        return Ok(fit);
-    }
-    watch.stage("lines without the window")?;
-    let plain = FitOptions {
-        window: Some(Window::None),
-        ..options
-    };
-    let other = Screened::new(data.frf, &plain).and_then(|data| walk(data, &plain, watch));
-    match other {
-        Err(FitError::Cancelled) => return Err(FitError::Cancelled),
-        // nothing to compare with
-        Err(_) => {}
-        Ok(other) => {
-            let found = window_bias::contradicted(window, [&fit.model, &other.model]);
-            fit.model.quality.trusted &= found.is_none();
-            fit.model.quality.findings.extend(found);
-        }
-    }
-    Ok(fit)
-}
-
-/// A second fit under the window that line shapes show, if its residual confirms that window.
-/// Otherwise the first fit, its bars widened by what a window may have added.
-///
-/// # Errors
-/// Those of [`fit`].
-fn with_window_found(
-    frf: &FrfSet,
-    mut fit: Fit,
-    options: FitOptions,
-    watch: &Watch,
-) -> Result<Fit, FitError> {
-    let screened = Screened::new(frf, &options)?;
-    let case = Case::of_fit(&screened, &fit.model, &options);
-    let evidence = window_bias::Evidence::new(&case);
-    // the line shapes compared are those of continuous noise in H1
-    let may_be = frf.estimation.as_ref().is_none_or(|made| {
-        let forcing = made.forcing.unwrap_or(Forcing::Continuous);
-        made.estimator == Estimator::H1 && forcing == Forcing::Continuous
-    });
-    let suspected = window_bias::of_shapes(&case, &evidence).filter(|_| may_be);
-    let Some(window) = suspected else {
-        window_bias::hold(&mut fit.model, &screened, evidence.suspected());
-        return Ok(fit);
-    };
-    watch.stage("line shape of the window")?;
-    let options = FitOptions {
-        window: Some(window),
-        ..options
-    };
-    // the first fit stands whatever becomes of this one
-    let windowed = Screened::new(frf, &options);
-    let under = windowed.and_then(|data| Ok((walk(data.clone(), &options, watch)?, data)));
-    let found = match under {
-        Ok((under, data)) => {
-            let case = Case::of_fit(&data, &under.model, &options);
-            window_bias::decided(&evidence, &case).map(|found| (found, under))
-        }
-        Err(FitError::Cancelled) => return Err(FitError::Cancelled),
-        Err(_) => None,
-    };
-    let Some((found, mut under)) = found else {
-        window_bias::hold(&mut fit.model, &screened, evidence.suspected());
-        return Ok(fit);
-    };
-    found.hold_others(&mut under.model, &screened);
-    under.model.quality.findings.push(found.finding);
-    Ok(under)
-}
-
-/// Fits `data`, each FRF weighted by its noise if the data say how noisy it is. If they do not,
-/// the first fit has no weights; a second one has those that the residuals of the first give,
-/// if these are unequal; a third one those that the residuals of the second give, if they still are.
+/// Weights from a residual are dropped if the residual of the weighted fit is not white. Weights
+/// by coherence give way to those from the residual if that contradicts them.
 ///
 /// # Errors
 /// A fit that cannot be made; a pass that others must make.
 pub(crate) fn walk<S: Source>(
-    data: S,
+    mut data: S,
     options: &FitOptions,
     watch: &Watch,
 ) -> Result<Fit, S::Stop> {
-    let given = match data.weights_left {
-        Weights::Given => data.given_noise(),
-        Weights::OfResidual | Weights::Again | Weights::None => None,
-    };
-    let given = given.and_then(|(noise, giver)| {
-        let weights = PairWeights::by_noise(&data, &noise)?;
-        Some((weights, Some(giver)))
-    });
-    let mut fitted = match given {
-        Some(weights) => data.weighted(Some(weights), Weights::OfResidual)?,
-        None => data.clone(),
-    };
-    let FitToCheck {
-        mut fit,
-        residual,
-        left_of_frfs,
-    } = loop {
-        match identify(&fitted, options, outlier_lines(&fitted), watch)? {
-            MethodRun::LeaveOut(lines) => fitted = fitted.without(&lines),
-            MethodRun::Fitted(found) => break *found,
-        }
-    };
-    let white = residual == Residual::White;
-    // residual energy of the measured FRFs, times the squares of their weights
-    let seen: Vec<f64> = fitted
-        .pairs
-        .iter()
-        .zip(&left_of_frfs)
-        .map(|(&pair, left)| left * fitted.weight_of(pair).powi(2))
-        .collect();
-    let error = fit.model.quality.relative_error;
-    let unequal = PairWeights::new(&fitted, &seen, error)
-        .filter(|_| white && fitted.weights_left != Weights::None);
-    // these replace the weights of this fit: they are of the measured FRFs
-    let again = (fitted.weights_left == Weights::Again && unequal.is_some())
-        .then(|| PairWeights::by_noise(&fitted, &left_of_frfs))
-        .flatten();
-    if let Some(again) = again {
-        watch.stage("FRFs weighted by their noise once more")?;
-        let weighted = fitted.weighted(Some((again, None)), Weights::None)?;
-        return walk(weighted, options, watch);
+    loop {
+        let weighted = weighted_by_set(&data)?;
+        let (fitted, found) = without_outliers(weighted, options, watch)?;
+        let weighted_residual_energy = weighted_residual_energy(&fitted, &found);
+        data = match weighting_after(&fitted, &found, &weighted_residual_energy) {
+            NextFit::None => {
+                let FitToCheck {
+                    mut fit, residual, ..
+                } = found;
+                name_weighting(&fitted, &mut fit.model);
+                let energy = &weighted_residual_energy;
+                checked(&fitted, energy, options, residual, &mut fit.model);
+                return Ok(fit);
+            }
+            NextFit::Weighted { weights, next } => {
+                watch.stage(match next {
+                    NextWeights::None => "FRFs weighted by their noise once more",
+                    _ => "FRFs weighted by their noise",
+                })?;
+                fitted.weighted(Some((weights, None)), next)?
+            }
+            NextFit::Unweighted => fitted.weighted(None, NextWeights::None)?,
+            NextFit::WithoutCoherence { finding } => data
+                .noted(finding)
+                .weighted(None, NextWeights::FromResidual)?,
+        };
     }
-    match (&fitted.weighting, unequal) {
-        // the measured-data path has an error model of its own
-        (Some(weighting), unequal)
-            if weighting.giver == Some(Giver::Coherence) && (!white || unequal.is_some()) =>
-        {
-            let noted = data.noted(unequal.map(|_| coherence_contradicted()));
-            return walk(noted.weighted(None, Weights::OfResidual)?, options, watch);
-        }
-        // drop weights taken from a residual if the residual of the weighted fit is not white
-        (Some(weighting), _) if weighting.giver.is_none() && !white => {
-            return walk(fitted.weighted(None, Weights::None)?, options, watch);
-        }
-        (Some(weighting), _) => {
-            let words = weighting.words();
-            let path = fit.model.quality.path;
-            fit.model.quality.path = path.map(|path| format!("{path}; {words}"));
-        }
-        (None, Some(weights)) => {
-            watch.stage("FRFs weighted by their noise")?;
-            let weighted = fitted.weighted(Some((weights, None)), Weights::Again)?;
-            return walk(weighted, options, watch);
-        }
-        (None, None) => {}
-    }
-    checked(&fitted, &seen, options, residual, &mut fit.model);
-    Ok(fit)
 }
 
-/// Runs the checks of the data, then takes an exponential window off the poles. `seen`:
-/// residual energy of each FRF, weighted.
+/// `data` weighted by the noise that the set gives, if those weights are the next to try.
+fn weighted_by_set<S: Source>(data: &S) -> Result<S, S::Stop> {
+    let given = match data.next_weights {
+        NextWeights::FromSet => data.given_noise(),
+        NextWeights::FromResidual | NextWeights::FromWeightedResidual | NextWeights::None => None,
+    };
+    let weights = given.and_then(|(noise, noise_source)| {
+        let weights = PairWeights::by_noise(data, &noise)?;
+        Some((weights, Some(noise_source)))
+    });
+    match weights {
+        Some(weights) => data.weighted(Some(weights), NextWeights::FromResidual),
+        None => Ok(data.clone()),
+    }
+}
+
+/// The fit of `data` without outlier lines, and the data that were fitted.
+fn without_outliers<S: Source>(
+    mut data: S,
+    options: &FitOptions,
+    watch: &Watch,
+) -> Result<(S, FitToCheck), S::Stop> {
+    loop {
+        match identify(&data, options, outlier_lines(&data), watch)? {
+            MethodRun::LeaveOut(lines) => data = data.without(&lines),
+            MethodRun::Fitted(found) => return Ok((data, *found)),
+        }
+    }
+}
+
+/// Residual energy of each measured FRF times the square of its weight.
+fn weighted_residual_energy(fitted: &DataLayout, found: &FitToCheck) -> Vec<f64> {
+    fitted
+        .pairs
+        .iter()
+        .zip(&found.residual_energy_of_frfs)
+        .map(|(&pair, energy)| energy * fitted.weight_of(pair).powi(2))
+        .collect()
+}
+
+/// The fit that follows another one.
+enum NextFit {
+    /// No further fit: this one stands.
+    None,
+    /// A fit with these weights from the residual; `next`: those that may be tried after it.
+    Weighted {
+        weights: PairWeights,
+        next: NextWeights,
+    },
+    /// A fit without the weights that were taken from a residual.
+    Unweighted,
+    /// A fit without the weights by coherence; `finding`: the residual contradicts them.
+    WithoutCoherence { finding: Option<Finding> },
+}
+
+/// The fit that follows `found` by the rules of [`walk`].
+///
+/// * `weighted_residual_energy`: of each FRF, as fitted
+fn weighting_after(
+    fitted: &DataLayout,
+    found: &FitToCheck,
+    weighted_residual_energy: &[f64],
+) -> NextFit {
+    let is_noise = found.residual != Residual::NotWhite;
+    let error = found.fit.model.quality.relative_error;
+    let unequal = PairWeights::if_unequal(fitted, weighted_residual_energy, error)
+        .filter(|_| is_noise && fitted.next_weights != NextWeights::None);
+    if fitted.next_weights == NextWeights::FromWeightedResidual && unequal.is_some() {
+        // these replace the weights of this fit: they are of the measured FRFs
+        let weights = PairWeights::by_noise(fitted, &found.residual_energy_of_frfs);
+        if let Some(weights) = weights {
+            let next = NextWeights::None;
+            return NextFit::Weighted { weights, next };
+        }
+    }
+    let Some(weighting) = &fitted.weighting else {
+        let next = NextWeights::FromWeightedResidual;
+        return unequal.map_or(NextFit::None, |weights| NextFit::Weighted { weights, next });
+    };
+    match weighting.noise_source {
+        // the measured-data path has an error model of its own
+        Some(NoiseSource::Coherence) if !is_noise || unequal.is_some() => {
+            let finding = unequal.map(|_| coherence_contradicted());
+            NextFit::WithoutCoherence { finding }
+        }
+        None if !is_noise => NextFit::Unweighted,
+        _ => NextFit::None,
+    }
+}
+
+/// Adds the weighting to the path of the model.
+fn name_weighting(fitted: &DataLayout, model: &mut ModalModel) {
+    if let Some(weighting) = &fitted.weighting {
+        let words = weighting.words();
+        let path = model.quality.path.take();
+        model.quality.path = path.map(|path| format!("{path}; {words}"));
+    }
+}
+
+/// Runs the checks of the data, then takes an exponential window off the poles.
+/// `weighted_residual_energy`: of each FRF.
 fn checked<S: Source>(
     fitted: &S,
-    seen: &[f64],
+    weighted_residual_energy: &[f64],
     options: &FitOptions,
     residual: Residual,
     model: &mut ModalModel,
 ) {
     model.quality.findings.extend(outliers::finding(fitted));
     let noise = Noise {
-        variance: noise_variance(fitted, seen, model.quality.relative_error),
-        left_of_frfs: seen,
+        variance: noise_variance(
+            fitted,
+            weighted_residual_energy,
+            model.quality.relative_error,
+        ),
+        residual_energy_of_frfs: weighted_residual_energy,
     };
     examine(fitted, fitted.values(), options, residual, noise, model);
     if fitted.values().is_none() {
@@ -282,11 +206,11 @@ fn checked<S: Source>(
     }
 }
 
-/// Noise variance of one work value: from the residuals of weighted FRFs if they are known,
+/// Noise variance of one work value: from the residual `energy` of weighted FRFs if it is known,
 /// else from the relative error of the model.
-fn noise_variance(data: &DataLayout, seen: &[f64], relative_error: f64) -> f64 {
-    match data.weighting.is_some() && !seen.is_empty() {
-        true => seen.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64,
+fn noise_variance(data: &DataLayout, energy: &[f64], relative_error: f64) -> f64 {
+    match data.weighting.is_some() && !energy.is_empty() {
+        true => energy.iter().sum::<f64>() / (data.lines.len() * data.pairs.len()) as f64,
         false => (relative_error * data.measured_over_used()).powi(2),
     }
 }
@@ -304,9 +228,8 @@ fn coherence_contradicted() -> Finding {
 fn not_checked() -> Finding {
     Finding::note(
         "not-checked",
-        "fitted in pieces: whether poles move between FRFs or split into several, a reference is \
-         not reciprocal, a window broadens the lines, or noise of unequal FRFs shows modes was \
-         not looked at",
+        "fitted in pieces; not checked: poles that move or split between FRFs, reciprocity, \
+         window broadening, modes made by uneven noise",
     )
     .help("fit some blocks by themselves to see")
 }
@@ -314,7 +237,7 @@ fn not_checked() -> Finding {
 /// Outlier lines are left out at most [`OUTLIER_ROUNDS`] times, and never after FRFs were
 /// weighted by a residual.
 fn outlier_lines(data: &DataLayout) -> OutlierLines {
-    let by_residual = |weighting: &Weighting| weighting.giver.is_none();
+    let by_residual = |weighting: &Weighting| weighting.noise_source.is_none();
     match data.outlier_rounds < OUTLIER_ROUNDS && !data.weighting.as_ref().is_some_and(by_residual)
     {
         true => OutlierLines::LeaveOut,
@@ -334,11 +257,14 @@ fn identify<S: Source>(
     };
     let by = |method: Finder| -> Result<MethodRun, S::Stop> {
         let (model, stabilization) = fit_by_method(values, options, method, watch)?;
-        Ok(MethodRun::whole(model, stabilization))
+        Ok(MethodRun::not_judged(model, stabilization))
     };
     match options.method {
         Method::Auto => auto(data, options, outlier_lines, watch),
-        Method::Lean => Ok(MethodRun::whole(fit_lean(values, options, watch)?, None)),
+        Method::Lean => Ok(MethodRun::not_judged(
+            fit_lean(values, options, watch)?,
+            None,
+        )),
         Method::Vf => by(vf),
         Method::Lscf => by(lscf),
         Method::Plscf => by(plscf),

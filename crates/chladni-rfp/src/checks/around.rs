@@ -24,13 +24,13 @@ pub(crate) fn strength(mode: &Mode, (i, j): (usize, usize)) -> f64 {
 
 /// Poles of a model that a window may have made of one mode and `mode`: of one shape, and nearer
 /// than lines tell.
-pub(crate) fn twins<'a>(model: &'a ModalModel, line_hz: f64, mode: &Mode) -> Vec<&'a Mode> {
-    let is_twin = |other: &&Mode| {
+pub(crate) fn window_pairs<'a>(model: &'a ModalModel, line_hz: f64, mode: &Mode) -> Vec<&'a Mode> {
+    let is_pair = |other: &&Mode| {
         let distance = (other.frequency_hz - mode.frequency_hz).abs();
         let near = distance > 0.0 && distance < limits::ONE_LINE * line_hz;
         near && mac(&other.shape.0, &mode.shape.0) > limits::ONE_SHAPE
     };
-    model.in_band_modes().filter(is_twin).collect()
+    model.in_band_modes().filter(is_pair).collect()
 }
 
 /// (strength, position) of the FRFs that show a mode best.
@@ -49,11 +49,11 @@ pub(crate) fn strongest(case: &Case, mode: &Mode, most: usize) -> Vec<(f64, usiz
 
 /// Lines around a mode (`reach`: half-bandwidths, and at least so many lines, on both
 /// sides), and its strongest FRFs there without what the model says of all modes but it and its
-/// `twins`, and of residual terms; `None` without the data.
+/// `partners`, and of residual terms; `None` without the data.
 pub(crate) fn neighbourhood(
     case: &Case,
     mode: &Mode,
-    twins: &[&Mode],
+    partners: &[&Mode],
     reach: (f64, usize),
     frfs_most: usize,
 ) -> Option<(Columns, Array2<Complex64>)> {
@@ -62,7 +62,7 @@ pub(crate) fn neighbourhood(
         .into_iter()
         .map(|(_, l)| l)
         .collect();
-    without_others(case, &[&[mode], twins].concat(), rows, &frfs)
+    without_others(case, &[&[mode], partners].concat(), rows, &frfs)
 }
 
 /// FRFs (positions among the pairs) on the lines `rows` without what the model says of

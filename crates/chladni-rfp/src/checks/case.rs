@@ -16,8 +16,8 @@ pub(crate) struct Case<'a> {
     pub model: &'a ModalModel,
     /// The options of the fit.
     pub options: &'a FitOptions,
-    /// True where the residual is white: the lines are pure resonances within the noise.
-    pub white: bool,
+    /// True if the residual is taken for noise: it is white, or the method did not test it.
+    pub noise_is_known: bool,
     /// Its level in the data as they were fitted, weights included.
     pub noise: Noise<'a>,
 }
@@ -28,7 +28,7 @@ pub(crate) struct Noise<'a> {
     /// Variance of one work value, where the residual is noise.
     pub variance: f64,
     /// Residual energy of each FRF; empty where not known.
-    pub left_of_frfs: &'a [f64],
+    pub residual_energy_of_frfs: &'a [f64],
 }
 
 /// The outcome of a check. A fault: the data as a whole contradict the model.
@@ -49,8 +49,8 @@ impl From<Finding> for Checked {
 }
 
 impl<'a> Case<'a> {
-    /// Of a fit whose window is in question. Its residual counts as not white, whatever it is:
-    /// misfit of line shapes is what is looked for.
+    /// Of a fit whose window is in question. Its residual is not taken for noise: misfit of line
+    /// shapes is what is looked for.
     pub(crate) fn of_fit(
         data: &'a Screened<'a>,
         model: &'a ModalModel,
@@ -61,7 +61,7 @@ impl<'a> Case<'a> {
             values: Some(data),
             model,
             options,
-            white: false,
+            noise_is_known: false,
             noise: Noise::default(),
         }
     }

@@ -55,7 +55,7 @@ pub(crate) fn examine(
             values,
             model,
             options,
-            white: residual == Residual::White,
+            noise_is_known: residual != Residual::NotWhite,
             noise,
         };
         let found: Vec<Checked> = checks.par_iter().filter_map(|check| check(&case)).collect();

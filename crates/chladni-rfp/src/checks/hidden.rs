@@ -4,8 +4,8 @@
 use crate::checks::around::{pole, strength};
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
-use crate::damping::structural::basis;
-use crate::damping::structural::POWERS;
+use crate::damping::basis::basis;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::Columns;
 use crate::data::options::ShapeModel;
 use crate::poles::significance::threshold;
@@ -31,7 +31,7 @@ pub(crate) fn single_frf(case: &Case) -> Option<Checked> {
 /// Gaps between overlapping modes in which one more, as strong as they are, would not
 /// stand out of the noise.
 pub(crate) fn between_modes(case: &Case) -> Option<Checked> {
-    if !case.white {
+    if !case.noise_is_known {
         return None;
     }
     let mut modes: Vec<&Mode> = case.model.in_band_modes().collect();
@@ -86,7 +86,7 @@ fn could_hide(case: &Case, axis: &Columns, pair: &[&Mode]) -> Option<bool> {
         .min(axis.lines() - 1);
     let mode = basis(&local, &[place], &[]) * Complex64::from(place.im / axis.g[top]);
     let left = |poles: &[Complex64]| -> Option<f64> {
-        let taken = background(&local, poles, &POWERS).ok()?;
+        let taken = background(&local, poles, &RESIDUAL_POWERS).ok()?;
         Some(
             projected(taken.view(), mode.view())
                 .1

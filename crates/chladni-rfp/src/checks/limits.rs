@@ -152,9 +152,9 @@ pub(super) const LEAST_LEFT: usize = 6;
 /// Rms residual over rms data from which data are mostly noise. At 0.9 noise of unequal
 /// levels over flat FRFs still had a sure mode in 8 of 40 sets.
 pub(super) const MOSTLY_NOISE: f64 = 0.5;
-/// Gain of a mode over the most that uneven noise makes of a pole by chance, beyond which no noise
-/// is asked.
-pub(super) const FAINT: f64 = 10.0;
+/// Ratio of a mode's gain to the largest that uneven noise makes by chance; modes above it are not
+/// tested.
+pub(super) const CLEAR_OF_NOISE: f64 = 10.0;
 /// Energy that other poles must leave of a mode's column for the mode to be judged: those of
 /// one pole leave none.
 pub(super) const OWN_LEAST: f64 = 1e-8;

@@ -6,7 +6,7 @@
 //! Each shape is fitted to the lines around every isolated mode, its pole free, and the
 //! sums of squares are compared: hypotheses with the same number of unknowns.
 
-use crate::checks::around::{neighbourhood, strongest, twins};
+use crate::checks::around::{neighbourhood, strongest, window_pairs};
 use crate::checks::case::Case;
 use crate::checks::correlation::TAPERED;
 use crate::checks::limits;
@@ -131,20 +131,22 @@ impl Isolated {
     /// of `modes` stands near, a stronger one on the same line, or lines are too few.
     fn new(case: &Case, mode: &Mode, modes: &[&Mode]) -> Option<Self> {
         let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
-        let twins = twins(case.model, case.data.line_spacing_hz(), mode);
+        let partners = window_pairs(case.model, case.data.line_spacing_hz(), mode);
         let distance = |other: &Mode| (other.frequency_hz - mode.frequency_hz).abs();
         let is_near = |other: &&Mode| {
-            *other != mode && !twins.contains(other) && distance(other) < limits::ALONE * half_width
+            *other != mode
+                && !partners.contains(other)
+                && distance(other) < limits::ALONE * half_width
         };
         let strength = |mode: &Mode| strongest(case, mode, 1).first().map_or(0.0, |own| own.0);
-        let second = |twin: &&Mode| strength(twin) > strength(mode);
-        if half_width <= 0.0 || modes.iter().any(is_near) || twins.iter().any(second) {
+        let second = |partner: &&Mode| strength(partner) > strength(mode);
+        if half_width <= 0.0 || modes.iter().any(is_near) || partners.iter().any(second) {
             return None;
         }
         let (work, own) = neighbourhood(
             case,
             mode,
-            &twins,
+            &partners,
             limits::REACH,
             limits::LINE_SHAPE_FRFS_MOST,
         )?;

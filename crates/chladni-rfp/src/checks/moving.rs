@@ -11,7 +11,7 @@ use chladni_frf::{Finding, Mode};
 
 /// Lets every FRF have its own pole near each mode.
 pub(crate) fn moving_poles(case: &Case) -> Option<Checked> {
-    if case.white || case.data.pairs.len() < 2 {
+    if case.noise_is_known || case.data.pairs.len() < 2 {
         return None;
     }
     let modes: Vec<&Mode> = case.model.in_band_modes().collect();

@@ -3,7 +3,7 @@
 use crate::checks::around::pole;
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
-use crate::damping::structural::{basis, POWERS};
+use crate::damping::basis::{basis, RESIDUAL_POWERS};
 use crate::data::columns::Columns;
 use crate::data::noise_levels::UnevenNoise;
 use crate::data::screening::Screened;
@@ -70,13 +70,13 @@ pub(crate) fn few_values(case: &Case) -> Option<Checked> {
 /// references do not make the noise of FRFs equal.
 pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
     let mostly_noise = case.model.quality.relative_error >= limits::MOSTLY_NOISE;
-    let uneven = case.white.then(|| uneven_noise(case)).flatten();
+    let uneven = case.noise_is_known.then(|| uneven_noise(case)).flatten();
     let asked: Vec<usize> = match (mostly_noise, uneven) {
         (true, _) => sure(case),
         // bars that follow the noise of FRFs may have made a feigned mode weak, and do not say why
         (false, Some(spread)) => sure_or_uncertain(case)
             .into_iter()
-            .filter(|&n| is_faint(case, n, spread))
+            .filter(|&n| may_be_noise(case, n, spread))
             .collect(),
         (false, None) => return None,
     };
@@ -111,18 +111,18 @@ pub(crate) fn noise_alone(case: &Case) -> Option<Checked> {
 /// Variance of the noise of FRFs over the square of its mean, where that is more than chance makes.
 fn uneven_noise(case: &Case) -> Option<f64> {
     let unknowns = case.model.modes.len() + case.model.residual_terms.terms.len();
-    let left = case.noise.left_of_frfs;
+    let left = case.noise.residual_energy_of_frfs;
     UnevenNoise::new(left, case.data.lines.len(), unknowns).map(|noise| noise.spread)
 }
 
 /// True for a mode whose bars are so wide that noise of this `spread` might feign it. A mode that
 /// takes g·σ² out of the sum of squares has a pole of variance (half-bandwidth)²/(2g).
-fn is_faint(case: &Case, n: usize, spread: f64) -> bool {
+fn may_be_noise(case: &Case, n: usize, spread: f64) -> bool {
     let mode = &case.model.modes[n];
     let half_bandwidth_hz = 0.5 * mode.loss_factor * mode.frequency_hz;
     let gain = 0.5 * (half_bandwidth_hz / mode.frequency_std_hz).powi(2);
     let by_chance = threshold(case.data.pairs.len(), case.data.lines.len()) * (1.0 + spread);
-    gain < limits::FAINT * by_chance
+    gain < limits::CLEAR_OF_NOISE * by_chance
 }
 
 /// For each mode, true if it explains more of one FRF, of some or of all than chance does, each
@@ -135,7 +135,7 @@ fn stand_out(case: &Case, data: &Screened, modes: &[usize]) -> Option<Vec<bool>>
     let counts = |mode: &&Mode| mode.trust != Trust::Rejected;
     let modelled = case.model.modes.iter().filter(counts);
     let poles: Vec<Complex64> = modelled.map(|mode| pole(case, mode)).collect();
-    let all = background(&axis, &poles, &POWERS).ok()?;
+    let all = background(&axis, &poles, &RESIDUAL_POWERS).ok()?;
     let free = axis.lines().checked_sub(all.ncols() + 1)? as f64;
     let own = |&n: &usize| own_part(&axis, &poles, pole(case, &case.model.modes[n]));
     let own: Vec<Option<Array1<Complex64>>> = modes.par_iter().map(own).collect();
@@ -169,7 +169,7 @@ fn stand_out(case: &Case, data: &Screened, modes: &[usize]) -> Option<Vec<bool>>
 /// where nothing is left of it, as of poles that nearly coincide.
 fn own_part(axis: &Columns, poles: &[Complex64], own: Complex64) -> Option<Array1<Complex64>> {
     let others: Vec<Complex64> = poles.iter().copied().filter(|pole| *pole != own).collect();
-    let beside = background(axis, &others, &POWERS).ok()?;
+    let beside = background(axis, &others, &RESIDUAL_POWERS).ok()?;
     let column = basis(axis, &[own], &[]);
     let square = |column: &Array2<Complex64>| column.iter().map(Complex64::norm_sqr).sum::<f64>();
     let part = projected(beside.view(), column.view()).1;

@@ -156,7 +156,7 @@ fn places(groups: &[&[&Mode]]) -> String {
 /// The modes that have a twin: a mode of the same damping, nearer than a part of their
 /// half-bandwidth. None, unless one side has one DOF and most modes have a twin.
 fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
-    if !case.white || case.data.responses.len().min(case.data.references.len()) > 1 {
+    if !case.noise_is_known || case.data.responses.len().min(case.data.references.len()) > 1 {
         return None;
     }
     let alike = |a: Complex64, b: Complex64| {
@@ -251,7 +251,7 @@ fn fewer_moving(case: &Case, group: &[&Mode], moved: Side) -> Result<bool, Linal
     };
     let together = local.with_columns(own.clone());
     // without a level of noise the common poles are moved to where they leave least
-    let common = match case.white {
+    let common = match case.noise_is_known {
         true => Projection::new(&together, &poles, &[0])?.sse,
         false => {
             let steps = tol::ROUGH.within(tol::FINE.steps);
@@ -278,7 +278,7 @@ fn fewer_moving(case: &Case, group: &[&Mode], moved: Side) -> Result<bool, Linal
         // further unknowns of the common poles, those of one pole each: its residues
         let own = few as f64 * (1.0 + frfs.len() as f64 / all.len() as f64);
         let further = (poles.len() as f64 - own).max(1.0);
-        let bound = match case.white {
+        let bound = match case.noise_is_known {
             true => common + further * of_pole,
             false => limits::SPLIT_CLEARLY * common,
         };

@@ -1,7 +1,7 @@
 //! Bias of damping by the window of the records: its bounds if the window is not known, the
 //! evidence against the window if it is.
 
-use crate::checks::around::twins;
+use crate::checks::around::window_pairs;
 use crate::checks::case::{Case, Checked};
 use crate::checks::correlation::{Correlation, TAPERED};
 use crate::checks::limits;
@@ -48,7 +48,7 @@ pub(crate) fn modelled(case: &Case) -> Option<Checked> {
 /// True if the lines of isolated modes look like pure resonances rather than lines under the
 /// known window. False if an exponential window moved the poles or records were padded: their
 /// lines have another shape.
-pub(crate) fn is_doubted(case: &Case) -> bool {
+pub(crate) fn lines_look_unwindowed(case: &Case) -> bool {
     let told = case.data.window.filter(|window| *window != Window::None);
     let as_measured = case.options.exponential_window_per_s.is_none() && !case.data.is_padded();
     let gain = told
@@ -59,7 +59,10 @@ pub(crate) fn is_doubted(case: &Case) -> bool {
 
 /// The finding that the data contradict the known window: a fit of pure resonances leaves far
 /// less. `models`: under the window and without it. `None` if it does not.
-pub(crate) fn contradicted(window: Window, models: [&ModalModel; 2]) -> Option<Finding> {
+pub(crate) fn known_window_contradicted(
+    window: Window,
+    models: [&ModalModel; 2],
+) -> Option<Finding> {
     let [under, plain] = models.map(|model| model.quality.relative_error);
     let less = (under / plain.max(f64::MIN_POSITIVE)).powi(2);
     let words = format!(
@@ -79,7 +82,7 @@ pub(crate) fn contradicted(window: Window, models: [&ModalModel; 2]) -> Option<F
 
 /// The check where the window is not known: how much too high damping can be.
 pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
-    if case.data.window.is_some() || case.white {
+    if case.data.window.is_some() || case.noise_is_known {
         return None;
     }
     let step = case.data.line_spacing_hz();
@@ -183,34 +186,34 @@ impl Evidence {
 
 /// Widens the bars of damping by what `window` would have added to it, and the bars of mass
 /// scales with them. Bars of frequencies are widened if two poles may be one broadened line.
-pub(crate) fn hold(model: &mut ModalModel, data: &DataLayout, window: Window) {
+pub(crate) fn widen_bars_for(model: &mut ModalModel, data: &DataLayout, window: Window) {
     let Some(leakage) = leakage_of(window, data) else {
         return;
     };
     let scaling = model.scaling;
-    let twins: Vec<Option<f64>> = model
+    let splits: Vec<Option<f64>> = model
         .modes
         .iter()
-        .map(|m| twin_hz(model, data, m))
+        .map(|m| split_hz(model, data, m))
         .collect();
-    for (mode, twin) in model
+    for (mode, split) in model
         .modes
         .iter_mut()
-        .zip(twins)
+        .zip(splits)
         .filter(|(mode, _)| mode.counts())
     {
         let doubt = excess(&leakage, mode);
         widen(mode, scaling, doubt, limits::SCALE_OF_DAMPING * doubt);
-        let between = 0.5 * twin.unwrap_or(0.0);
+        let between = 0.5 * split.unwrap_or(0.0);
         mode.frequency_std_hz = mode.frequency_std_hz.hypot(between);
     }
 }
 
 /// Distance, Hz, of the next of the poles that a window may have made of one mode.
-fn twin_hz(model: &ModalModel, data: &DataLayout, mode: &Mode) -> Option<f64> {
+fn split_hz(model: &ModalModel, data: &DataLayout, mode: &Mode) -> Option<f64> {
     let distance = |other: &Mode| (other.frequency_hz - mode.frequency_hz).abs();
-    let twins = twins(model, data.line_spacing_hz(), mode);
-    twins.into_iter().map(distance).min_by(f64::total_cmp)
+    let pairs = window_pairs(model, data.line_spacing_hz(), mode);
+    pairs.into_iter().map(distance).min_by(f64::total_cmp)
 }
 
 /// Widens the bars of a mode by relative doubts of its loss factor and of its mass scale.
@@ -256,7 +259,7 @@ fn added(leakage: &Leakage, seen: f64) -> f64 {
 }
 
 /// True if an unknown window may bias damping.
-pub(crate) fn is_open(model: &ModalModel) -> bool {
+pub(crate) fn damping_may_be_biased(model: &ModalModel) -> bool {
     let mut findings = model.quality.findings.iter();
     findings.any(|finding| finding.code == "window-bias")
 }
@@ -276,7 +279,7 @@ pub(crate) struct FoundWindow {
 
 impl FoundWindow {
     /// Widens the bars of modes by what damping would change under the other windows.
-    pub fn hold_others(&self, model: &mut ModalModel, data: &DataLayout) {
+    pub fn widen_bars_for_other_windows(&self, model: &mut ModalModel, data: &DataLayout) {
         let Some(own) = leakage_of(self.window, data) else {
             return;
         };
@@ -295,7 +298,7 @@ impl FoundWindow {
 
 /// The window that line shapes clearly show, if it is worth a new fit and the errors of
 /// neighbouring lines do not contradict it.
-pub(crate) fn of_shapes(case: &Case, found: &Evidence) -> Option<Window> {
+pub(crate) fn window_by_line_shapes(case: &Case, found: &Evidence) -> Option<Window> {
     let shapes = found.shapes.as_ref()?;
     let window = shapes.likeliest();
     let leakage = leakage_of(window, case.data)?;
@@ -303,7 +306,7 @@ pub(crate) fn of_shapes(case: &Case, found: &Evidence) -> Option<Window> {
     let clear = |mode: &&Mode| {
         let bar = 2.0 * mode.loss_factor_std / mode.loss_factor;
         let doubt = doubt(&leakage, mode);
-        let split = || twin_hz(case.model, case.data, mode).is_some();
+        let split = || split_hz(case.model, case.data, mode).is_some();
         doubt > limits::BIAS_UNDONE && (doubt > bar || split())
     };
     let against = |errors: &Witness| errors.decides() && !of_continuous(errors);
@@ -323,7 +326,7 @@ fn of_continuous(errors: &Witness) -> bool {
 /// The window that line shapes and the errors of neighbouring lines both show clearly, under a
 /// force that leakage shows to be continuous. Weaker evidence corrects nothing. The errors that
 /// the fit `under` the window leaves are asked if those of the first fit say too little.
-pub(crate) fn decided(found: &Evidence, under: &Case) -> Option<FoundWindow> {
+pub(crate) fn confirmed_window(found: &Evidence, under: &Case) -> Option<FoundWindow> {
     let shapes = found.shapes.as_ref()?;
     let (window, gain) = (shapes.likeliest(), shapes.tapered_gain());
     let says = |errors: &Witness| of_continuous(errors) && errors.gain >= DECIDES;

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 pub(crate) struct Cauchy<'a> {
     lambda: &'a [Complex64],
     /// Pole columns A, residual terms, and, unless left out, derivatives D of the pole
-    /// columns, (line, n + terms + n): see [`crate::damping::structural::basis`].
+    /// columns, (line, n + terms + n): see [`crate::damping::basis::basis`].
     pub columns: Array2<Complex64>,
     /// Number of residual terms.
     terms: usize,

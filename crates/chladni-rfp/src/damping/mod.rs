@@ -2,6 +2,7 @@
 //! law, and which law holds.
 
 pub(crate) mod bars;
+pub(crate) mod basis;
 pub(crate) mod columns;
 mod filled;
 pub(crate) mod gram;
@@ -13,7 +14,6 @@ pub(crate) mod phased;
 pub(crate) mod places;
 pub(crate) mod plane;
 pub(crate) mod saved;
-pub(crate) mod structural;
 pub(crate) mod synthesis;
 pub(crate) mod verdict;
 pub(crate) mod viscous;

@@ -6,12 +6,12 @@
 //! θ_n per mode, and the fit tells pole and angle together, since an error of a natural
 //! frequency turns all residues of its mode too.
 
+use crate::damping::basis::{basis, basis_derivative};
 use crate::damping::columns::loss;
 use crate::damping::gram::Cauchy;
 use crate::damping::limits;
 use crate::damping::mixing::Mixing;
 use crate::damping::places::in_plane_of;
-use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use crate::data::inner_products::{inner, sum_of_squares};

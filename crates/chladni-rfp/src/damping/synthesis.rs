@@ -1,6 +1,6 @@
 //! The columns of a saved model over the reals.
 
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::damping::viscous::viscous_basis;
 use crate::data::layout::DataLayout;
 use crate::data::products::real_basis;

@@ -5,10 +5,10 @@
 //! the frequency by η²/4 and the loss factor by about 0.28η² (relative), and turns the
 //! residues by η/2. The turn decides, unless a phase or a delay of all FRFs explains it.
 
+use crate::damping::basis::basis;
 use crate::damping::limits;
 use crate::damping::phased::{Common, LawFit};
 use crate::damping::places::in_plane_of;
-use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use chladni_frf::{Damping, Finding};
@@ -115,12 +115,12 @@ fn most_said(work: &Columns, fitted: &Fitted, n: usize) -> f64 {
 }
 
 /// The phase of all FRFs, degrees, that would pass for the other law: a quarter of the mean loss
-/// factor, as [`least_turn`] finds it in angles.
+/// factor, as [`confusing_turn_of_fits`] finds it in angles.
 pub(crate) fn confusing_turn(work: &Columns, lambda: &[Complex64]) -> f64 {
     let modes = lambda.iter().filter(|&&pole| is_mode(work, pole));
     let loss_factors: Vec<f64> = modes.map(|pole| pole.im / pole.re).collect();
     let mean = loss_factors.iter().sum::<f64>() / loss_factors.len().max(1) as f64;
-    (0.25 * mean).to_degrees()
+    (limits::SHAPE_TURN * mean).to_degrees()
 }
 
 /// Fits the law that explains less again, from the poles and angles of the other, where they
@@ -182,7 +182,7 @@ fn weighed(laws: &[LawFit; 2], variance: f64, frfs: usize) -> Verdict {
         .each_ref()
         .map(|law| weight * form(&law.information, &wrapped(&law.turn, 0.0)));
     match decided(angles, modes) {
-        Some(law) => Verdict::IfPhasesTrue(law, least_turn(laws).to_degrees()),
+        Some(law) => Verdict::IfPhasesTrue(law, confusing_turn_of_fits(laws).to_degrees()),
         None => Verdict::Undecidable,
     }
 }
@@ -223,9 +223,9 @@ fn beside_delay(law: &LawFit) -> f64 {
     }
 }
 
-/// The turn by which the laws differ, of the mode that tells them best: a phase error of
-/// that size would pass for the other law.
-fn least_turn(laws: &[LawFit; 2]) -> f64 {
+/// Half the weighted mean difference of the modes' angles in the two laws: the phase error of all
+/// FRFs that makes both laws equally good.
+fn confusing_turn_of_fits(laws: &[LawFit; 2]) -> f64 {
     let [structural, viscous] = laws.each_ref().map(|law| wrapped(&law.turn, 0.0));
     let weight = laws[0].information.diag();
     let mean = |values: &Array1<f64>| values.dot(&weight) / weight.sum();

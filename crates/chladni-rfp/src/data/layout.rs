@@ -5,7 +5,7 @@ use crate::data::columns::Columns;
 use crate::data::limits;
 use crate::data::line_variance::LineVariance;
 use crate::data::options::Effort;
-use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::pair_weights::{NextWeights, NoiseSource, PairWeights};
 use crate::data::window::block_errors::BlockErrors;
 use crate::data::window::kinds::Window;
 use crate::data::window::leakage::{Leakage, LeakingLines};
@@ -79,8 +79,8 @@ pub(crate) struct DataLayout {
     pub energy: Arc<[f64]>,
     /// The weighting, if the data used are the measurement weighted by its noise.
     pub weighting: Option<Weighting>,
-    /// Weights that may be tried after these.
-    pub weights_left: Weights,
+    /// The weights that may be tried after these.
+    pub next_weights: NextWeights,
     /// Outlier lines left out, Hz.
     pub dropped_hz: Vec<f64>,
     /// Number of rounds in which outlier lines were left out.
@@ -95,15 +95,15 @@ pub(crate) struct Weighting {
     /// Root mean square of the FRFs as they were measured.
     pub rms: f64,
     /// Source of the noise; `None`: the residual of a fit without weights.
-    pub giver: Option<Giver>,
+    pub noise_source: Option<NoiseSource>,
 }
 
 impl Weighting {
     /// The weighting in words, for the path.
     pub fn words(&self) -> String {
         let words = self.weights.words();
-        match self.giver {
-            Some(giver) => format!("{words}, as {}", giver.words()),
+        match self.noise_source {
+            Some(noise_source) => format!("{words}, as {}", noise_source.words()),
             None => words,
         }
     }
@@ -173,7 +173,7 @@ impl DataLayout {
             effort,
             energy: Arc::default(),
             weighting: None,
-            weights_left: Weights::Given,
+            next_weights: NextWeights::FromSet,
             dropped_hz: Vec::new(),
             outlier_rounds: 0,
         };

@@ -6,7 +6,7 @@ use crate::data::error::FitError;
 use crate::data::given_noise::given_noise;
 use crate::data::layout::Weighting;
 use crate::data::limits;
-use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::pair_weights::{NextWeights, NoiseSource, PairWeights};
 use crate::data::products::{measured_basis, project, Projected};
 use crate::data::reading::{energy, in_place, squares, visit};
 use crate::data::screening::{FirstPass, Screened};
@@ -207,26 +207,26 @@ impl Source for Screened<'_> {
         other
     }
 
-    fn given_noise(&self) -> Option<(Vec<f64>, Giver)> {
+    fn given_noise(&self) -> Option<(Vec<f64>, NoiseSource)> {
         given_noise(self)
     }
 
     fn weighted(
         &self,
-        weights: Option<(PairWeights, Option<Giver>)>,
-        still_to_try: Weights,
+        weights: Option<(PairWeights, Option<NoiseSource>)>,
+        still_to_try: NextWeights,
     ) -> Result<Self, FitError> {
         let mut other = self.clone();
         let layout = &mut other.layout;
-        layout.weights_left = still_to_try;
+        layout.next_weights = still_to_try;
         let measured_rms = layout.measured_rms();
         if weights.is_none() && layout.weighting.is_none() {
             return Ok(other);
         }
-        layout.weighting = weights.map(|(weights, giver)| Weighting {
+        layout.weighting = weights.map(|(weights, noise_source)| Weighting {
             weights,
             rms: measured_rms,
-            giver,
+            noise_source,
         });
         let weighted_energy = |&pair: &(usize, usize)| {
             let weight = layout.weight_of(pair);

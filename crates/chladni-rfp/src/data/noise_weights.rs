@@ -17,7 +17,11 @@ pub(crate) fn is_rounding(relative_error: f64) -> bool {
 impl PairWeights {
     /// Weights from the residual energy of each pair used; `None` if equal weights are good enough, or
     /// the residual is rounding.
-    pub fn new(data: &DataLayout, residual_energy: &[f64], relative_error: f64) -> Option<Self> {
+    pub fn if_unequal(
+        data: &DataLayout,
+        residual_energy: &[f64],
+        relative_error: f64,
+    ) -> Option<Self> {
         (!is_rounding(relative_error))
             .then(|| Self::by_noise(data, residual_energy))
             .flatten()

@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 /// Part of a set that gives the noise of its FRFs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Giver {
+pub(crate) enum NoiseSource {
     Variance,
     Coherence,
 }
 
-impl Giver {
+impl NoiseSource {
     /// The source in words, for the path.
     pub fn words(self) -> &'static str {
         match self {
@@ -19,17 +19,17 @@ impl Giver {
     }
 }
 
-/// Weights of FRFs that may still be tried.
+/// The weights of FRFs that may be tried next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Weights {
+pub(crate) enum NextWeights {
     /// No other weights.
     None,
     /// Weights from the residual of a fit.
-    OfResidual,
+    FromResidual,
     /// Weights from the noise that the set gives, then those from the residual.
-    Given,
+    FromSet,
     /// Weights from the residual of a fit that was weighted by a residual.
-    Again,
+    FromWeightedResidual,
 }
 
 /// Weights 1/(s_i·t_j) of FRFs, about one in the mean: s_i is the noise of response i, t_j that of

@@ -9,7 +9,7 @@ use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::grade::Grade;
 use crate::data::layout::DataLayout;
-use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::pair_weights::{NextWeights, NoiseSource, PairWeights};
 use crate::data::products::Projected;
 use crate::data::screening::Screened;
 use chladni_frf::{Damping, Finding};
@@ -59,7 +59,7 @@ pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     fn in_law(&self, law: Damping) -> Self;
 
     /// Noise energy of each FRF on the lines used, and its source, if the set gives it.
-    fn given_noise(&self) -> Option<(Vec<f64>, Giver)>;
+    fn given_noise(&self) -> Option<(Vec<f64>, NoiseSource)>;
 
     /// The same data times `weights`; without weights they are as measured.
     ///
@@ -69,8 +69,8 @@ pub(crate) trait Source: Deref<Target = DataLayout> + Clone + Sync {
     /// As [`Self::projected`].
     fn weighted(
         &self,
-        weights: Option<(PairWeights, Option<Giver>)>,
-        still_to_try: Weights,
+        weights: Option<(PairWeights, Option<NoiseSource>)>,
+        still_to_try: NextWeights,
     ) -> Result<Self, Self::Stop>;
 
     /// The same data with one more finding.

@@ -6,7 +6,7 @@ use super::limits::{
 };
 use crate::data::columns::Columns;
 use crate::measured::candidates::Origin;
-use crate::poles::pool::{mixtures, starts, vector_fit, Products};
+use crate::poles::pool::{mixtures, starts, vector_fit, StepBasis};
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
@@ -117,7 +117,7 @@ fn stable(
         &starts(part, seeds, order),
         powers,
         tol::VOTE_ITERATIONS,
-        Products::PartialFractions,
+        StepBasis::PartialFractions,
     )?;
     let poles = pool.lambda.iter().zip(&pool.flipped);
     Ok(poles.filter(|(_, f)| !**f).map(|(p, _)| *p).collect())

@@ -8,7 +8,7 @@ use super::limits::{
     CORRELATION_LEAST, CORRELATION_REACH, CORRELATION_WHITE, CORRELATION_WIDEST,
     LOCAL_LINES_TO_SPARE, POWERS,
 };
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::data::columns::Columns;
 use crate::data::window::block_errors::BlockErrors;
 use crate::measured::local::Neighbourhood;

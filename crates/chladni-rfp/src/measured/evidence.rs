@@ -2,7 +2,7 @@
 //! of it.
 
 use super::limits::{FEWEST, MISFIT_WINDOW, PEAK_WINDOW, SURROUNDINGS};
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::Origin;
 use crate::measured::record::Record;

@@ -187,7 +187,7 @@ pub(super) const ODD_EVEN_SIGMAS: f64 = 4.0;
 /// counts no farther.
 pub(super) const OWN_POLE_FARTHEST: f64 = 4.0;
 
-// twins.rs
+// moving_pairs.rs
 
 /// Two poles nearer than this many half-bandwidths are looked at.
 pub(super) const TWINS_NEAR: f64 = 2.5;

@@ -7,7 +7,7 @@
 use super::limits::{
     CLEAR, LOCAL_LINES_TO_SPARE, MOST, NEAR, NEEDED, NEIGHBOUR_WIDTHS, POWERS, REACH,
 };
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::{Candidates, Change};
 use crate::poles::by_hand::held;

@@ -2,7 +2,7 @@
 //! several orders, error model, local tests, twins), join what was found, grade it.
 
 use super::limits::{COLUMNS_MOST, EXPLAINS, LOUD_AT_PEAKS, PEAK_WIDTHS, PEAK_WINDOW, SAME_POLE};
-use crate::damping::structural::POWERS;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
 use crate::data::grade::Grade;
@@ -134,8 +134,8 @@ fn on_columns(
     let lambda: Vec<Complex64> = evidence.iter().map(|e| e.lambda).collect();
     // poles of resolved modes are those of their own lines, unless errors are largest there
     let refined = match record.leaks {
-        true => refine_inside(&work, &lambda, &POWERS, tol::FINE)?,
-        false => refine(&work, &lambda, &POWERS, tol::NO_STEP)?,
+        true => refine_inside(&work, &lambda, &RESIDUAL_POWERS, tol::FINE)?,
+        false => refine(&work, &lambda, &RESIDUAL_POWERS, tol::NO_STEP)?,
     };
     let variance = evidence
         .iter()

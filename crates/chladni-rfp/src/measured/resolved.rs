@@ -2,7 +2,7 @@
 //! model.
 
 use super::limits::{ALONE, ALONE_OF_OTHER, RESOLVED_LEAST_LINES, RESOLVED_LINES, WINDOW};
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::data::columns::Columns;
 use crate::measured::sandwich::variances;
 use crate::poles::refine::{refine, Refined};

@@ -2,7 +2,7 @@
 //! (theory.md, eq. 23).
 
 use super::limits::{LAGS, LAGS_ONE_IN};
-use crate::damping::structural::basis_derivative;
+use crate::damping::basis::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::{covariance, kept_share};
 use crate::poles::refine::Refined;

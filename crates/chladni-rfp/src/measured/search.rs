@@ -4,7 +4,7 @@ use super::limits::{
     APART, BASE_LEAST, NEAREST_LINES, ODD_EVEN_SIGMAS, OWNED_BEYOND, OWN_POLE_FARTHEST, RESEED,
     RESEED_BELOW, RESEED_OVER_NOISE_DB, SHADOW, STRONG_DB, WEIGHT_ROUNDS,
 };
-use crate::damping::structural::POWERS;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::options::Asked;
 use crate::data::peaks::{fourth_difference_noise, peaks, Peak};
@@ -14,10 +14,10 @@ use crate::measured::correlated_noise::over_chance;
 use crate::measured::error_model::NoiseModel;
 use crate::measured::evidence::{look, Evidence};
 use crate::measured::local::{add, one_column_gains, remove, remove_unneeded, try_add};
+use crate::measured::moving_pairs::{merge, own_poles};
 use crate::measured::record::{noise_window, Record};
 use crate::measured::resolved::refine_resolved;
 use crate::measured::sandwich::variances;
-use crate::measured::twins::{merge, own_poles};
 use crate::poles::by_hand;
 use crate::poles::refine::{refine, Refined};
 use crate::poles::sections::Section;
@@ -71,12 +71,12 @@ impl<'a> Search<'a> {
         let second =
             (strong.len() * 2 < seeds.len() && !strong.is_empty()).then_some(strong.as_slice());
         let base = asked.unwrap_or(0).max(seeds.len()).max(BASE_LEAST);
-        let votes = consensus(&weighted, &seeds, base, second, &POWERS)?;
+        let votes = consensus(&weighted, &seeds, base, second, &RESIDUAL_POWERS)?;
         let (start, origin): (Vec<Complex64>, Vec<Origin>) = votes.into_iter().unzip();
         let refined = refine(
             &weighted,
             &start,
-            &POWERS,
+            &RESIDUAL_POWERS,
             tol::ROUGH.within(2 * tol::ROUGH.steps),
         )?;
         let candidates = Candidates { refined, origin };
@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
             self.candidates.refined = refine(
                 &self.weighted,
                 &self.candidates.refined.lambda,
-                &POWERS,
+                &RESIDUAL_POWERS,
                 tol::ROUGH.within(2 * tol::ROUGH.steps),
             )?;
         }
@@ -318,7 +318,7 @@ impl<'a> Search<'a> {
         self.candidates.refined = refine(
             &self.weighted,
             &self.candidates.refined.lambda,
-            &POWERS,
+            &RESIDUAL_POWERS,
             tol::FINE,
         )?;
         let mut local = vec![None; self.candidates.refined.lambda.len()];

@@ -2,8 +2,8 @@
 //! it is not. A fit that stopped for a pass goes on from there.
 
 use super::limits::MOSTLY_LEFT;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::law::FIRST;
-use crate::damping::structural::POWERS;
 use crate::data::options::FitOptions;
 use crate::data::outliers::{single_lines, OutlierLines};
 use crate::data::products::Projected;
@@ -17,7 +17,7 @@ use crate::model::in_law::in_law;
 use crate::model::outlier_lines::outliers_of;
 use crate::poles::chain::{fast_chain, Chain, Outcome};
 use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
-use crate::poles::prune::unphysical;
+use crate::poles::prune::narrower_than_a_line;
 use crate::poles::refine::{refine, Projection};
 use crate::poles::sketched::Doubt;
 use crate::poles::whiteness::Residual;
@@ -87,7 +87,7 @@ pub(crate) fn auto<S: Source>(
         true => Residual::NotWhite,
         false => Residual::White,
     };
-    let (model, left_of_frfs) = finished(data, found, options, watch)?;
+    let (model, residual_energy_of_frfs) = finished(data, found, options, watch)?;
     let leave_out = (outlier_lines, residual) == (OutlierLines::LeaveOut, Residual::NotWhite);
     let outliers = match data.values().filter(|_| leave_out) {
         Some(values) => outliers_of(values, &model),
@@ -104,7 +104,7 @@ pub(crate) fn auto<S: Source>(
     Ok(MethodRun::Fitted(Box::new(FitToCheck {
         fit,
         residual,
-        left_of_frfs,
+        residual_energy_of_frfs,
     })))
 }
 
@@ -263,7 +263,7 @@ fn on_way<S: Source>(
 ) -> Result<PoleSearch, S::Stop> {
     let (mut sketch, energy) = data.sketch(options.seed);
     sketch.weigh(way.weights());
-    let q = Projection::new(&sketch, &way.lambda, &POWERS)?.q;
+    let q = Projection::new(&sketch, &way.lambda, &RESIDUAL_POWERS)?.q;
     drop(sketch);
     data.end_first_pass();
     let projected = data.projected(&way, q, &energy)?;
@@ -273,7 +273,7 @@ fn on_way<S: Source>(
             return Ok(PoleSearch::LeaveOut(outliers));
         }
     }
-    let refined = refine(&projected.work, &way.lambda, &POWERS, tol::NO_STEP)?;
+    let refined = refine(&projected.work, &way.lambda, &RESIDUAL_POWERS, tol::NO_STEP)?;
     let consistent = way.by != By::Conjugated;
     let (spread, grades, path, warnings) = match way.by {
         By::Measured {
@@ -330,13 +330,16 @@ fn spoilt_lines(
         .lambda
         .iter()
         .zip(grades)
-        .filter(|(pole, grade)| grade.trust != Trust::Rejected && !unphysical(work, **pole))
+        .filter(|(pole, grade)| {
+            grade.trust != Trust::Rejected && !narrower_than_a_line(work, **pole)
+        })
         .map(|(pole, _)| *pole)
         .collect();
     if !sound.iter().any(|pole| work.in_band(*pole)) {
         return Ok(Vec::new()); // nothing to judge by
     }
-    let mut left = projected.line_residual(&Projection::new(work, &sound, &POWERS)?.residual);
+    let mut left =
+        projected.line_residual(&Projection::new(work, &sound, &RESIDUAL_POWERS)?.residual);
     for (left, weight) in left.iter_mut().zip(way.weights()) {
         *left /= weight * weight;
     }

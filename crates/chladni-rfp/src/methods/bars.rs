@@ -8,8 +8,8 @@
 
 use super::limits::{MOST_LEFT, SAME_POLE};
 use crate::damping::bars::UncertainPole;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::places::lambda_of_s;
-use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::grade::Grade;
@@ -59,7 +59,7 @@ pub(crate) fn fit_by_method(
     }
     merge_equal(&mut found);
     let (lines, modes) = (data.lines.len(), found.poles.len());
-    let needed = modes + POWERS.len() + 1;
+    let needed = modes + RESIDUAL_POWERS.len() + 1;
     if lines < needed {
         let [low_hz, high_hz] = data.band_hz;
         return Err(FitError::TooFewLines {
@@ -83,7 +83,7 @@ pub(crate) fn fit_by_method(
     let mut identified = Identified {
         damping,
         poles,
-        powers: POWERS.to_vec(),
+        powers: RESIDUAL_POWERS.to_vec(),
         work: columns.work.in_law(damping),
         back: columns.back,
         variance,
@@ -124,7 +124,7 @@ fn mostly_unexplained(relative_error: f64) -> Finding {
 /// but maximum likelihood has its line shape.
 fn off_window(work: &Columns, found: &mut MethodPoles) -> Result<(), LinalgError> {
     let lambda: Vec<Complex64> = found.poles.iter().map(|s| -s * s).collect();
-    let refined = refine(work, &lambda, &POWERS, tol::FINE)?;
+    let refined = refine(work, &lambda, &RESIDUAL_POWERS, tol::FINE)?;
     let poles = refined.lambda.iter().map(|l| Complex64::i() * l.sqrt());
     found.poles = poles.collect();
     Ok(())
@@ -173,9 +173,14 @@ fn graded(
         .iter()
         .map(|&s| lambda_of_s(damping, s))
         .collect();
-    let sse = Projection::new(work, &lambda, &POWERS)?.sse;
-    let variance = columns.variance(survey.data, sse, lambda.len() + POWERS.len());
-    let ahead = refine(work, &lambda, &POWERS, tol::ROUGH.within(tol::STEPS_AHEAD))?;
+    let sse = Projection::new(work, &lambda, &RESIDUAL_POWERS)?.sse;
+    let variance = columns.variance(survey.data, sse, lambda.len() + RESIDUAL_POWERS.len());
+    let ahead = refine(
+        work,
+        &lambda,
+        &RESIDUAL_POWERS,
+        tol::ROUGH.within(tol::STEPS_AHEAD),
+    )?;
     let spread = spread(work, &ahead, &lambda, variance);
     let beyond_noise = beyond_noise(survey, damping, &lambda)?;
     let poles = (0..lambda.len())

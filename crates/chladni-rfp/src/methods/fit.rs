@@ -11,8 +11,8 @@ use chladni_frf::ModalModel;
 pub struct Fit {
     /// The model, ready to be saved.
     pub model: ModalModel,
-    /// Orders tried: (poles, residual variance relative to the data's mean square), in
-    /// order.
+    /// Orders tried by the fast chain: (poles, residual variance relative to the data's mean
+    /// square), in order. Empty for other methods, and if the residual is not white.
     pub history: Vec<(usize, f64)>,
     /// Poles by order, where the method looks at several.
     pub stabilization: Option<Stabilization>,
@@ -22,8 +22,8 @@ pub struct Fit {
 pub(crate) struct FitToCheck {
     pub fit: Fit,
     pub residual: Residual,
-    /// Sum of squares left of each FRF; empty where that does not tell its noise.
-    pub left_of_frfs: Vec<f64>,
+    /// Residual energy of each FRF; empty if that does not tell its noise.
+    pub residual_energy_of_frfs: Vec<f64>,
 }
 
 /// The result of one run of a method.
@@ -35,8 +35,8 @@ pub(crate) enum MethodRun {
 }
 
 impl MethodRun {
-    /// A fit whose checks go by the noise that it found.
-    pub fn whole(model: ModalModel, stabilization: Option<Stabilization>) -> Self {
+    /// A fit of a method that does not test its residual. The checks take the residual for noise.
+    pub fn not_judged(model: ModalModel, stabilization: Option<Stabilization>) -> Self {
         let fit = Fit {
             model,
             history: Vec::new(),
@@ -44,8 +44,8 @@ impl MethodRun {
         };
         Self::Fitted(Box::new(FitToCheck {
             fit,
-            residual: Residual::White,
-            left_of_frfs: Vec::new(),
+            residual: Residual::NotJudged,
+            residual_energy_of_frfs: Vec::new(),
         }))
     }
 }

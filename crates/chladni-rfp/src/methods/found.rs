@@ -27,8 +27,8 @@ pub(crate) struct MethodPoles {
     pub stabilization: Option<Stabilization>,
 }
 
-impl From<ClassicPoles> for MethodPoles {
-    fn from(found: ClassicPoles) -> Self {
+impl From<LocalPoles> for MethodPoles {
+    fn from(found: LocalPoles) -> Self {
         Self {
             poles: found.poles,
             deviation: Some(found.deviation),
@@ -42,7 +42,7 @@ impl From<ClassicPoles> for MethodPoles {
 
 /// The poles that a classic method found.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct ClassicPoles {
+pub(crate) struct LocalPoles {
     /// s/ω_max, viscous, upper half plane, Re s < 0, rising in frequency.
     pub poles: Vec<Complex64>,
     /// One sigma of |s|/ω_max and of η = 2ζ per pole: scatter, not the method's bias.
@@ -51,7 +51,7 @@ pub(crate) struct ClassicPoles {
     pub warnings: Vec<Finding>,
 }
 
-impl ClassicPoles {
+impl LocalPoles {
     /// Sorts out of `modes` what the user asked for: the most certain ones, all if no
     /// number was given.
     pub(crate) fn with_modes(mut self, mut modes: Vec<Root>, asked: Option<usize>) -> Self {

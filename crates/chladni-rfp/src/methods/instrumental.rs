@@ -242,8 +242,8 @@ fn normal_to(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damping::basis::RESIDUAL_POWERS;
     use crate::damping::plane::Plane;
-    use crate::damping::structural::POWERS;
     use crate::data::options::FitOptions;
     use crate::data::screening::Screened;
     use crate::methods::synthetic::even;
@@ -283,7 +283,7 @@ mod tests {
         let data = Screened::new(&set.frf, &FitOptions::default()).unwrap();
         let work = data.work();
         let start = start(&set, data.omega_max);
-        let likeliest = refined_poles(&work, &start, &POWERS, LAST_DIGITS).unwrap();
+        let likeliest = refined_poles(&work, &start, &RESIDUAL_POWERS, LAST_DIGITS).unwrap();
         let lines = Lines::new(Plane::new(Damping::Structural, &work.x), &work);
         for (steps, most) in [(Steps::Instrumental, 8), (Steps::GaussNewton, 12)] {
             let found = improved(&lines, &start, steps, most).unwrap().lambda;
@@ -314,7 +314,7 @@ mod tests {
         let data = Screened::new(&set.frf, &FitOptions::default()).unwrap();
         let work = data.work().in_law(Damping::Viscous);
         let start = start(&set, data.omega_max);
-        let likeliest = refined_poles(&work, &start, &POWERS, LAST_DIGITS).unwrap();
+        let likeliest = refined_poles(&work, &start, &RESIDUAL_POWERS, LAST_DIGITS).unwrap();
         let lines = Lines::new(Plane::new(Damping::Viscous, &work.x), &work);
         for (steps, most) in [(Steps::Instrumental, 8), (Steps::GaussNewton, 12)] {
             let found = improved(&lines, &start, steps, most).unwrap().lambda;

@@ -21,8 +21,8 @@
 //! Equations: theory.md, section 2.
 
 use super::limits::{BROAD, EXCHANGES, HELPERS_AT};
-use crate::damping::structural::basis;
-use crate::damping::structural::POWERS;
+use crate::damping::basis::basis;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
@@ -31,8 +31,8 @@ use crate::methods::selection::{fewer, inside, left_by, select};
 use crate::methods::survey::Survey;
 use crate::methods::vf::{pool, signed};
 use crate::poles::estimate::{graded, PoleEstimate};
-use crate::poles::pool::Products;
-use crate::poles::prune::is_spike;
+use crate::poles::pool::StepBasis;
+use crate::poles::prune::is_one_bad_line;
 use crate::poles::refine::{refine, refined_poles, removable, Refined};
 use crate::poles::scan::{scan, usual_loss, Scan};
 use crate::poles::settle::keep_strongest;
@@ -54,7 +54,7 @@ pub(crate) fn lean(survey: Survey, options: &FitOptions) -> Result<PoleEstimate,
     let all = data.axis();
     rough.extend(beyond(&all, &rough));
     let measured = {
-        let columns = basis(&all, &rough, &POWERS);
+        let columns = basis(&all, &rough, &RESIDUAL_POWERS);
         measured_basis(data, &qr_thin(columns.view())?.0, &[])
     };
     let projected = project(data, measured, &survey.energy, &[])?;
@@ -102,7 +102,7 @@ fn of_sketch(
     };
     let work = thinned.as_ref().unwrap_or(sketch);
     narrow(work, &mut start, modes);
-    let rough = refined_poles(work, &start, &POWERS, tol::ROUGH)?;
+    let rough = refined_poles(work, &start, &RESIDUAL_POWERS, tol::ROUGH)?;
     let rough = match inside(work, &rough) > modes {
         // without poles that are redundant once their neighbours are refined
         true => select(work, &rough, modes..=usize::MAX)?.0,
@@ -126,12 +126,12 @@ fn completed(
     modes: usize,
     fine: Precision,
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let refined = refine(work, &rough, &POWERS, tol::NO_STEP)?;
+    let refined = refine(work, &rough, &RESIDUAL_POWERS, tol::NO_STEP)?;
     if Missed::new(work, &refined, modes)?.next(&[]).is_none() {
         return Ok(rough);
     }
     // poles that have yet to move leave a residual that is none of a missed one
-    let mut best = refine(work, &rough, &POWERS, fine)?;
+    let mut best = refine(work, &rough, &RESIDUAL_POWERS, fine)?;
     let mut missed = Missed::new(work, &best, modes)?;
     let most = modes
         .saturating_sub(inside(work, &rough))
@@ -143,9 +143,9 @@ fn completed(
         };
         tried.push(place);
         let more = [best.lambda.as_slice(), &[place]].concat();
-        let mut other = refine(work, &more, &POWERS, tol::ROUGH)?;
+        let mut other = refine(work, &more, &RESIDUAL_POWERS, tol::ROUGH)?;
         let last = other.lambda.len() - 1;
-        if !work.in_band(other.lambda[last]) || is_spike(work, &other, last, missed.noise)? {
+        if !work.in_band(other.lambda[last]) || is_one_bad_line(work, &other, last, missed.noise)? {
             continue;
         }
         keep_strongest(work, &mut other, modes)?;
@@ -209,7 +209,7 @@ fn start(
         tol::POOL_MIXTURES,
         survey.pool_size(modes),
         options,
-        Products::PartialFractions,
+        StepBasis::PartialFractions,
     )?;
     let stable: Vec<Complex64> = signed(&pool)
         .into_iter()
@@ -259,7 +259,7 @@ fn needed(
     lambda: &[Complex64],
     frfs: usize,
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let all = removable(work, lambda, &POWERS)?;
+    let all = removable(work, lambda, &RESIDUAL_POWERS)?;
     let limit = noise_takes(work, all.sse, all.unknowns(), frfs);
     Ok(all.thin_out(lambda, |candidate| {
         !work.in_band(lambda[candidate.pole]) && candidate.rise < limit
@@ -286,7 +286,7 @@ fn fine(
         let refined = refine(
             work,
             &lambda,
-            &POWERS,
+            &RESIDUAL_POWERS,
             tol::FINE.within(options.effort.likelihood_steps),
         )?;
         let rises = refined.significance()?;

@@ -64,7 +64,7 @@ pub(super) const ANGLE_STEP: f64 = 0.5;
 /// See [`ANGLE_STEP`].
 pub(super) const ANGLE_STILL: f64 = 1e-12;
 
-// classic.rs
+// band_lines.rs
 
 /// Condition beyond which the last digits of the measurement decide the answer.
 pub(crate) const CONDITION_HELD: f64 = 1e12;
@@ -277,7 +277,7 @@ pub(super) const EXPECTED: (usize, usize) = (4, 3);
 /// refines the result.
 pub(super) const MIXTURES: usize = 2 * crate::tolerances::POOL_MIXTURES;
 
-// windows.rs
+// overlapping_bands.rs
 
 /// Visible peaks per band. With the spare poles |a| then spans six decades.
 pub(super) const WINDOWS_PEAKS_PER_BAND: usize = 8;

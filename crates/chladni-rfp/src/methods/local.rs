@@ -32,11 +32,11 @@ use super::limits::{
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
+use crate::methods::band_lines::{health, BandLines};
 use crate::methods::bands::{in_hertz, Band, BandPlan};
-use crate::methods::classic::{health, BandLines};
 use crate::methods::clusters::{clusters, median, median_pole};
 use crate::methods::equation_error::{Denominator, Root};
-use crate::methods::found::ClassicPoles;
+use crate::methods::found::LocalPoles;
 use crate::methods::survey::Survey;
 use chladni_frf::Finding;
 use num_complex::Complex64;
@@ -49,12 +49,12 @@ use rayon::prelude::*;
 /// # Errors
 /// [`FitError::Kernel`] where the bands cannot be set up; an FRF that cannot be fitted is
 /// left out, said in the warnings.
-pub(crate) fn local(survey: &Survey, options: &FitOptions) -> Result<ClassicPoles, FitError> {
+pub(crate) fn local(survey: &Survey, options: &FitOptions) -> Result<LocalPoles, FitError> {
     let data = survey.data;
     let plan = BandPlan::new(survey, options);
-    let mut found = ClassicPoles {
+    let mut found = LocalPoles {
         warnings: plan.warnings,
-        ..ClassicPoles::default()
+        ..LocalPoles::default()
     };
     let used = evenly(data.pairs.len(), FRFS_USED);
     if used.len() < data.pairs.len() {
@@ -184,7 +184,7 @@ mod tests {
     use crate::methods::synthetic::{run, Structure};
     use chladni_frf::FrfKind;
 
-    fn says(found: &ClassicPoles, words: &str) -> bool {
+    fn says(found: &LocalPoles, words: &str) -> bool {
         found.warnings.iter().any(|warning| warning.contains(words))
     }
 

@@ -26,7 +26,7 @@ use crate::data::error::FitError;
 use crate::data::options::{FitOptions, Method};
 use crate::data::screening::Screened;
 use crate::methods::found::{MethodPoles, Stabilization};
-use crate::methods::matrix_fraction::{Circle, MatrixFraction};
+use crate::methods::matrix_fraction::{MatrixFraction, UnitCircle};
 use crate::methods::stabilization::{highest, Ladder};
 use crate::methods::survey::{Compressed, Survey};
 use chladni_frf::FrfSet;
@@ -41,7 +41,7 @@ pub(crate) fn lscf(
     columns: &Compressed,
     options: &FitOptions,
 ) -> Result<MethodPoles, FitError> {
-    let circle = Circle::new(survey, Method::Lscf)?;
+    let circle = UnitCircle::new(survey, Method::Lscf)?;
     let data = columns.work.b.t().insert_axis(Axis(2)).to_owned();
     let expected = survey.expected(columns, options);
     let fraction = MatrixFraction::new(circle, &data, highest(expected, survey))?;

@@ -39,7 +39,7 @@ use std::f64::consts::TAU;
 
 /// Lines as points of the unit circle.
 #[derive(Debug, Clone)]
-pub(crate) struct Circle {
+pub(crate) struct UnitCircle {
     /// Place of each line on the grid.
     at: Vec<usize>,
     /// Points of the circle.
@@ -49,7 +49,7 @@ pub(crate) struct Circle {
     spacing: f64,
 }
 
-impl Circle {
+impl UnitCircle {
     /// Lays the lines on the circle.
     ///
     /// # Errors
@@ -141,7 +141,7 @@ fn factored(mut matrix: Array2<Complex64>, whole: f64) -> Result<Array2<Complex6
 /// The reduced normal equations of one denominator.
 #[derive(Debug)]
 pub(crate) struct MatrixFraction {
-    circle: Circle,
+    circle: UnitCircle,
     references: usize,
     /// Coefficients A_1 … A_n have this Cholesky factor; lower orders are its leading
     /// parts.
@@ -158,7 +158,7 @@ impl MatrixFraction {
     /// # Errors
     /// A decomposition that fails.
     pub fn new(
-        circle: Circle,
+        circle: UnitCircle,
         data: &Array3<Complex64>,
         order: usize,
     ) -> Result<Self, LinalgError> {
@@ -248,8 +248,8 @@ impl MatrixFraction {
 mod tests {
     use super::*;
 
-    fn circle(at: Vec<usize>) -> Circle {
-        Circle {
+    fn circle(at: Vec<usize>) -> UnitCircle {
+        UnitCircle {
             at,
             points: 300,
             first: 0.1,
@@ -261,7 +261,7 @@ mod tests {
     const POLES: [Complex64; 2] = [Complex64::new(-0.01, 0.3), Complex64::new(-0.02, 0.71)];
 
     /// Σ_n ψ_on L_nr/(z − z_n) on the lines, axes (output, line, reference).
-    fn data(circle: &Circle, references: usize) -> Array3<Complex64> {
+    fn data(circle: &UnitCircle, references: usize) -> Array3<Complex64> {
         let z = |s: Complex64| {
             ((s - Complex64::new(0.0, circle.first))
                 * (TAU / (circle.points as f64 * circle.spacing)))

@@ -15,7 +15,7 @@
 //! | `circle` | circles in the complex plane | Kennedy & Pancu 1947 |
 //!
 //! All start from the same two passes over the data (`survey`). `rfp` works in the plane of
-//! a damping law (`plane`; `rfp_search`), per band (`windows`), on polynomials made for each weight
+//! a damping law (`plane`; `rfp_search`), per band (`overlapping_bands`), on polynomials made for each weight
 //! (`lanczos`, `fraction`): `sanathanan_koerner`, then `instrumental`. The form of 1982
 //! (`local`) has bands of its own (`bands`), half-function Forsythe polynomials
 //! (`forsythe`) and the linear equation error (`equation_error`).
@@ -25,10 +25,10 @@
 
 pub(crate) mod aaa;
 pub(crate) mod auto;
+pub(crate) mod band_lines;
 pub(crate) mod bands;
 pub(crate) mod bars;
 pub(crate) mod circle;
-pub(crate) mod classic;
 pub(crate) mod clusters;
 pub(crate) mod equation_error;
 pub(crate) mod fit;
@@ -42,6 +42,7 @@ pub(crate) mod limits;
 pub(crate) mod local;
 pub(crate) mod lscf;
 pub(crate) mod matrix_fraction;
+pub(crate) mod overlapping_bands;
 pub(crate) mod peak;
 pub(crate) mod plscf;
 pub(crate) mod rfp;
@@ -53,4 +54,3 @@ pub(crate) mod survey;
 #[cfg(test)]
 pub(crate) mod synthetic;
 pub(crate) mod vf;
-pub(crate) mod windows;

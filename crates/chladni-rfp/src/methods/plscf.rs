@@ -24,7 +24,7 @@ use super::limits::{REFERENCES, RESPONSES};
 use crate::data::error::FitError;
 use crate::data::options::{FitOptions, Method};
 use crate::methods::found::MethodPoles;
-use crate::methods::matrix_fraction::{Circle, MatrixFraction};
+use crate::methods::matrix_fraction::{MatrixFraction, UnitCircle};
 use crate::methods::stabilization::highest;
 use crate::methods::stabilization::Ladder;
 use crate::methods::survey::{Compressed, Survey};
@@ -41,7 +41,7 @@ pub(crate) fn plscf(
     columns: &Compressed,
     options: &FitOptions,
 ) -> Result<MethodPoles, FitError> {
-    let circle = Circle::new(survey, Method::Plscf)?;
+    let circle = UnitCircle::new(survey, Method::Plscf)?;
     let frf = survey.data.frf;
     let (present, total) = (survey.data.pairs.len(), frf.pairs());
     if present < total {

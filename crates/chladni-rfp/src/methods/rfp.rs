@@ -4,7 +4,7 @@
 //! The form of 1985 (one denominator, a numerator for each FRF) in polynomials orthogonal
 //! on the lines, on the compressed columns of all FRFs:
 //!
-//! 1. bands by evidence ([`super::windows`]), more poles in each than it shows modes;
+//! 1. bands by evidence ([`super::overlapping_bands`]), more poles in each than it shows modes;
 //! 2. in each a linear fit and three with the weight 1/|a|² of the one before, the
 //!    polynomials made anew for each weight ([`super::sanathanan_koerner`]);
 //! 3. poles that explain no more than noise would are taken out (theory.md, eq. 8);

@@ -4,17 +4,17 @@
 use super::limits::{
     BACKGROUND, CLAIM, HELPERS_AT, HELPER_TAKEN, LAST_STEPS, MOST_INFLATION, REWEIGHTED, TWINS,
 };
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::plane::Plane;
-use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::options::{FitOptions, RfpWeight};
 use crate::methods::fraction::{damped, Lines};
 use crate::methods::instrumental::{improved, Steps};
+use crate::methods::overlapping_bands::{order, overlapping_bands, OverlappingBand};
 use crate::methods::sanathanan_koerner::sanathanan_koerner;
 use crate::methods::selection::{inside, left_by};
 use crate::methods::survey::{Compressed, Survey};
-use crate::methods::windows::{order, windows, Window};
-use crate::poles::prune::unphysical;
+use crate::poles::prune::narrower_than_a_line;
 use crate::poles::refine::removable;
 use crate::poles::scan::usual_loss;
 use crate::poles::significance::threshold;
@@ -23,8 +23,8 @@ use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Poles λ in the plane of a law.
-pub(super) struct Found {
+/// The poles of one band, or of all, λ in the plane of a law.
+pub(super) struct BandPoles {
     pub(super) law: Damping,
     pub(super) poles: Vec<Complex64>,
     /// Roots in the band that turned the wrong way, of how many.
@@ -34,7 +34,7 @@ pub(super) struct Found {
     pub(super) leading: f64,
 }
 
-impl Found {
+impl BandPoles {
     fn none(law: Damping) -> Self {
         Self {
             law,
@@ -81,24 +81,24 @@ impl<'a> Search<'a> {
     }
 
     /// All steps.
-    pub(super) fn run(&self) -> Result<Found, LinalgError> {
+    pub(super) fn run(&self) -> Result<BandPoles, LinalgError> {
         let work = &self.work;
-        let mut found = Found::none(self.law);
-        let windows = windows(
+        let mut found = BandPoles::none(self.law);
+        let bands = overlapping_bands(
             &self.survey.peaks,
             &self.survey.energy,
             self.options.rfp.bands,
         );
-        let parts = windows
+        let parts = bands
             .par_iter()
-            .map(|window| self.search(window, windows.len()))
-            .collect::<Result<Vec<Found>, LinalgError>>()?;
+            .map(|band| self.search(band, bands.len()))
+            .collect::<Result<Vec<BandPoles>, LinalgError>>()?;
         for part in parts {
             found.turned += part.turned;
             found.all += part.all;
             found.poles.extend(part.poles);
         }
-        found.poles = without_twins(found.poles);
+        found.poles = without_duplicates(found.poles);
         match self.options.modes {
             None => {
                 self.thin(work, &mut found.poles)?;
@@ -131,15 +131,12 @@ impl<'a> Search<'a> {
     }
 
     /// Poles of one band.
-    fn search(&self, window: &Window, bands: usize) -> Result<Found, LinalgError> {
-        let mut found = Found::none(self.law);
+    fn search(&self, band: &OverlappingBand, bands: usize) -> Result<BandPoles, LinalgError> {
+        let mut found = BandPoles::none(self.law);
         let whole = &self.work;
-        let work = whole.rows(window.rows.clone());
+        let work = whole.rows(band.rows.clone());
         let peaks = &self.survey.peaks;
-        let visible = peaks
-            .iter()
-            .filter(|p| window.rows.contains(&p.row))
-            .count();
+        let visible = peaks.iter().filter(|p| band.rows.contains(&p.row)).count();
         let asked = self.options.modes.map(|modes| modes.div_ceil(bands));
         let order = order(&work, visible, asked)?;
         let lines = Lines::new(Plane::new(self.law, &work.x), &work);
@@ -161,21 +158,21 @@ impl<'a> Search<'a> {
         let last = whole.lines();
         found.poles.extend(poles.into_iter().filter(|pole| {
             let claim = CLAIM * pole.im;
-            (window.core.start == 0 || pole.re + claim >= whole.x[window.core.start])
-                && (window.core.end == last || pole.re - claim < whole.x[window.core.end])
+            (band.core.start == 0 || pole.re + claim >= whole.x[band.core.start])
+                && (band.core.end == last || pole.re - claim < whole.x[band.core.end])
         }));
         Ok(found)
     }
 
     /// Takes out what `work` does not tell from noise, down to the modes asked for.
     fn thin(&self, work: &Columns, poles: &mut Vec<Complex64>) -> Result<(), LinalgError> {
-        poles.retain(|pole| !unphysical(work, *pole));
+        poles.retain(|pole| !narrower_than_a_line(work, *pole));
         if poles.is_empty() {
             return Ok(());
         }
         let whole = work.lines() == self.work.lines();
         let asked = self.options.modes;
-        let all = removable(work, poles, &POWERS)?;
+        let all = removable(work, poles, &RESIDUAL_POWERS)?;
         let variance = (self.chosen * self.noise).max(left_by(work, all.sse, all.unknowns()));
         let limit = threshold(work.columns(), work.lines()) * variance;
         *poles = all.thin_out(poles, |candidate| {
@@ -204,11 +201,11 @@ fn noise_of(survey: &Survey, columns: &Compressed) -> f64 {
 }
 
 /// Poles without those that two bands found.
-fn without_twins(poles: Vec<Complex64>) -> Vec<Complex64> {
+fn without_duplicates(poles: Vec<Complex64>) -> Vec<Complex64> {
     let mut kept: Vec<Complex64> = Vec::new();
     for pole in poles {
-        let twin = |other: &Complex64| (other - pole).norm() < TWINS * other.im.min(pole.im);
-        if !kept.iter().any(twin) {
+        let same = |other: &Complex64| (other - pole).norm() < TWINS * other.im.min(pole.im);
+        if !kept.iter().any(same) {
             kept.push(pole);
         }
     }

@@ -2,16 +2,16 @@
 //! significance of their residues.
 
 use super::limits::SELECTION_MOST_INFLATION;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::law::RATIONAL;
 use crate::damping::places::from_structural;
-use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::data::options::FitOptions;
 use crate::methods::found::negative_damping;
 use crate::methods::found::MethodPoles;
 use crate::methods::survey::Survey;
 use crate::poles::estimate::fewer_modes;
-use crate::poles::prune::{redundant_pole, unphysical};
+use crate::poles::prune::{narrower_than_a_line, redundant_pole};
 use crate::poles::refine::{refine, removable, Projection};
 use crate::poles::removal::rise_without;
 use crate::poles::significance::threshold;
@@ -25,8 +25,8 @@ use std::ops::RangeInclusive;
 pub(crate) fn variance_left(work: &Columns, lambda: &[Complex64]) -> Result<f64, LinalgError> {
     Ok(left_by(
         work,
-        Projection::new(work, lambda, &POWERS)?.sse,
-        lambda.len() + POWERS.len(),
+        Projection::new(work, lambda, &RESIDUAL_POWERS)?.sse,
+        lambda.len() + RESIDUAL_POWERS.len(),
     ))
 }
 
@@ -44,18 +44,18 @@ pub(crate) fn select(
     lambda: &[Complex64],
     modes: RangeInclusive<usize>,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
-    let all = removable(work, lambda, &POWERS)?;
+    let all = removable(work, lambda, &RESIDUAL_POWERS)?;
     let variance = left_by(work, all.sse, all.unknowns());
     let limit = threshold(work.columns(), work.lines()) * variance;
     let physical: Vec<Complex64> = lambda
         .iter()
         .copied()
-        .filter(|pole| !unphysical(work, *pole))
+        .filter(|pole| !narrower_than_a_line(work, *pole))
         .collect();
     let all = if physical.len() == lambda.len() {
         all
     } else {
-        removable(work, &physical, &POWERS)?
+        removable(work, &physical, &RESIDUAL_POWERS)?
     };
     let kept = all.thin_out(&physical, |candidate| {
         let rise = candidate.rise;
@@ -83,7 +83,7 @@ fn without_redundant_poles(
     let limit = threshold(work.columns(), work.lines()) * variance;
     let mut needed = Vec::new();
     loop {
-        let moved = refine(work, &lambda, &POWERS, tol::ROUGH)?;
+        let moved = refine(work, &lambda, &RESIDUAL_POWERS, tol::ROUGH)?;
         match redundant_pole(work, &moved, limit, |pole| work.in_band(pole), &mut needed)? {
             Some((q, _)) => lambda.remove(q),
             None => return Ok(lambda),
@@ -149,7 +149,7 @@ pub(crate) fn fewer(options: &FitOptions, found: usize) -> Option<Finding> {
 
 /// Rise of the sum of squares without each of the poles (theory.md, eq. 8).
 pub(crate) fn rises(work: &Columns, lambda: &[Complex64]) -> Result<Vec<f64>, LinalgError> {
-    let projection = Projection::new(work, lambda, &POWERS)?;
+    let projection = Projection::new(work, lambda, &RESIDUAL_POWERS)?;
     let (coefficients, inverse) = (projection.coefficients()?, projection.gram_inverse()?);
     let rises = (0..lambda.len()).map(|n| rise_without(n, &inverse, &coefficients));
     Ok(rises.collect())

@@ -9,7 +9,7 @@
 //! Tropp, SIAM Rev. 53 (2011) 217–288.
 
 use super::limits::{EXPECTED, LINES_PER_MODE, NOISE_HALF_WINDOW, SPARE_POLES};
-use crate::damping::structural::POWERS;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::verdict::{verdict, Fitted, Verdict};
 use crate::data::columns::{line_energy, Columns};
 use crate::data::options::FitOptions;
@@ -164,11 +164,11 @@ impl Compressed {
         if poles.is_empty() {
             return Ok(Verdict::Undecidable);
         }
-        let projection = Projection::new(&self.work, poles, &POWERS)?;
-        let unknowns = poles.len() + POWERS.len();
+        let projection = Projection::new(&self.work, poles, &RESIDUAL_POWERS)?;
+        let unknowns = poles.len() + RESIDUAL_POWERS.len();
         let fitted = Fitted {
             lambda: poles,
-            powers: &POWERS,
+            powers: &RESIDUAL_POWERS,
             coefficients: &projection.coefficients()?,
             variance: self.variance(data, projection.sse, unknowns),
             frfs: data.pairs.len(),

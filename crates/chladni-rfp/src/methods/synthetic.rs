@@ -3,9 +3,9 @@
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
+use crate::methods::band_lines::BandLines;
 use crate::methods::bands::Band;
-use crate::methods::classic::BandLines;
-use crate::methods::found::ClassicPoles;
+use crate::methods::found::LocalPoles;
 use crate::methods::survey::Survey;
 use chladni_frf::{Damping, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit};
 use chladni_plate::{Synthetic, SyntheticSet};
@@ -74,7 +74,7 @@ impl Structure {
     }
 
     /// Worst |s − s_true|/|s_true| over the true modes.
-    pub fn worst(&self, found: &ClassicPoles) -> f64 {
+    pub fn worst(&self, found: &LocalPoles) -> f64 {
         let nearest = |p: &Complex64| {
             found
                 .poles
@@ -162,10 +162,10 @@ pub(crate) fn even(modes: usize, snr_db: f64, damping: Damping, seed: u64) -> Sy
 
 /// Runs a classic method with default options but for the number of modes.
 pub(crate) fn run(
-    method: fn(&Survey, &FitOptions) -> Result<ClassicPoles, FitError>,
+    method: fn(&Survey, &FitOptions) -> Result<LocalPoles, FitError>,
     frf: &FrfSet,
     modes: Option<usize>,
-) -> ClassicPoles {
+) -> LocalPoles {
     let options = FitOptions {
         modes,
         ..FitOptions::default()

@@ -16,14 +16,14 @@
 //! ibid. 21 (2006) 1587 (relaxed).
 
 use super::limits::MIXTURES;
-use crate::damping::structural::POWERS;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::methods::found::MethodPoles;
 use crate::methods::selection::modes_of;
 use crate::methods::survey::{Compressed, Survey};
-use crate::poles::pool::{mixtures, starts, vector_fit, Pool, Products};
+use crate::poles::pool::{mixtures, starts, vector_fit, Pool, StepBasis};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -43,7 +43,7 @@ pub(crate) fn vf(
         MIXTURES,
         size,
         options,
-        Products::Orthonormal,
+        StepBasis::Orthonormal,
     )?;
     Ok(modes_of(
         survey,
@@ -60,7 +60,7 @@ pub(crate) fn pool(
     count: usize,
     size: usize,
     options: &FitOptions,
-    how: Products,
+    step_basis: StepBasis,
 ) -> Result<Pool, LinalgError> {
     let rows = survey.rows();
     let mixed = mixtures(work, count, options.seed);
@@ -72,9 +72,9 @@ pub(crate) fn pool(
     vector_fit(
         &mixed,
         &starts(&mixed, &survey.seeds(), size),
-        &POWERS,
+        &RESIDUAL_POWERS,
         options.effort.pool_iterations,
-        how,
+        step_basis,
     )
 }
 

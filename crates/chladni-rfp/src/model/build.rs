@@ -21,7 +21,7 @@ use crate::model::residual_energy::{residuals_above_rounding, residuals_by_sums,
 use crate::poles::estimate::fewer_modes;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
-use crate::shapes::found::Found;
+use crate::shapes::found::FittedPoles;
 use crate::shapes::line_bars::line_bars;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
@@ -102,7 +102,7 @@ impl Shaped {
         errors: &BlockErrors,
     ) -> Result<(), LinalgError> {
         let noise = self.identified.noise_of_frfs();
-        let found = Found {
+        let found = FittedPoles {
             data,
             work: &self.identified.work,
             scales_of_frfs: noise.map(|noise| noise.mapv(f64::sqrt).to_vec()),
@@ -202,8 +202,8 @@ impl Shaped {
     fn widen_by_turns(&self, modes: &mut [Mode]) {
         let unexplained = match self.identified.law_open {
             LawOpen::No => return,
-            LawOpen::Light => 0.0,
-            LawOpen::White => scale_error_by_turns(modes),
+            LawOpen::ResidualNotWhite => 0.0,
+            LawOpen::BeyondErrorBars => scale_error_by_turns(modes),
         };
         if self.scaling != Scaling::UnitModalMass {
             return;

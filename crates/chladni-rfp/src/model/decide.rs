@@ -142,8 +142,8 @@ pub(crate) fn note_law(
     let (law, free) = (identified.damping, options.damping.is_none());
     let shift = identified.shift_by_other_law();
     identified.law_open = match free && verdict.law().is_none() {
-        true if identified.measured => LawOpen::Light,
-        true if shift > limits::LAW_SHIFTS => LawOpen::White,
+        true if identified.measured => LawOpen::ResidualNotWhite,
+        true if shift > limits::LAW_SHIFTS => LawOpen::BeyondErrorBars,
         _ => LawOpen::No,
     };
     match verdict {

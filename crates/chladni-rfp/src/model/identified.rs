@@ -46,11 +46,11 @@ pub(crate) struct Identified {
 pub(crate) enum LawOpen {
     /// It is decided, given, or makes no difference.
     No,
-    /// Not decided: damping is light and the residual is not white.
-    Light,
+    /// Not decided, and the residual is not white.
+    ResidualNotWhite,
     /// Not decided: the laws differ by more than an error bar, and the residual is white or was not
     /// tested.
-    White,
+    BeyondErrorBars,
 }
 
 impl Identified {

@@ -1,7 +1,7 @@
 //! Poles found in one damping law, converted to the other on the same columns.
 
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::places::in_plane_of;
-use crate::damping::structural::POWERS;
 use crate::poles::estimate::{graded, PoleEstimate};
 use crate::poles::refine::{refine, refine_inside};
 use crate::poles::settle::settle;
@@ -37,8 +37,8 @@ pub(crate) fn in_law(
     let idle: Vec<Complex64> = idle.filter_map(|pole| in_plane_of(law, *pole)).collect();
     let work = found.work.in_law(law);
     let mut refined = match work.leakage.is_some() && frfs.is_none() {
-        true => refine_inside(&work, &start, &POWERS, tol::FINE)?,
-        false => refine(&work, &start, &POWERS, tol::FINE)?,
+        true => refine_inside(&work, &start, &RESIDUAL_POWERS, tol::FINE)?,
+        false => refine(&work, &start, &RESIDUAL_POWERS, tol::FINE)?,
     };
     let Some(frfs) = frfs else {
         let kept = |&(n, _): &(usize, Complex64)| (found.grades[n].clone(), found.spread[n]);
@@ -54,7 +54,7 @@ pub(crate) fn in_law(
     };
     let mut variance = found.variance;
     settle(&work, &mut refined, &mut variance, frfs, &mut Vec::new())?;
-    refined = refine(&work, &refined.lambda, &POWERS, tol::FINE)?;
+    refined = refine(&work, &refined.lambda, &RESIDUAL_POWERS, tol::FINE)?;
     let rise = refined.projection.sse - found.refined.projection.sse;
     let rise_of_variance = rise / (work.lines() * frfs) as f64;
     let variance = (found.variance + rise_of_variance).max(f64::MIN_POSITIVE);

@@ -13,13 +13,13 @@ pub(crate) fn outliers_of(data: &Screened, model: &ModalModel) -> Vec<usize> {
         return Vec::new();
     }
     let spacing = data.line_spacing_hz();
-    let is_spike = |mode: &Mode| {
+    let is_one_bad_line = |mode: &Mode| {
         let half_width = 0.5 * mode.loss_factor * mode.frequency_hz;
         mode.in_band && half_width < tol::SPIKE_SPACINGS * spacing
     };
     let mut without_spikes = model.clone();
     let modes = &mut without_spikes.modes;
-    modes.retain(|mode| mode.trust != Trust::Rejected && !is_spike(mode));
+    modes.retain(|mode| mode.trust != Trust::Rejected && !is_one_bad_line(mode));
     let (residual, fitted): (Vec<f64>, Vec<f64>) = data
         .lines
         .par_iter()

@@ -1,8 +1,8 @@
 //! The linear unknowns at given poles: residues, residual terms, and the change of the terms that
 //! a change of the residues brings.
 
+use crate::damping::basis::basis;
 use crate::damping::law::is_rational;
-use crate::damping::structural::basis;
 use crate::damping::viscous::{halves, viscous_basis};
 use crate::data::columns::Columns;
 use crate::data::information;

@@ -4,7 +4,7 @@ use crate::data::error::FitError;
 use crate::data::given_noise::given_noise;
 use crate::data::layout::{DataLayout, Weighting};
 use crate::data::options::{Effort, FitOptions};
-use crate::data::pair_weights::Giver;
+use crate::data::pair_weights::NoiseSource;
 use crate::data::reading::Usable;
 use crate::data::screening::Screened;
 use crate::data::sketch::{self, Mixing};
@@ -266,7 +266,7 @@ fn noise_of_frfs(
     lines: &[usize],
     bad: &[bool],
     pairs: &[(usize, usize)],
-) -> Result<Option<(Giver, Vec<f64>)>, FitError> {
+) -> Result<Option<(NoiseSource, Vec<f64>)>, FitError> {
     let sound = lines.iter().zip(bad).filter(|(_, bad)| !**bad);
     let sound: Vec<usize> = sound.map(|(line, _)| *line).collect();
     if sound.is_empty() || pairs.is_empty() {
@@ -277,7 +277,7 @@ fn noise_of_frfs(
         ..plan.layout(sound, Effort::default())?
     };
     let told = given_noise(&Screened::part(frf, layout));
-    Ok(told.map(|(noise, giver)| (giver, noise)))
+    Ok(told.map(|(noise, noise_source)| (noise_source, noise)))
 }
 
 /// A column and a sign for each FRF that depend on its DOFs and the seed alone, not on

@@ -1,6 +1,6 @@
 //! Residues of a block at the poles of a model.
 
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::data::options::FitOptions;
 use crate::data::products::{measured_basis, project};
 use crate::data::screening::Screened;

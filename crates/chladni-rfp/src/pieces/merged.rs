@@ -1,12 +1,12 @@
 //! Merged partials as the source of a fit. They answer what they were made for, and ask for the
 //! next pass where they cannot.
 
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
-use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::pair_weights::{NextWeights, NoiseSource, PairWeights};
 use crate::data::products::Projected;
 use crate::data::screening::{enough, lines_left_out, sensible, Screened};
 use crate::data::source::{Source, Way};
@@ -56,7 +56,7 @@ pub(crate) struct Merged<'a> {
     /// Energy of each line over all FRFs, in work units.
     energy: Array1<f64>,
     /// Noise energy of each FRF as the data tell it.
-    given: Option<(Vec<f64>, Giver)>,
+    given: Option<(Vec<f64>, NoiseSource)>,
     made: Option<Made<'a>>,
     /// The point where the walk stopped for the pass that these partials are of.
     way: Option<Way>,
@@ -172,7 +172,10 @@ impl<'a> Merged<'a> {
         Ok(Self {
             sketch: Array2::from_shape_fn((kept.len(), filled.len()).f(), scaled),
             energy: energy * factor.norm_sqr(),
-            given: set.given.clone().map(|(giver, noise)| (noise, giver)),
+            given: set
+                .given
+                .clone()
+                .map(|(noise_source, noise)| (noise, noise_source)),
             layout,
             plan,
             modes: options.modes,
@@ -233,9 +236,9 @@ impl<'a> Merged<'a> {
             modes: self.modes,
             weighting: weighting.map(|weighting| {
                 let rms = weighting.rms;
-                DofWeights::new(self, &weighting.weights, weighting.giver, rms)
+                DofWeights::new(self, &weighting.weights, weighting.noise_source, rms)
             }),
-            weights_left: self.weights_left,
+            next_weights: self.next_weights,
             dropped_hz: self.dropped_hz.clone(),
             outlier_rounds: self.outlier_rounds,
             warnings: self.warnings.clone(),
@@ -326,25 +329,26 @@ impl Source for Merged<'_> {
         other
     }
 
-    fn given_noise(&self) -> Option<(Vec<f64>, Giver)> {
+    fn given_noise(&self) -> Option<(Vec<f64>, NoiseSource)> {
         self.given.clone()
     }
 
     fn weighted(
         &self,
-        weights: Option<(PairWeights, Option<Giver>)>,
-        left: Weights,
+        weights: Option<(PairWeights, Option<NoiseSource>)>,
+        left: NextWeights,
     ) -> Result<Self, Stop> {
         let mut other = self.clone();
-        other.layout.weights_left = left;
+        other.layout.next_weights = left;
         if weights.is_none() && self.weighting.is_none() {
             return Ok(other);
         }
         let made = self.made.as_ref();
         let made = made.filter(|made| made.poles.lines == self.lines);
         let mut asked = other.asked(Pass::Anew, made.map(|made| made.way.clone()));
-        asked.weighting = weights
-            .map(|(weights, giver)| DofWeights::new(self, &weights, giver, self.measured_rms()));
+        asked.weighting = weights.map(|(weights, noise_source)| {
+            DofWeights::new(self, &weights, noise_source, self.measured_rms())
+        });
         Err(Stop::Pass(Box::new(asked)))
     }
 

@@ -1,6 +1,6 @@
 //! The result of reducing blocks of FRFs, and how it is merged.
 
-use crate::data::pair_weights::Giver;
+use crate::data::pair_weights::NoiseSource;
 use crate::pieces::limits;
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{Matrix, Poles};
@@ -42,7 +42,7 @@ pub(crate) struct Block {
     /// R₀, (unknown, FRF) (second pass).
     pub r0: Option<Matrix<f64>>,
     /// Noise energy of each FRF, up to a factor, where the data tell it (first pass).
-    pub given: Option<(Giver, Vec<f64>)>,
+    pub given: Option<(NoiseSource, Vec<f64>)>,
     /// Files that it came from, by name and content.
     pub sources: Vec<(String, Checksum)>,
 }

@@ -4,7 +4,7 @@
 use crate::data::error::FitError;
 use crate::data::layout::{DataLayout, Weighting};
 use crate::data::options::{Effort, FitOptions};
-use crate::data::pair_weights::{Giver, PairWeights, Weights};
+use crate::data::pair_weights::{NextWeights, NoiseSource, PairWeights};
 use crate::data::source::{as_json, By, Way};
 use crate::pieces::plan::Plan;
 use chladni_frf::{Dof, Finding};
@@ -33,7 +33,7 @@ pub struct Poles {
     /// Factors of the pass on FRFs.
     pub(crate) weighting: Option<DofWeights>,
     /// Weights that may be tried after these.
-    pub(crate) weights_left: Weights,
+    pub(crate) next_weights: NextWeights,
     /// Outlier lines left out, Hz.
     pub(crate) dropped_hz: Vec<f64>,
     /// Rounds of leaving them out.
@@ -63,12 +63,17 @@ pub(crate) struct DofWeights {
     references: Vec<(Dof, f64)>,
     /// Root mean square of the FRFs as they were measured.
     rms: f64,
-    giver: Option<Giver>,
+    noise_source: Option<NoiseSource>,
 }
 
 impl DofWeights {
     /// Those of the FRFs of `data`.
-    pub fn new(data: &DataLayout, weights: &PairWeights, giver: Option<Giver>, rms: f64) -> Self {
+    pub fn new(
+        data: &DataLayout,
+        weights: &PairWeights,
+        noise_source: Option<NoiseSource>,
+        rms: f64,
+    ) -> Self {
         let of = |dofs: &[Dof], values: &[f64]| -> Vec<(Dof, f64)> {
             dofs.iter().copied().zip(values.iter().copied()).collect()
         };
@@ -76,7 +81,7 @@ impl DofWeights {
             responses: of(&data.responses, &weights.response),
             references: of(&data.references, &weights.reference),
             rms,
-            giver,
+            noise_source,
         }
     }
 
@@ -100,7 +105,7 @@ impl DofWeights {
                 reference: of(references, &self.references),
             },
             rms: self.rms,
-            giver: self.giver,
+            noise_source: self.noise_source,
         }
     }
 }
@@ -215,7 +220,7 @@ impl Poles {
             .weighting
             .as_ref()
             .map(|weights| weights.of(&layout.responses, &layout.references));
-        layout.weights_left = self.weights_left;
+        layout.next_weights = self.next_weights;
         layout.dropped_hz.clone_from(&self.dropped_hz);
         layout.outlier_rounds = self.outlier_rounds;
         layout.warnings.clone_from(&self.warnings);

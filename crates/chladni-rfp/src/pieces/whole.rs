@@ -1,6 +1,6 @@
 //! All blocks of a partial brought into one: their FRFs row by row, sketch and products.
 
-use crate::data::pair_weights::Giver;
+use crate::data::pair_weights::NoiseSource;
 use crate::pieces::partial::{sums, Block, Partial, ProductSums, SketchSums, Sums};
 use crate::pieces::plan::Plan;
 use crate::pieces::poles::{Matrix, Poles};
@@ -26,7 +26,7 @@ pub(super) struct Set {
     pub nodes: Arc<[Node]>,
     pub pairs: Arc<[(usize, usize)]>,
     pub energy: Arc<[f64]>,
-    pub given: Option<(Giver, Vec<f64>)>,
+    pub given: Option<(NoiseSource, Vec<f64>)>,
 }
 
 /// Products of all blocks. R₀ stays in pieces: of a million FRFs it must not be in memory
@@ -108,7 +108,7 @@ fn whole(blocks: &[Block]) -> Result<(Set, Vec<usize>), Error> {
     let mut nodes: Vec<Node> = Vec::new();
     let mut labels = HashSet::new();
     let (mut pairs, mut energy) = (Vec::new(), Vec::new());
-    let mut given: Option<(Giver, Vec<f64>)> = None;
+    let mut given: Option<(NoiseSource, Vec<f64>)> = None;
     for block in blocks {
         let rows: Vec<usize> = block
             .responses
@@ -122,9 +122,10 @@ fn whole(blocks: &[Block]) -> Result<(Set, Vec<usize>), Error> {
             .collect();
         pairs.extend(block.pairs.iter().map(|&(i, j)| (rows[i], columns[j])));
         energy.extend(&block.energy);
-        if let Some((giver, noise)) = &block.given {
-            let all = given.get_or_insert((*giver, Vec::new()));
-            all.1.extend(noise.iter().filter(|_| all.0 == *giver));
+        if let Some((noise_source, noise)) = &block.given {
+            let all = given.get_or_insert((*noise_source, Vec::new()));
+            all.1
+                .extend(noise.iter().filter(|_| all.0 == *noise_source));
         }
         nodes.extend(block.nodes.iter().filter(|node| labels.insert(node.label)));
     }
@@ -145,7 +146,8 @@ fn whole(blocks: &[Block]) -> Result<(Set, Vec<usize>), Error> {
         pairs: order.iter().map(|&l| pairs[l]).collect(),
         // without products of every block there are no energies of every FRF
         energy: in_turn(&energy, &order).unwrap_or_default().into(),
-        given: given.and_then(|(giver, noise)| Some((giver, in_turn(&noise, &order)?))),
+        given: given
+            .and_then(|(noise_source, noise)| Some((noise_source, in_turn(&noise, &order)?))),
     };
     Ok((set, order))
 }

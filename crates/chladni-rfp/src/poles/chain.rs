@@ -5,7 +5,7 @@
 //! [`crate::poles::whiteness`] judges if the residual is white. If it is not, the measured-data path
 //! takes over.
 
-use crate::damping::structural::POWERS;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::options::Asked;
@@ -184,13 +184,13 @@ fn add_by_hand(
         refine(
             work,
             &all,
-            &POWERS,
+            &RESIDUAL_POWERS,
             tol::FINE.within(data.effort.likelihood_steps),
         )
     };
     let with = refined(&starts)?;
     let least_rise = threshold(work.columns(), work.lines()) * pass.variance;
-    let fit = removable(work, &with.lambda, &POWERS)?;
+    let fit = removable(work, &with.lambda, &RESIDUAL_POWERS)?;
     let is_significant = |n: usize| {
         let pole = with.lambda[known.len() + n];
         held(work, starts[n], pole) == pole && fit.rise(known.len() + n) >= least_rise

@@ -1,8 +1,8 @@
 //! Passes over all FRFs: the second one, and a few more for modes that the sketch does not
 //! show.
 
-use crate::damping::structural::basis;
-use crate::damping::structural::POWERS;
+use crate::damping::basis::basis;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::products::{energies, Projected};
@@ -93,7 +93,7 @@ impl PassStart {
             if let Some(missed) = best.missed(data, data.values(), &tried) {
                 tried.push(missed.place);
                 let more = [best.refined.lambda.as_slice(), &[missed.place]].concat();
-                let more = refined_poles(&self.sketch, &more, &POWERS, tol::ROUGH)?;
+                let more = refined_poles(&self.sketch, &more, &RESIDUAL_POWERS, tol::ROUGH)?;
                 let places = [missed.place, more[more.len() - 1]];
                 if missed.unconfirmed && !best.confirms(data.values(), &places) {
                     continue;
@@ -157,12 +157,12 @@ impl Pass {
     ) -> Result<Self, LinalgError> {
         let work = &projected.work;
         let precision = tol::FINE.within(data.effort.likelihood_steps);
-        let mut refined = refine(work, start, &POWERS, precision)?;
+        let mut refined = refine(work, start, &RESIDUAL_POWERS, precision)?;
         let mut variance = full_variance(data, &projected, &refined);
         let before = history.len();
         let scanned = settle(work, &mut refined, &mut variance, data.pairs.len(), history)?;
         if history.len() > before {
-            refined = refine(work, &refined.lambda, &POWERS, precision)?;
+            refined = refine(work, &refined.lambda, &RESIDUAL_POWERS, precision)?;
             variance = full_variance(data, &projected, &refined);
         }
         let lost = start.len().saturating_sub(refined.lambda.len());
@@ -283,7 +283,7 @@ pub(crate) fn on_weighted_lines(
     weights: &[f64],
 ) -> Result<Array2<Complex64>, LinalgError> {
     let axis = data.axis().reweighted(weights);
-    Ok(qr_thin(basis(&axis, lambda, &POWERS).view())?.0)
+    Ok(qr_thin(basis(&axis, lambda, &RESIDUAL_POWERS).view())?.0)
 }
 
 /// Noise variance from the residual of all FRFs.

@@ -9,9 +9,9 @@
 //! Notation: Φ = (1/(λ_q − x), x^p) times g is the basis of the data, Q its orthonormal basis,
 //! Ψ = (1/(λ_q − x), 1) that of σ, and D_l the diagonal matrix of column l of the data.
 
+use crate::damping::basis::basis;
 use crate::damping::gram::Cauchy;
 use crate::damping::law::{is_rational, RATIONAL};
-use crate::damping::structural::basis;
 use crate::data::columns::{line_energy, Columns};
 use crate::poles::limits;
 use crate::poles::zeros::zeros;
@@ -81,7 +81,7 @@ pub(crate) fn vector_fit(
     start: &[Complex64],
     powers: &[i32],
     iterations: usize,
-    products: Products,
+    step_basis: StepBasis,
 ) -> Result<Pool, LinalgError> {
     // zeros of σ are poles in x, whatever law they will be refined in and whatever leaks
     let rational;
@@ -106,9 +106,9 @@ pub(crate) fn vector_fit(
     let narrowest = limits::RELOCATED_WIDTH_LEAST * work.range().1;
     let mut sse_before = f64::INFINITY;
     for _ in 0..iterations {
-        let (zeros, sse) = relocate(work, &pool.lambda, powers, products)?;
+        let (zeros, sse) = relocate(work, &pool.lambda, powers, step_basis)?;
         pool = Pool::of_zeros(zeros, narrowest);
-        if matches!(products, Products::PartialFractions)
+        if matches!(step_basis, StepBasis::PartialFractions)
             && (sse_before - sse).abs() < limits::POOL_SETTLED * sse
         {
             break;
@@ -139,9 +139,9 @@ impl Pool {
     }
 }
 
-/// Ways of making the products of a step.
+/// The basis on which the products of a step are made.
 #[derive(Clone, Copy)]
-pub(crate) enum Products {
+pub(crate) enum StepBasis {
     /// Differences of sums over one pole column: 8·N·m·(m + 6r) flop per step. An ill-conditioned
     /// basis costs digits.
     PartialFractions,
@@ -155,7 +155,7 @@ fn relocate(
     work: &Columns,
     lambda: &[Complex64],
     powers: &[i32],
-    products: Products,
+    step_basis: StepBasis,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
     let (n, lines) = (lambda.len(), work.lines());
     let ones = Columns {
@@ -168,10 +168,10 @@ fn relocate(
     let psi = basis(&ones, lambda, &[0]);
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();
     // minimises with M = Σ_l (D_lΨ)ᴴ(I − QQᴴ)(D_lΨ)
-    let minimum = |products: Products| {
-        let StepProducts { mut gram, inside } = match products {
-            Products::PartialFractions => by_partial_fractions(work, lambda, powers, &psi)?,
-            Products::Orthonormal => on_orthonormal_basis(work, lambda, powers, &psi)?,
+    let minimum = |step_basis: StepBasis| {
+        let StepProducts { mut gram, inside } = match step_basis {
+            StepBasis::PartialFractions => by_partial_fractions(work, lambda, powers, &psi)?,
+            StepBasis::Orthonormal => on_orthonormal_basis(work, lambda, powers, &psi)?,
         };
         let scale: Vec<f64> = gram
             .diag()
@@ -185,12 +185,12 @@ fn relocate(
         explained.iter().for_each(|part| gram -= part);
         minimise(&gram, &scale, &sums, lines as f64)
     };
-    let (sigma, sse) = match products {
+    let (sigma, sse) = match step_basis {
         // exact data on an ill-conditioned basis: partial fractions lose all digits of M
-        Products::PartialFractions => {
-            minimum(products).or_else(|_| minimum(Products::Orthonormal))?
+        StepBasis::PartialFractions => {
+            minimum(step_basis).or_else(|_| minimum(StepBasis::Orthonormal))?
         }
-        Products::Orthonormal => minimum(products)?,
+        StepBasis::Orthonormal => minimum(step_basis)?,
     };
     if sigma[n].norm() == 0.0 || !sigma[n].is_finite() {
         return Ok((lambda.to_vec(), sse));

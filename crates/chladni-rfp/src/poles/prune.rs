@@ -11,8 +11,9 @@ use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
-/// True for a pole so narrow that one bad line may have made it.
-pub(crate) fn unphysical(work: &Columns, lambda: Complex64) -> bool {
+/// True for an in-band pole that is narrower than a fifth of the line spacing: one bad line may
+/// have made it.
+pub(crate) fn narrower_than_a_line(work: &Columns, lambda: Complex64) -> bool {
     work.in_band(lambda) && lambda.im < tol::SPIKE_SPACINGS * work.spacing(lambda.re)
 }
 
@@ -20,14 +21,14 @@ pub(crate) fn unphysical(work: &Columns, lambda: Complex64) -> bool {
 /// or it is narrow, and the sum of squares over the other lines rises by less than `least_rise`
 /// without it. A resonance has skirts there: at the next line, half-bandwidth over spacing of its
 /// peak.
-pub(crate) fn is_spike(
+pub(crate) fn is_one_bad_line(
     work: &Columns,
     refined: &Refined,
     q: usize,
     least_rise: f64,
 ) -> Result<bool, LinalgError> {
     let pole = refined.lambda[q];
-    if !unphysical(work, pole) {
+    if !narrower_than_a_line(work, pole) {
         return Ok(false);
     }
     let spacing = work.spacing(pole.re);

@@ -8,8 +8,8 @@
 //! Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49. A step costs
 //! about 8Nm(5m + 3r) flop. The search needs a start within about a bandwidth of each pole.
 
+use crate::damping::basis::basis_derivative;
 use crate::damping::gram::Cauchy;
-use crate::damping::structural::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::coefficients;
 use crate::data::inner_products::sum_of_squares;
@@ -332,7 +332,7 @@ impl Refined {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::damping::structural::{basis, POWERS};
+    use crate::damping::basis::{basis, RESIDUAL_POWERS};
     use chladni_frf::Damping;
     use ndarray::ShapeBuilder;
 
@@ -362,8 +362,8 @@ mod tests {
         let poles = [Complex64::new(0.3, 0.01), Complex64::new(0.6, 0.02)];
         let work = two_resonances(poles);
         let near = poles.map(|pole| pole + 0.1 * pole.im);
-        let best = refine(&work, &near, &POWERS, tol::ROUGH).unwrap();
-        let descent = Descent::new(&work, &near, &POWERS, tol::ROUGH.steps);
+        let best = refine(&work, &near, &RESIDUAL_POWERS, tol::ROUGH).unwrap();
+        let descent = Descent::new(&work, &near, &RESIDUAL_POWERS, tol::ROUGH.steps);
         let point = descent.point::<NormalPoint>().unwrap();
         let (left, falls) = (best.projection.sse, point.sse() - best.projection.sse);
         let promised = descent.promised_fall(&point);
@@ -371,8 +371,9 @@ mod tests {
             (0.8..1.25).contains(&(falls / promised)),
             "{falls} of {promised}"
         );
-        let below =
-            |start: &[Complex64]| refine_below(&work, start, &POWERS, tol::ROUGH, 1.1 * left);
+        let below = |start: &[Complex64]| {
+            refine_below(&work, start, &RESIDUAL_POWERS, tol::ROUGH, 1.1 * left)
+        };
         assert!(below(&near).unwrap().is_some());
         assert!(below(&near[..1]).unwrap().is_none());
     }
@@ -386,8 +387,8 @@ mod tests {
         for (start, steps) in [(poles, 30), (poles, 0), (twins, 3)] {
             let near = start.map(|pole| pole + 0.1 * pole.im);
             let (lambda, sum) =
-                refined_sum(&work, &near, &POWERS, tol::FINE.within(steps)).unwrap();
-            let whole = refine(&work, &near, &POWERS, tol::FINE.within(steps)).unwrap();
+                refined_sum(&work, &near, &RESIDUAL_POWERS, tol::FINE.within(steps)).unwrap();
+            let whole = refine(&work, &near, &RESIDUAL_POWERS, tol::FINE.within(steps)).unwrap();
             assert_eq!(lambda, whole.lambda);
             assert!((sum / whole.projection.sse - 1.0).abs() < 1e-8, "{steps}");
         }

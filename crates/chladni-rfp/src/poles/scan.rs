@@ -1,7 +1,7 @@
 //! Places of missing poles: a resonance of the usual width there would explain part of the
 //! residual.
 
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::data::columns::Columns;
 use crate::poles::limits;
 use crate::poles::refine::Refined;

@@ -4,7 +4,7 @@
 use crate::damping::law::is_rational;
 use crate::data::columns::Columns;
 use crate::poles::limits;
-use crate::poles::prune::{is_spike, redundant_pole};
+use crate::poles::prune::{is_one_bad_line, redundant_pole};
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::scan::{places_beyond, scan, Scan};
 use crate::poles::significance::threshold;
@@ -123,7 +123,7 @@ impl OrderSearch<'_> {
         // one more beyond the band may take the place of those that are there
         let all_needed = weakest > least_rise || !(work.in_band(place) || work.in_band(new));
         let significant = gain > least_rise && all_needed;
-        if !significant || is_spike(work, &candidate, last, least_rise)? {
+        if !significant || is_one_bad_line(work, &candidate, last, least_rise)? {
             return Ok(false);
         }
         *self.refined = candidate;
@@ -192,7 +192,7 @@ fn dispensable(
 ) -> Result<Option<(Vec<Complex64>, Refined)>, LinalgError> {
     let lambda = &refined.lambda;
     let spikes = (0..lambda.len())
-        .map(|q| is_spike(work, refined, q, least_rise))
+        .map(|q| is_one_bad_line(work, refined, q, least_rise))
         .collect::<Result<Vec<bool>, LinalgError>>()?;
     let kept = refined
         .projection
@@ -238,7 +238,7 @@ pub(crate) fn keep_strongest(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::damping::structural::POWERS;
+    use crate::damping::basis::RESIDUAL_POWERS;
     use chladni_frf::Damping;
     use ndarray::Array2;
 
@@ -259,7 +259,7 @@ mod tests {
         let start: Vec<Complex64> = [0.1, 0.3, 0.5, 0.7]
             .map(|x| Complex64::new(x, 0.02))
             .to_vec();
-        let mut refined = refine(&work, &start, &POWERS, tol::NO_STEP).unwrap();
+        let mut refined = refine(&work, &start, &RESIDUAL_POWERS, tol::NO_STEP).unwrap();
         let (mut variance, mut history) = (1e-9, Vec::new());
         settle(&work, &mut refined, &mut variance, 40, &mut history).unwrap();
         assert!(!history.is_empty() && refined.unknowns() < lines);

@@ -1,7 +1,7 @@
 //! The chain up to the second pass over the data: it ends with the poles of the sketch, or with a
 //! doubt about the fast chain.
 
-use crate::damping::structural::POWERS;
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
@@ -11,8 +11,8 @@ use crate::data::watch::Watch;
 use crate::poles::first_look::first_look;
 use crate::poles::limits;
 use crate::poles::passes::{basis_of, PassStart};
-use crate::poles::pool::{mixtures, starts, vector_fit, Products};
-use crate::poles::prune::is_spike;
+use crate::poles::pool::{mixtures, starts, vector_fit, StepBasis};
+use crate::poles::prune::is_one_bad_line;
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::settle::{settle, OrderHistory};
 use crate::poles::significance::threshold;
@@ -197,7 +197,7 @@ impl PooledPoles {
         refined = refine(
             &self.sketch,
             &refined.lambda,
-            &POWERS,
+            &RESIDUAL_POWERS,
             tol::FINE.within(data.effort.likelihood_steps),
         )?;
         Ok(SketchOutcome::Poles(Box::new(PassStart {
@@ -221,7 +221,7 @@ fn spoilt_lines(
     let least_rise = threshold(work.columns(), work.lines()) * variance;
     let mut physical = Vec::new();
     for (q, &pole) in refined.lambda.iter().enumerate() {
-        if !is_spike(work, refined, q, least_rise)? {
+        if !is_one_bad_line(work, refined, q, least_rise)? {
             physical.push(pole);
         }
     }
@@ -247,9 +247,9 @@ fn conjugate_fits_better(
         let pool = vector_fit(
             work,
             &starts(work, seeds, size),
-            &POWERS,
+            &RESIDUAL_POWERS,
             tol::POOL_ITERATIONS,
-            Products::PartialFractions,
+            StepBasis::PartialFractions,
         )?;
         let stable: Vec<Complex64> = pool
             .lambda
@@ -258,7 +258,7 @@ fn conjugate_fits_better(
             .filter(|(_, flipped)| !**flipped)
             .map(|(pole, _)| *pole)
             .collect();
-        Ok(Projection::new(work, &stable, &POWERS)?.sse)
+        Ok(Projection::new(work, &stable, &RESIDUAL_POWERS)?.sse)
     };
     let conjugate = mixed.with_columns(mixed.b.mapv(|v| v.conj()));
     Ok(residual_energy(&conjugate)? < limits::CONJUGATE_SHARE * residual_energy(mixed)?)

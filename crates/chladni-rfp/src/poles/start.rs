@@ -1,10 +1,10 @@
 //! The start of a search: the size of a pool of poles, and its poles that noise cannot make.
 
+use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::law::start_of;
-use crate::damping::structural::POWERS;
 use crate::data::columns::Columns;
 use crate::poles::limits;
-use crate::poles::pool::{starts, vector_fit, Products};
+use crate::poles::pool::{starts, vector_fit, StepBasis};
 use crate::poles::prune::prune;
 use crate::poles::rank::visible_rank;
 use crate::poles::refine::{refine, removable, Refined};
@@ -32,9 +32,9 @@ pub(crate) fn started(
     let pool = vector_fit(
         mixed,
         &starts(sketch, seeds, size),
-        &POWERS,
+        &RESIDUAL_POWERS,
         iterations,
-        Products::PartialFractions,
+        StepBasis::PartialFractions,
     )?;
     let lowest_x = limits::FAR_BELOW * sketch.range().0;
     let in_band = |pole| sketch.in_band(pole);
@@ -47,11 +47,11 @@ pub(crate) fn started(
         .zip(&pool.flipped)
         .filter_map(stable_start)
         .collect();
-    let all = removable(sketch, &stable, &POWERS)?;
+    let all = removable(sketch, &stable, &RESIDUAL_POWERS)?;
     let variance = pool_variance(sketch, &all);
-    let kept = prune(sketch, all, &stable, &POWERS, variance);
+    let kept = prune(sketch, all, &stable, &RESIDUAL_POWERS, variance);
     Ok(Start {
-        refined: refine(sketch, &kept, &POWERS, tol::ROUGH)?,
+        refined: refine(sketch, &kept, &RESIDUAL_POWERS, tol::ROUGH)?,
         variance,
     })
 }

@@ -44,15 +44,34 @@ pub(crate) enum Residual {
     White,
     /// Noise of another kind, or misfit.
     NotWhite,
+    /// Not tested: the method fits the order given and judges nothing.
+    NotJudged,
 }
 
 /// One look at the residual.
 struct Look {
-    /// The ratio seen.
-    seen: f64,
-    /// The largest ratio under white noise and tolerated misfit.
-    limit: f64,
+    /// The ratio seen over the limit of white noise and tolerated misfit, or the limit over it
+    /// where it must not be lower; above 1 it speaks against white noise.
+    excess: f64,
     words: String,
+}
+
+impl Look {
+    /// A ratio that white noise keeps at or below `limit`.
+    fn not_above(limit: f64, seen: f64, words: String) -> Self {
+        Self {
+            excess: seen / limit.max(limits::LOOK_LEAST),
+            words,
+        }
+    }
+
+    /// A ratio that white noise keeps at or above `limit`.
+    fn not_below(limit: f64, seen: f64, words: String) -> Self {
+        Self {
+            excess: limit / seen.max(limits::LOOK_LEAST),
+            words,
+        }
+    }
 }
 
 /// Bounds of chance for one of several looks.
@@ -139,7 +158,7 @@ pub(crate) fn judge(
     let misfitted: Vec<Complex64> = modes
         .iter()
         .zip(&looks)
-        .filter(|(_, look)| look.seen > look.limit)
+        .filter(|(_, look)| look.excess > 1.0)
         .map(|(pole, _)| *pole)
         .collect();
     let (products, squares) = misfitted
@@ -177,30 +196,22 @@ impl Level<'_> {
     /// The look at the lines around a mode.
     fn around_mode(&self, rows: Range<usize>, mode_hz: f64) -> Look {
         let (seen, nu) = self.on_rows(rows);
-        Look {
+        Look::not_above(
+            self.chance.high(nu) + limits::WHITE_LOCAL,
             seen,
-            limit: self.chance.high(nu) + limits::WHITE_LOCAL,
-            words: format!("residual {seen:.1} times the average around {mode_hz:.2} Hz"),
-        }
+            format!("residual {seen:.1} times the average around {mode_hz:.2} Hz"),
+        )
     }
 
     /// The looks at a tenth of the band, for a level too low and too high.
     fn over_tenth(&self, rows: Range<usize>) -> [Look; 2] {
         let (seen, nu) = self.on_rows(rows);
         let words = format!("residual level {seen:.2} times the average over a tenth of the band");
-        // a level too low: its lower limit may not exceed it
         let low = self.chance.low(nu) / limits::WHITE_SEGMENT;
+        let high = limits::WHITE_SEGMENT * self.chance.high(nu);
         [
-            Look {
-                seen: low,
-                limit: seen,
-                words: words.clone(),
-            },
-            Look {
-                seen,
-                limit: limits::WHITE_SEGMENT * self.chance.high(nu),
-                words,
-            },
+            Look::not_below(low, seen, words.clone()),
+            Look::not_above(high, seen, words),
         ]
     }
 }
@@ -214,25 +225,24 @@ fn correlation_look(sample: &Array2<Complex64>, lines: usize, frfs: usize, chanc
         0.0
     };
     let count = (lines * sample.ncols().min(frfs).max(1)) as f64;
-    Look {
+    Look::not_above(
+        limits::WHITE_CORRELATION + chance.correlation(count),
         seen,
-        limit: limits::WHITE_CORRELATION + chance.correlation(count),
-        words: format!("neighbouring residual lines correlate by {seen:.2}"),
-    }
+        format!("neighbouring residual lines correlate by {seen:.2}"),
+    )
 }
 
 impl Whiteness {
     /// The verdict, by the look that comes nearest to its limit or goes farthest beyond it.
     fn by_looks(looks: &[Look], misfit_share: f64, shapeless: bool) -> Self {
-        let ratio = |l: &Look| l.seen / l.limit.max(limits::LOOK_LEAST);
         let (excess, words) = looks
             .iter()
-            .map(|l| (ratio(l), l.words.as_str()))
+            .map(|look| (look.excess, look.words.as_str()))
             .fold((0.0, "none"), |a, b| if b.0 > a.0 { b } else { a });
         let white = excess <= 1.0;
         let evidence = match white {
             true => format!(
-                "residual white in {} looks (the nearest to doubt: {words})",
+                "the residual passes all {} whiteness tests (closest: {words})",
                 looks.len()
             ),
             false => format!("{words}, {excess:.1} times what white noise allows"),

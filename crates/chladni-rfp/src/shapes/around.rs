@@ -1,9 +1,9 @@
 //! The poles beside those that have their shapes, as the model is saved: one place each for
 //! all FRFs (theory.md, section 4).
 
+use crate::damping::basis::basis;
 use crate::damping::law::loss_bound;
 use crate::damping::saved;
-use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::data::inner_products::inner;
 use crate::poles::refine::{refined_sum, Projection};

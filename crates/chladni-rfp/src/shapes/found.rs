@@ -9,7 +9,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 /// Poles, shapes and the lines they were found on.
-pub(crate) struct Found<'a> {
+pub(crate) struct FittedPoles<'a> {
     pub data: &'a DataLayout,
     pub work: &'a Columns,
     /// Scale of each FRF, where the columns are scaled FRFs.
@@ -24,7 +24,7 @@ pub(crate) struct Found<'a> {
     pub scales: &'a [Scale],
 }
 
-impl Found<'_> {
+impl FittedPoles<'_> {
     /// Scale of the FRF of pair l.
     pub(super) fn scale_of(&self, l: usize) -> f64 {
         self.scales_of_frfs.as_ref().map_or(1.0, |all| all[l])
@@ -32,7 +32,7 @@ impl Found<'_> {
 
     /// Residues of the columns, (pole, pair).
     pub(super) fn residues(&self) -> Array2<Complex64> {
-        let Found { poles, shapes, .. } = self;
+        let FittedPoles { poles, shapes, .. } = self;
         let pairs = &self.data.pairs;
         let mut residues = Array2::zeros((poles.len(), pairs.len()));
         for (term, &owner) in shapes.owner.iter().enumerate() {

@@ -4,7 +4,7 @@
 //! Past a modal overlap of about two, free residues explain two modes by one pole;
 //! rank-one residues cannot, and what they leave has the missing mode's shape.
 
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::poles::scan::resonance_grid;
 use crate::shapes::limits;
 use crate::shapes::step::State;

@@ -1,12 +1,12 @@
 //! Poles and residues as sums over the errors of lines (theory.md, eq. F4e): to first order
 //! δλ = H⁻¹·Σ_l R̄_l∘(DᴴP⊥E_l) and δR_l = A⁺(E_l − D·R_l∘δλ).
 
-use crate::damping::structural::basis_derivative;
+use crate::damping::basis::basis_derivative;
 use crate::data::information::{covariance, kept_share};
 use crate::data::window::block_errors::BlockErrors;
 use crate::poles::pole::Pole;
 use crate::poles::refine::Projection;
-use crate::shapes::found::Found;
+use crate::shapes::found::FittedPoles;
 use crate::shapes::limits;
 use chladni_frf::shared_power;
 use chladni_linalg::{matmul, matmul_h, solve_upper, LinalgError};
@@ -14,7 +14,7 @@ use ndarray::{concatenate, s, Array2, Axis};
 use num_complex::Complex64;
 use std::f64::consts::LN_2;
 
-impl Found<'_> {
+impl FittedPoles<'_> {
     /// The error that FRFs share on each line, as noise of the force makes it (theory.md, eq.
     /// F4h), or one denominator of all responses.
     fn shared(&self, residual: &Array2<Complex64>) -> Shared {
@@ -83,7 +83,7 @@ pub(super) struct PairNoise {
 
 /// Poles and residues as sums over errors of lines.
 pub(super) struct Influence<'a> {
-    pub found: &'a Found<'a>,
+    pub found: &'a FittedPoles<'a>,
     pub errors: &'a BlockErrors,
     pub lambda: Vec<Complex64>,
     pub projection: Projection,
@@ -116,8 +116,8 @@ impl<'a> Influence<'a> {
     ///
     /// # Errors
     /// A kernel that fails.
-    pub fn new(found: &'a Found<'a>, errors: &'a BlockErrors) -> Result<Self, LinalgError> {
-        let Found { data, work, .. } = found;
+    pub fn new(found: &'a FittedPoles<'a>, errors: &'a BlockErrors) -> Result<Self, LinalgError> {
+        let FittedPoles { data, work, .. } = found;
         let lambda: Vec<Complex64> = found.poles.iter().map(Pole::lambda).collect();
         let n = lambda.len();
         let projection = Projection::new(work, &lambda, found.powers)?;
@@ -202,7 +202,7 @@ impl<'a> Influence<'a> {
 
     /// Variance of the errors of each line over that of the median line.
     pub fn line_variances(&self) -> Vec<f64> {
-        let Found { data, work, .. } = self.found;
+        let FittedPoles { data, work, .. } = self.found;
         work.x.iter().map(|x| data.variance_at(*x)).collect()
     }
 

@@ -4,8 +4,8 @@
 //! Leakage is a sum over poles of what each leaks, times its residue, the same in all FRFs of
 //! one force: a few forms of the force, of which every shape takes its part.
 
+use crate::damping::basis::basis;
 use crate::damping::columns::leaking_pole;
-use crate::damping::structural::basis;
 use crate::data::window::band::Form;
 use crate::shapes::force_drop::ForceDrop;
 use crate::shapes::influence::{Influence, PairNoise};

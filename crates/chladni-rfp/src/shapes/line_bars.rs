@@ -5,7 +5,7 @@ use crate::data::window::block_errors::BlockErrors;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::ShapeBars;
 use crate::shapes::force_drop::ForceDrop;
-use crate::shapes::found::Found;
+use crate::shapes::found::FittedPoles;
 use crate::shapes::influence::{square, Influence, PairNoise};
 use crate::shapes::leaked::{LeakageShare, Moments};
 use crate::shapes::limits;
@@ -94,7 +94,7 @@ impl Keep {
 /// # Errors
 /// A kernel that fails.
 pub(crate) fn line_bars(
-    found: &Found,
+    found: &FittedPoles,
     errors: &BlockErrors,
 ) -> Result<(Vec<TermBars>, Option<ForceDrop>), LinalgError> {
     let influence = Influence::new(found, errors)?;
@@ -231,7 +231,7 @@ impl Influence<'_> {
         moments: &Moments,
         (noise, own): (&Array2<Complex64>, &PairNoise),
     ) -> LineBars {
-        let Found {
+        let FittedPoles {
             data,
             poles,
             shapes,

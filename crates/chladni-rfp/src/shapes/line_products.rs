@@ -1,7 +1,7 @@
 //! Products over lines of pole columns and their derivatives.
 
+use crate::damping::basis::{basis, basis_derivative};
 use crate::damping::gram::Cauchy;
-use crate::damping::structural::{basis, basis_derivative};
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use crate::shapes::limits;

@@ -4,14 +4,14 @@
 //! modes tell it apart from what the slopes of the FRF leak there.
 
 use crate::data::window::block_errors::BlockErrors;
-use crate::shapes::found::Found;
+use crate::shapes::found::FittedPoles;
 use crate::shapes::levels::{level_of, LineLevel};
 use crate::shapes::limits;
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::f64::consts::LN_2;
 
-impl Found<'_> {
+impl FittedPoles<'_> {
     /// Lines that lie beside all modes of the band, and keep most of an error in the residual.
     ///
     /// * `kept`: share of an error of each line that stays in the residual

@@ -1,8 +1,8 @@
 //! The data of structured refinement: the compressed data once residual terms and
 //! out-of-band poles are taken out, and the way back to pairs.
 
+use crate::damping::basis::basis;
 use crate::damping::gram::Cauchy;
-use crate::damping::structural::basis;
 use crate::data::columns::Columns;
 use crate::data::inner_products::{inner, sum_of_squares};
 use crate::shapes::alternation::add_product;

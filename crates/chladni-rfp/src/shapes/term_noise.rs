@@ -1,7 +1,7 @@
 //! Noise that bars of poles and shapes are made of, where FRFs are not equally noisy (theory.md, eq.
 //! N1). A mode is carried by few FRFs; their noise is the one that moves it.
 
-use crate::damping::structural::basis_derivative;
+use crate::damping::basis::basis_derivative;
 use crate::data::columns::Columns;
 use crate::data::information::covariance;
 use crate::poles::pole::Pole;

@@ -1,6 +1,4 @@
-//! Columns of a common-pole model in the plane x: g/(λ_n − x) and their derivatives in the
-//! structural law, where they are complex-analytic in the poles, and what stands for them
-//! in the viscous one.
+//! The columns of a common-pole model in the law of its lines, and their derivatives.
 
 use crate::damping::filled::{fill, fill_terms};
 use crate::data::columns::Columns;
@@ -8,7 +6,7 @@ use ndarray::{Array2, ShapeBuilder};
 use num_complex::Complex64;
 
 /// Powers of x of the residual terms: one lower (1/ω²), three upper (constant, ω², ω⁴).
-pub(crate) const POWERS: [i32; 4] = [-1, 0, 1, 2];
+pub(crate) const RESIDUAL_POWERS: [i32; 4] = [-1, 0, 1, 2];
 
 /// Columns g/(λ_n − x), in the law of the lines, and g·x^p: the basis of a common-pole
 /// model (theory.md, eq. 6).

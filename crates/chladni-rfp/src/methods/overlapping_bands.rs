@@ -16,7 +16,7 @@ use std::ops::Range;
 
 /// One band.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Window {
+pub(crate) struct OverlappingBand {
     /// Rows whose modes are taken from this band.
     pub core: Range<usize>,
     /// Rows that are fitted.
@@ -24,7 +24,11 @@ pub(crate) struct Window {
 }
 
 /// `count` bands, or as many as the `peaks` ask for.
-pub(crate) fn windows(peaks: &[Peak], energy: &Array1<f64>, count: Option<usize>) -> Vec<Window> {
+pub(crate) fn overlapping_bands(
+    peaks: &[Peak],
+    energy: &Array1<f64>,
+    count: Option<usize>,
+) -> Vec<OverlappingBand> {
     let lines = energy.len();
     let mut rows: Vec<usize> = peaks.iter().map(|peak| peak.row).collect();
     rows.sort_unstable();
@@ -40,7 +44,7 @@ pub(crate) fn windows(peaks: &[Peak], energy: &Array1<f64>, count: Option<usize>
         .windows(2)
         .map(|ends| {
             let reach = (OVERLAP * (ends[1] - ends[0]) as f64).ceil() as usize;
-            Window {
+            OverlappingBand {
                 core: ends[0]..ends[1],
                 rows: ends[0].saturating_sub(reach)..(ends[1] + reach).min(lines),
             }
@@ -66,18 +70,18 @@ fn valley(peaks: &[usize], energy: &Array1<f64>, cut: usize, count: usize) -> Op
 /// # Errors
 /// A decomposition that fails.
 pub(crate) fn order(
-    window: &Columns,
+    band: &Columns,
     peaks: usize,
     asked: Option<usize>,
 ) -> Result<usize, LinalgError> {
-    let seen = match visible_rank(window)? {
+    let seen = match visible_rank(band)? {
         (rank, true) => rank.max(peaks),
         // too few columns to see the noise: their number bounds no order
         (rank, false) => peaks.max(rank.min(2 * peaks)),
     };
     let order = seen.max(asked.unwrap_or(0)) + WINDOWS_SPARE_POLES;
     Ok(order
-        .min(window.lines().saturating_sub(LEAST_LINES) / 2)
+        .min(band.lines().saturating_sub(LEAST_LINES) / 2)
         .max(1))
 }
 
@@ -93,7 +97,7 @@ mod tests {
             Array1::from_shape_fn(220, |k| if rows.contains(&k) { 100.0 } else { 10.0 });
         energy[21] = 0.001; // deeper still, but far from an equal share
         energy[121] = 1.0;
-        let found = windows(&peaks_at(&rows), &energy, None);
+        let found = overlapping_bands(&peaks_at(&rows), &energy, None);
         assert_eq!(found.len(), 2);
         assert_eq!([&found[0].core, &found[1].core], [&(0..121), &(121..220)]);
         assert!(found[0].rows.end > 121 && found[1].rows.start < 121);
@@ -104,8 +108,11 @@ mod tests {
         let rows: Vec<usize> = (0..10).map(|n| 10 + 20 * n).collect();
         let energy = Array1::from_shape_fn(220, |k| 1.0 + (k % 20) as f64);
         for (asked, count) in [(1, 1), (4, 4), (1000, 10)] {
-            assert_eq!(windows(&peaks_at(&rows), &energy, Some(asked)).len(), count);
+            assert_eq!(
+                overlapping_bands(&peaks_at(&rows), &energy, Some(asked)).len(),
+                count
+            );
         }
-        assert_eq!(windows(&[], &energy, None).len(), 1);
+        assert_eq!(overlapping_bands(&[], &energy, None).len(), 1);
     }
 }

@@ -9,7 +9,7 @@ use super::limits::{
     MAY_BE_ONE, ONE_MODE, OWN_OVER_PAIR, SAME_SHAPE_MAC, SHAPE_LEAST_COLUMNS, TWINS_NEAR,
     TWINS_STEPS, TWINS_WINDOW,
 };
-use crate::damping::structural::basis;
+use crate::damping::basis::basis;
 use crate::data::columns::Columns;
 use crate::measured::candidates::{Candidates, Change, Origin};
 use crate::measured::local::Neighbourhood;
