@@ -60,9 +60,9 @@ fn blocked<T: Scalar>(
     blocks.into_par_iter().for_each(|(out, b)| product(out, b));
 }
 
-/// Zeros to add products to, (row, column) by columns: written, for of memory that the
-/// system has only promised each page would be mapped twice, once where a product reads
-/// what it adds to.
+/// Zeros to add products to, (row, column) by columns. They are written, so that fresh pages are
+/// touched once: pages that the system has only promised are mapped twice, at the first read and
+/// at the first write.
 pub fn cleared(rows: usize, columns: usize) -> Array2<f64> {
     // the compiler must not make it a promise again
     let mut values = std::hint::black_box(Vec::with_capacity(rows * columns));

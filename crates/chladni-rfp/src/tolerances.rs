@@ -32,8 +32,8 @@ pub(crate) const OUTSTANDING: f64 = 1e-2;
 pub(crate) const POOL_MIXTURES: usize = 8;
 /// Most relaxed vector-fitting steps, unless told otherwise.
 pub(crate) const POOL_ITERATIONS: usize = 8;
-/// Most steps for each of the nine voting runs of the measured-data path: they need
-/// agreement, not digits.
+/// Most steps for each voting run of the measured-data path: nine for each ladder of orders. They
+/// need agreement, not digits.
 pub(crate) const VOTE_ITERATIONS: usize = 6;
 /// Levenberg–Marquardt damping at the start, relative to the diagonal.
 pub(crate) const LM_START: f64 = 1e-3;
@@ -98,6 +98,9 @@ pub(crate) const LM_UP: f64 = 10.0;
 
 /// Least damping after a step that fails, so that a few failures change it.
 pub(crate) const LM_LEAST: f64 = 1e-6;
+
+/// Standard deviation of normal values over the median of their size (1/Φ⁻¹(3/4)).
+pub(crate) const SIGMA_OF_MEDIAN: f64 = 1.4826;
 
 /// Noise variance, over the mean square of normalised data, that a fit has at least:
 /// below it is rounding.

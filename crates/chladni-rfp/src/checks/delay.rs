@@ -145,7 +145,7 @@ impl Line<'_> {
     /// The delay near `seconds` by regression on ω.
     pub fn settled(&self, mut seconds: f64) -> f64 {
         let moment = self.moment();
-        for _ in 0..4 {
+        for _ in 0..limits::DELAY_ROUNDS {
             seconds -= self
                 .omega
                 .iter()

@@ -10,6 +10,7 @@
 use crate::checks::case::{Case, Checked};
 use crate::checks::delay::{Line, Trials};
 use crate::checks::limits;
+use crate::tolerances::SIGMA_OF_MEDIAN;
 use chladni_frf::{Finding, Mode};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -145,7 +146,7 @@ fn spread(phases: impl Iterator<Item = f64>) -> f64 {
     let mut sizes: Vec<f64> = phases.map(f64::abs).collect();
     sizes.sort_by(f64::total_cmp);
     let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
-    limits::REAL_PHASE.max(limits::SIGMA_OF_MEDIAN * median)
+    limits::REAL_PHASE.max(SIGMA_OF_MEDIAN * median)
 }
 
 /// Delay of a response where the modes show one.
@@ -172,7 +173,8 @@ fn delay_of(
     let sigmas = limits::DELAY_SIGMAS.powi(2);
     let count = omega.len() as f64;
     // half of what noise leaves on the line, at least
-    if omega.len() < limits::RESPONSE_LEAST_MODES || undelayed < sigmas + 0.5 * count {
+    if omega.len() < limits::RESPONSE_LEAST_MODES || undelayed < sigmas + limits::NOISE_LEFT * count
+    {
         return None;
     }
     let turned = phases.iter().zip(&weight);

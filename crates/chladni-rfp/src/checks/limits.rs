@@ -28,6 +28,8 @@ pub(super) const ALWAYS_WHITE: f64 = 1e-3;
 
 // delay.rs
 
+/// Rounds of regression on phases that are taken anew about the delay of the round before.
+pub(super) const DELAY_ROUNDS: usize = 4;
 /// Phase of a well-known mode, rad: real structures are not real to more than some
 /// degrees.
 pub(super) const NATURAL_PHASE: f64 = 0.03;
@@ -50,6 +52,8 @@ pub(super) const TRIALS_MOST: usize = 20_000;
 
 // delayed_response.rs
 
+/// Least misfit to be left on the line by noise, over that expected of it: half.
+pub(super) const NOISE_LEFT: f64 = 0.5;
 /// Modes that must show a response well: two lie on a line with one of many delays.
 pub(super) const RESPONSE_LEAST_MODES: usize = 3;
 /// Responses that must show a mode well: of two that differ neither is the one that lags.
@@ -60,8 +64,6 @@ pub(super) const WELL_SEEN: f64 = 0.2;
 pub(super) const REAL_PHASE: f64 = 0.01;
 /// Rounds in which the common phase of a mode comes to that of most responses.
 pub(super) const COMMON_ROUNDS: usize = 12;
-/// Standard deviation of normal values over the median of their size.
-pub(super) const SIGMA_OF_MEDIAN: f64 = 1.4826;
 /// Log-likelihood of a delay over phases of no order, beyond the looks: one in twenty by chance
 /// at most.
 pub(super) const DELAY_LIKELIER: f64 = 3.0;
@@ -108,8 +110,8 @@ pub(super) const ALONE: f64 = 12.0;
 pub(super) const STEPS: usize = 20;
 /// A step smaller than this part of the decay ends the fit.
 pub(super) const STILL: f64 = 1e-4;
-/// Lines are counted once however many FRFs there are: leakage errors of one record are
-/// common to all of them.
+/// Lines taken off for the unknowns of a line shape. Lines are counted once however many FRFs
+/// there are: leakage errors of one record are common to all of them.
 pub(super) const UNKNOWNS: usize = 4;
 /// Part of each record of a burst under Hann's window that is taken for continuous noise most
 /// often: of shorter ones errors do not show the leakage, of longer ones damping comes out less

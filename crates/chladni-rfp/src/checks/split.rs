@@ -106,18 +106,6 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
         .into_iter()
         .filter(|group| most_move && group.len() > 2)
         .collect();
-    let mut words = format!(
-        "modes at {} Hz: fewer modes explain each group as well, if their frequencies differ \
-         between measurements ({})",
-        places(&doubted),
-        side.causes()
-    );
-    if !alike.is_empty() {
-        words += &format!(
-            "; those at {} Hz stand as near to each other",
-            places(&alike)
-        );
-    }
     let named = |groups: &[&[&Mode]], n: usize| {
         let mode = &case.model.modes[n];
         groups.iter().any(|group| group.contains(&mode))
@@ -127,17 +115,36 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
         let (_, why) = why.into_iter().find(|(groups, _)| named(groups, n))?;
         Some((n, Reason::new("split-mode", why)))
     });
-    let concerned = doubted.iter().chain(&alike).copied().flatten();
-    let finding = Finding::caution("split-modes", words)
+    Some(Checked {
+        finding: finding_of(&doubted, &alike, side, larger),
+        weak: weak.collect(),
+    })
+}
+
+/// The finding of groups of modes that fewer moving modes explain.
+///
+/// * `alike`: groups that only look like these
+/// * `side`: the moved one
+fn finding_of(doubted: &[&[&Mode]], alike: &[&[&Mode]], side: Side, larger: Side) -> Finding {
+    let mut words = format!(
+        "modes at {} Hz: fewer modes explain each group as well, if their frequencies differ \
+         between measurements ({})",
+        places(doubted),
+        side.causes()
+    );
+    if !alike.is_empty() {
+        words += &format!(
+            "; those at {} Hz stand as near to each other",
+            places(alike)
+        );
+    }
+    let concerned = doubted.iter().chain(alike).copied().flatten();
+    Finding::caution("split-modes", words)
         .modes_hz(concerned.map(|mode| mode.frequency_hz))
         .help(match side == larger {
             true => "measure another reference, or all points at once",
             false => "measure them at once, or fit the FRFs of each by themselves",
-        });
-    Some(Checked {
-        finding,
-        weak: weak.collect(),
-    })
+        })
 }
 
 /// The frequencies of groups of modes, in words.
@@ -153,8 +160,9 @@ fn places(groups: &[&[&Mode]]) -> String {
     each.join("; ")
 }
 
-/// The modes that have a twin: a mode of the same damping, nearer than a part of their
-/// half-bandwidth. None, unless one side has one DOF and most modes have a twin.
+/// The finding that most modes have a twin: a mode of the same damping, nearer than a part of
+/// their half-bandwidth. `None` unless the residual is noise, one side has one DOF, at least half
+/// of the modes have a twin, and five or more do.
 fn mostly_twins(case: &Case, modes: &[&Mode]) -> Option<Checked> {
     if !case.noise_is_known || case.data.responses.len().min(case.data.references.len()) > 1 {
         return None;

@@ -2,9 +2,9 @@
 //!
 //! λ_n = (ω_n/ω_max)²(1 + jη_n) in both laws. A structural mode is 1/(λ − x); a viscous one
 //! has a loss that grows with frequency, 1/(Re λ + j·Im λ·√(x/Re λ) − x), which is
-//! 1/(ω_n² − ω² + jη_nω_nω), exact for real shapes (theory.md, eq. 16–17). Its derivative
-//! by Im λ over j stands for that by Re λ as well, from which it differs by half a loss
-//! factor: estimates lose η² of their information, steps converge by a factor of about η.
+//! 1/(ω_n² − ω² + jη_nω_nω), exact for real shapes (theory.md, eq. 16–17). In the
+//! viscous law the derivative by Re λ is replaced by that by j·Im λ. The two differ by half a loss
+//! factor, so estimates lose η² of their information, and steps converge by a factor of about η.
 
 use crate::damping::places::viscous_pole_of;
 use crate::data::window::lanes::Lanes;

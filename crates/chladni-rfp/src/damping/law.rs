@@ -44,7 +44,7 @@ pub(crate) fn oscillating(law: Damping, next: Complex64, before: Complex64) -> C
 /// * `flipped`: below the real axis. What stands for a viscous mode below the band may have
 ///   a negative loss in x
 /// * `in_band`: a place between the first and the last line
-/// * `least`: Re λ of a pole at x < 0, which stands for what lies far below the band
+/// * `least`: Re λ of a pole at x < 0, which represents modes far below the band
 pub(crate) fn start_of(
     law: Damping,
     pole: Complex64,

@@ -60,15 +60,12 @@ pub(super) const RESIDUAL_TERMS: usize = 3;
 
 // saved.rs
 
-/// Levenberg-Marquardt damping at the start, and its change by a step that fails or serves.
-pub(super) const SAVED_DAMPING: f64 = 1e-3;
-/// See above.
-pub(super) const SAVED_DAMPING_UP: f64 = 10.0;
 /// Relative gain of a step below which the next would gain nothing.
 pub(super) const SAVED_SETTLED: f64 = 1e-9;
 /// Half-widths of a pole over which derivatives are differences.
 pub(super) const SAVED_DIFFERENCE: f64 = 1e-4;
-/// Part of itself that a frequency or a decay loses at most by a step; it may double.
+/// Part of itself that Re λ (the square of a frequency) or Im λ loses at most by a step; it may
+/// double.
 pub(super) const SAVED_LOSS_BY_STEP: f64 = 0.5;
 
 // verdict.rs

@@ -47,7 +47,7 @@ pub(crate) struct Common {
 impl Common {
     /// Residual terms of both laws are taken out, and the poles `outside` the band in both
     /// laws, with their residues and, to first order, their positions: what one law needs
-    /// for the world outside must not count for or against its modes.
+    /// of them must not count for or against its modes.
     ///
     /// # Errors
     /// A kernel that fails.

@@ -105,8 +105,8 @@ impl Plane {
         }
     }
 
-    /// Poles λ of damped roots in t; mirror images and what does not oscillate are left
-    /// out.
+    /// Poles λ of damped roots in t. In the viscous law mirror images and roots of ζ > 0.71, which
+    /// are background, are left out.
     pub fn poles(&self, roots: &[Complex64]) -> Vec<Complex64> {
         match self.law {
             Damping::Structural => roots

@@ -14,6 +14,7 @@ use crate::damping::places::viscous_pole_of;
 use crate::damping::viscous::{halves, viscous_basis};
 use crate::data::columns::Columns;
 use crate::data::information::{answer, coefficients};
+use crate::tolerances::{LM_START, LM_UP};
 use chladni_linalg::blocked::{projected, tall_qr};
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{s, Array2, Axis, ShapeBuilder};
@@ -39,7 +40,7 @@ pub(crate) fn refined(
     let poles = found.0;
     let data = halves(&work.b);
     let mut here = Point::at(work, &data, poles, powers)?;
-    let mut damping = limits::SAVED_DAMPING;
+    let mut damping = LM_START;
     for _ in 0..most {
         // poles that cannot be told apart any more stay where they are
         let Ok(step) = here.step(work, damping) else {
@@ -47,11 +48,11 @@ pub(crate) fn refined(
         };
         let next = Point::at(work, &data, here.moved(&step), powers);
         let Some(next) = next.ok().filter(|next| next.sse < here.sse) else {
-            damping *= limits::SAVED_DAMPING_UP;
+            damping *= LM_UP;
             continue;
         };
         let settled = here.sse - next.sse < limits::SAVED_SETTLED * here.sse;
-        (here, damping) = (next, damping / limits::SAVED_DAMPING_UP);
+        (here, damping) = (next, damping / LM_UP);
         if settled {
             break;
         }

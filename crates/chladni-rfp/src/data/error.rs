@@ -1,5 +1,5 @@
-//! Errors that stop an identification before it starts, with the numbers and the next
-//! step.
+//! Errors that stop an identification, most of them before it starts, with the numbers and the
+//! next step.
 
 use crate::data::limits;
 use crate::data::options::{FitOptions, Method};

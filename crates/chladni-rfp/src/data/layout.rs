@@ -74,8 +74,8 @@ pub(crate) struct DataLayout {
     pub warnings: Vec<Finding>,
     /// Effort spent on finding poles.
     pub effort: Effort,
-    /// Sum of squares of each pair on these lines, in SI units of the kind; empty if
-    /// it is not known.
+    /// Sum of squares of each pair on these lines, in SI units of the kind, times the square of its
+    /// weight if FRFs are weighted; empty if it is not known.
     pub energy: Arc<[f64]>,
     /// The weighting, if the data used are the measurement weighted by its noise.
     pub weighting: Option<Weighting>,

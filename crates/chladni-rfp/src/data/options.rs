@@ -16,8 +16,8 @@ pub enum Method {
     /// not.
     #[default]
     Auto,
-    /// The fast chain with the order given (else the visible peaks): vector fitting,
-    /// maximum likelihood, no order loop.
+    /// The fast chain with the order given (else the visible peaks): vector fitting, maximum
+    /// likelihood. Poles are exchanged or removed, but the order is not searched for.
     Lean,
     /// Relaxed vector fitting alone (Gustavsen 2006).
     Vf,

@@ -9,6 +9,7 @@ use crate::data::layout::DataLayout;
 use crate::data::limits;
 use crate::data::peaks::running_median;
 use chladni_frf::Finding;
+use ndarray::Array1;
 
 /// The treatment of outlier lines in a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +18,19 @@ pub(crate) enum OutlierLines {
     LeaveOut,
     /// A run uses all lines that it is given.
     Keep,
+}
+
+/// The lines whose residual energy stands alone, by sums over all FRFs.
+///
+/// * `energy`, `residual`: energies of data and residual on each line
+pub(crate) fn outliers_by_energy(energy: &Array1<f64>, residual: &Array1<f64>) -> Vec<usize> {
+    let residual = residual.to_vec();
+    let fitted: Vec<f64> = energy
+        .iter()
+        .zip(&residual)
+        .map(|(all, residual)| (all - residual).max(0.0))
+        .collect();
+    single_lines(&residual, &fitted)
 }
 
 /// The lines whose residual energy stands alone above the level around them.

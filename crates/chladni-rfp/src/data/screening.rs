@@ -71,7 +71,8 @@ impl<'a> Screened<'a> {
     /// Selects band, lines and pairs.
     ///
     /// # Errors
-    /// A band outside the data, too few lines, nothing but zeros.
+    /// An unknown kind, a band outside the data or too narrow, too few lines, nothing but zeros,
+    /// an implausible scale, a window whose record length the lines do not tell.
     pub fn new(frf: &'a FrfSet, options: &FitOptions) -> Result<Self, FitError> {
         let kind = frf.kind.ok_or(FitError::UnknownKind)?;
         let (mut lines, [low, high]) = lines_in_band(frf.frequency_hz.view(), options.band_hz)?;
@@ -103,7 +104,7 @@ impl<'a> Screened<'a> {
         }
         warnings.extend(drop_bad(&mut lines, &bad, lost));
         warnings.extend(drop_noisy(&mut pairs, frf, &lines));
-        enough(lines.len(), [low, high], options.modes)?;
+        check_lines(lines.len(), [low, high], options.modes)?;
         let line_variance = line_variance(frf, &pairs, &lines);
         let mut layout = DataLayout {
             pairs: pairs.into(),
@@ -119,7 +120,7 @@ impl<'a> Screened<'a> {
         };
         layout.energy = energies(frf, &layout, bad.contains(&true), &sum_of_pair).into();
         layout.rms = layout.mean_square().sqrt();
-        sensible(layout.rms)?;
+        check_scale(layout.rms)?;
         let sums = sums
             .filter(|sums| sums.frf_energy.len() == layout.pairs.len())
             .map(|sums| (options.seed, sums));
@@ -267,12 +268,12 @@ pub(crate) fn lines_left_out(dropped: usize, lost: usize, all: usize) -> Finding
     finding.value("lines_left_out", dropped as f64)
 }
 
-/// Checks that there are lines enough for the modes asked for (`None`: for one), and that powers of ω
+/// Checks that there are lines check_lines for the modes asked for (`None`: for one), and that powers of ω
 /// differ over the band.
 ///
 /// # Errors
 /// [`FitError::TooFewLines`], [`FitError::NarrowBand`].
-pub(crate) fn enough(
+pub(crate) fn check_lines(
     lines: usize,
     [low_hz, high_hz]: [f64; 2],
     modes: Option<usize>,
@@ -298,7 +299,7 @@ pub(crate) fn enough(
 ///
 /// # Errors
 /// [`FitError::NoData`], [`FitError::Scale`].
-pub(crate) fn sensible(rms: f64) -> Result<(), FitError> {
+pub(crate) fn check_scale(rms: f64) -> Result<(), FitError> {
     let [least, most] = limits::SENSIBLE_RMS;
     if rms == 0.0 || rms.is_nan() {
         return Err(FitError::NoData);

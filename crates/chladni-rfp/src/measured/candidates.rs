@@ -21,7 +21,7 @@ pub(crate) enum Origin {
     Added,
     /// In place of two poles that may be one mode which moves between FRFs.
     MayBeTwo,
-    /// Stands for what lies outside the band, or for a broad background.
+    /// Represents out-of-band modes, or a broad background.
     Nuisance,
     /// A mode beyond the number that was asked for: fitted, not counted.
     LeftOut,

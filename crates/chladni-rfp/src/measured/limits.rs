@@ -1,5 +1,4 @@
-//! Every constant of this room: meaning, unit, and where it comes from. Facts of a format
-//! stand beside its parser.
+//! Every constant of this room: meaning, unit, and where it comes from.
 //!
 //! A value without an origin is judgement: nobody has calibrated it.
 
@@ -10,8 +9,7 @@ pub(super) const EXPLAINS: f64 = 1.5;
 
 // consensus.rs
 
-/// Poles that stand for the world outside the band or for background; more than these are
-/// not needed to be smooth.
+/// Poles that represent out-of-band modes or background; more are not needed to be smooth.
 pub(super) const NUISANCE_MOST: usize = 8;
 /// Orders of the three runs, over the number of peaks or of modes asked for, and poles
 /// beside them.

@@ -1,11 +1,11 @@
 //! The default method: maximum likelihood if the residual is white, the measured-data path if
 //! it is not. A fit that stopped for a pass goes on from there.
 
-use super::limits::MOSTLY_LEFT;
+use super::limits::BAND_UNEXPLAINED;
 use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::law::FIRST;
 use crate::data::options::FitOptions;
-use crate::data::outliers::{single_lines, OutlierLines};
+use crate::data::outliers::{outliers_by_energy, OutlierLines};
 use crate::data::products::Projected;
 use crate::data::source::{By, Source, Way};
 use crate::data::watch::Watch;
@@ -171,23 +171,24 @@ fn finished<S: Source>(
         None => shaped.residual_energy_by_sums(data),
     };
     let mut model = shaped.model(data, options, &residual_energy)?;
-    if model.quality.relative_error > MOSTLY_LEFT {
-        warnings.push(
-            Finding::caution(
-                "mostly-unexplained",
-                format!(
-                    "the model leaves {:.0} % of the data: most of this band holds noise, or \
-                     motion that no resonance explains",
-                    100.0 * model.quality.relative_error
-                ),
-            )
-            .value("relative_error", model.quality.relative_error)
-            .help("fit the band in which peaks stand clear of the noise"),
-        );
+    if model.quality.relative_error > BAND_UNEXPLAINED {
+        warnings.push(band_unexplained(model.quality.relative_error));
     }
     model.quality.findings.append(&mut warnings);
     model.number_findings();
     Ok((model, residual_energy))
+}
+
+/// The finding of a band whose peaks are explained, and most of its rms not.
+fn band_unexplained(relative_error: f64) -> Finding {
+    let words = format!(
+        "the model leaves {:.0} % of the data: most of this band holds noise, or motion that no \
+         resonance explains",
+        100.0 * relative_error
+    );
+    Finding::caution("mostly-unexplained", words)
+        .value("relative_error", relative_error)
+        .help("fit the band in which peaks stand clear of the noise")
 }
 
 fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
@@ -343,10 +344,5 @@ fn spoilt_lines(
     for (left, weight) in left.iter_mut().zip(way.weights()) {
         *left /= weight * weight;
     }
-    let fitted: Vec<f64> = energy
-        .iter()
-        .zip(&left)
-        .map(|(all, left)| (all - left).max(0.0))
-        .collect();
-    Ok(single_lines(&left.to_vec(), &fitted))
+    Ok(outliers_by_energy(energy, &left))
 }

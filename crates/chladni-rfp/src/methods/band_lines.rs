@@ -1,5 +1,4 @@
-//! The interface of the family: poles by one method, and the numbers that the classic
-//! methods share.
+//! The lines of one band, and the health of the method by the roots that it finds there.
 
 use crate::data::screening::Screened;
 use crate::methods::bands::Band;

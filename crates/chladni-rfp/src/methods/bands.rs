@@ -1,5 +1,4 @@
-//! The search ranges of the classic methods: bands of few visible peaks, and the order in
-//! each.
+//! The bands of the method of 1982: few visible peaks in each, and the order there.
 //!
 //! The 1982 method is applied by hand, a few peaks at a time. Here a band with more than
 //! [`PEAKS_PER_BAND`] visible peaks of the mean |FRF|² is cut at the deepest valley

@@ -6,7 +6,7 @@
 //! residual, and the first steps of [`crate::poles::refine`] from the method's poles. These
 //! steps are not taken.
 
-use super::limits::{MOST_LEFT, SAME_POLE};
+use super::limits::{METHOD_ERROR_MOST, SAME_POLE};
 use crate::damping::bars::UncertainPole;
 use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::places::lambda_of_s;
@@ -101,16 +101,16 @@ pub(crate) fn fit_by_method(
     let residual_energy = shaped.residual_energy(data);
     let mut model = shaped.model(data, options, &residual_energy)?;
     let unexplained = model.quality.relative_error;
-    if unexplained > MOST_LEFT {
+    if unexplained > METHOD_ERROR_MOST {
         model.quality.trusted = false;
-        let finding = mostly_unexplained(unexplained);
+        let finding = method_failed(unexplained);
         model.quality.findings.push(finding);
     }
     Ok((model, found.stabilization))
 }
 
-/// The finding of a model that leaves most of the data.
-fn mostly_unexplained(relative_error: f64) -> Finding {
+/// The finding of a method that misses more of the data than one that works does.
+fn method_failed(relative_error: f64) -> Finding {
     let words = format!(
         "{:.0} % of the data are left unexplained: modes are missing or wrong",
         100.0 * relative_error

@@ -1,4 +1,4 @@
-//! Poles that several estimates agree on: those of different FRFs ([`super::rfp`]) or
+//! Poles that several estimates agree on: those of different FRFs ([`super::local`]) or
 //! of different orders ([`super::stabilization`]).
 
 use super::limits::RADIUS;

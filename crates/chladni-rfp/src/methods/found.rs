@@ -12,8 +12,7 @@ use num_complex::Complex64;
 /// The poles that a method found.
 #[derive(Debug, Clone)]
 pub(crate) struct MethodPoles {
-    /// s/ω_max, upper half plane, Re s < 0; those out of the band stand for what lies
-    /// there.
+    /// s/ω_max, upper half plane, Re s < 0; those outside the band represent out-of-band modes.
     pub poles: Vec<Complex64>,
     /// One sigma of |s|/ω_max and of η per pole where the method knows its own scatter.
     pub deviation: Option<Vec<[f64; 2]>>,
@@ -40,7 +39,7 @@ impl From<LocalPoles> for MethodPoles {
     }
 }
 
-/// The poles that a classic method found.
+/// The poles of fits to single FRFs (`local`).
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LocalPoles {
     /// s/ω_max, viscous, upper half plane, Re s < 0, rising in frequency.
@@ -85,7 +84,7 @@ pub enum Stability {
     Stable,
 }
 
-/// A stable (Re s < 0) pole of one order.
+/// A damped pole (Re s < 0) of one order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct OrderPole {

@@ -224,7 +224,7 @@ fn start(
 }
 
 /// Takes the broadest poles out as long as more than `modes` are in the band: a broad one
-/// stands for what lies outside.
+/// represents out-of-band modes.
 fn narrow(work: &Columns, lambda: &mut Vec<Complex64>, modes: usize) {
     let broad = BROAD * usual_loss(work, lambda);
     let loss = |pole: Complex64| pole.im / pole.re;

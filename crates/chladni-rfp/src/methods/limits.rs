@@ -15,9 +15,9 @@ pub(super) const POLISHING_STEP: f64 = 0.1;
 
 // auto.rs
 
-/// Residual over data beyond which the band as a whole is not explained, whatever single
+/// Rms residual over rms data beyond which the band as a whole is not explained, whatever single
 /// peaks are.
-pub(super) const MOSTLY_LEFT: f64 = 0.5;
+pub(super) const BAND_UNEXPLAINED: f64 = 0.5;
 
 // bands.rs
 
@@ -39,7 +39,7 @@ pub(crate) const ORDER_HELD: usize = 12;
 
 /// Rms residual over rms data beyond which such a fit is not trusted: it has no other way
 /// to know that it failed.
-pub(super) const MOST_LEFT: f64 = 0.2;
+pub(super) const METHOD_ERROR_MOST: f64 = 0.2;
 /// Distance of two poles in half-bandwidths below which they are one; their residues
 /// could not be told apart.
 pub(super) const SAME_POLE: f64 = 1e-3;
@@ -69,7 +69,7 @@ pub(super) const ANGLE_STILL: f64 = 1e-12;
 /// Condition beyond which the last digits of the measurement decide the answer.
 pub(crate) const CONDITION_HELD: f64 = 1e12;
 /// Half-bandwidth of the broadest pole that counts as a mode, relative to the width of
-/// the band: broader ones stand for what lies outside.
+/// the band: broader ones represent out-of-band modes.
 pub(crate) const BROADEST: f64 = 0.5;
 /// Largest standard deviation of a natural frequency relative to the half-bandwidth that
 /// still counts as a mode. Modes stand below a third, computational poles mostly between
@@ -130,8 +130,8 @@ pub(super) const VANISHING: f64 = 1e-16;
 /// Loss factor over the usual one from which a pole of the band, beyond as many as are
 /// asked for or visible, is no mode.
 pub(super) const BROAD: f64 = 3.0;
-/// Mean distances of modes beyond the ends of the band at which poles stand for what lies
-/// there.
+/// Mean distances of modes beyond the ends of the band at which poles represent out-of-band
+/// modes.
 pub(super) const HELPERS_AT: f64 = 2.0;
 /// Poles of the residual that are tried in place of weaker ones, beyond those that are missing.
 pub(super) const EXCHANGES: usize = 4;
@@ -147,9 +147,8 @@ pub(super) const CLUSTER_SPACINGS: f64 = 0.25;
 pub(super) const CLUSTER_SHARE: usize = 3;
 /// Members from which the scatter says more than the single fits.
 pub(super) const SCATTER_MEMBERS: usize = 6;
-/// Standard deviation over the median absolute deviation, and that of a median over that
-/// of a mean, of normal scatter (1/Φ⁻¹(3/4) and √(π/2)).
-pub(super) const OF_NORMAL_SCATTER: (f64, f64) = (1.4826, 1.2533);
+/// Standard deviation of a median over that of a mean, of normal scatter (√(π/2)).
+pub(super) const MEDIAN_OVER_MEAN: f64 = 1.2533;
 
 // matrix_fraction.rs
 
@@ -212,7 +211,8 @@ pub(super) const TWINS: f64 = 0.5;
 pub(super) const BACKGROUND: f64 = 4.0;
 /// Variance of a residue over that of its pole alone beyond which the pole adds nothing.
 pub(super) const MOST_INFLATION: f64 = 1e10;
-/// Part of that distance within which a pole stands for it already.
+/// Part of the distance from the end of the band to such a place ([`HELPERS_AT`]) within which a
+/// pole is there already.
 pub(super) const HELPER_TAKEN: f64 = 0.5;
 
 // sanathanan_koerner.rs
@@ -240,8 +240,8 @@ pub(super) const STABLE_DAMPING: f64 = 0.2;
 pub(super) const AGREED: f64 = 0.3;
 /// Damping ratio beyond which a pole is background.
 pub(super) const HEAVIEST: f64 = 0.2;
-/// Part of the band's width beyond its ends in which poles stand for what lies there;
-/// residual terms do for what is farther.
+/// Part of the band's width beyond its ends in which poles represent out-of-band modes; residual
+/// terms represent those that are farther.
 pub(super) const BEYOND: f64 = 0.1;
 /// Radius of a cluster for poles sharper than the lines resolve, in line spacings.
 pub(super) const STABILIZATION_CLUSTER_SPACINGS: f64 = 0.25;

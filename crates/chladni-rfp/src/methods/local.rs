@@ -27,7 +27,7 @@
 //! measurements using rational fraction polynomials*, Proc. IMAC 1 (1982) 167–181.
 
 use super::limits::{
-    CLUSTER_SHARE, CLUSTER_SPACINGS, FRFS_USED, OF_NORMAL_SCATTER, SCATTER_MEMBERS,
+    CLUSTER_SHARE, CLUSTER_SPACINGS, FRFS_USED, MEDIAN_OVER_MEAN, SCATTER_MEMBERS,
 };
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
@@ -38,6 +38,7 @@ use crate::methods::clusters::{clusters, median, median_pole};
 use crate::methods::equation_error::{Denominator, Root};
 use crate::methods::found::LocalPoles;
 use crate::methods::survey::Survey;
+use crate::tolerances::SIGMA_OF_MEDIAN;
 use chladni_frf::Finding;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -155,7 +156,7 @@ fn summary(roots: &[Root]) -> Root {
     let quantities = |root: &Root| [root.s.norm(), -2.0 * root.s.re / root.s.norm()];
     // standard deviation from the median absolute deviation, and of a median relative to
     // that of a mean, normal scatter
-    let (from_mad, of_median) = OF_NORMAL_SCATTER;
+    let (from_mad, of_median) = (SIGMA_OF_MEDIAN, MEDIAN_OVER_MEAN);
     let shrink = |members: usize| {
         if members > 2 {
             of_median / (members as f64).sqrt()

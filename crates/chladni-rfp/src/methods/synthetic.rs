@@ -160,7 +160,7 @@ pub(crate) fn even(modes: usize, snr_db: f64, damping: Damping, seed: u64) -> Sy
     .unwrap()
 }
 
-/// Runs a classic method with default options but for the number of modes.
+/// Runs a method that fits single FRFs with default options but for the number of modes.
 pub(crate) fn run(
     method: fn(&Survey, &FitOptions) -> Result<LocalPoles, FitError>,
     frf: &FrfSet,

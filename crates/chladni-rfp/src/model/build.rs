@@ -14,7 +14,7 @@ use crate::model::free_fit::{expressible, FreeFit};
 use crate::model::identified::{Identified, LawOpen};
 use crate::model::limits;
 use crate::model::modes::{
-    few_modes, modes, rejected_mode, scale_error_by_turns, scale_unknown, scales, unscaled,
+    modes, no_sure_mode, rejected_mode, scale_error_by_turns, scale_unknown, scales, unscaled,
     widen_scale,
 };
 use crate::model::residual_energy::{residuals_above_rounding, residuals_by_sums, ModelOnColumns};
@@ -318,7 +318,7 @@ impl Shaped {
             .filter(|&term| self.scales[term].unknown(self.bars.scale[term]))
             .map(|term| &self.poles[self.shapes.owner[term]]);
         findings.extend(scale_unknown(data, unknown));
-        findings.extend(few_modes(modes));
+        findings.extend(no_sure_mode(modes));
         findings
     }
 

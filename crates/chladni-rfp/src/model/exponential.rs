@@ -8,7 +8,7 @@
 use crate::damping::law::constant_power;
 use crate::damping::places::{frequency_and_loss, s_of_mode};
 use crate::model::limits;
-use crate::model::modes::few_modes;
+use crate::model::modes::no_sure_mode;
 use chladni_frf::{Damping, Finding, FrfKind, ModalModel, Mode, Reason, Scaling, Trust};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -65,7 +65,7 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
         );
     }
     // all modes, or all sure ones, may be gone now
-    if let Some(few) = few_modes(&model.modes) {
+    if let Some(few) = no_sure_mode(&model.modes) {
         model.quality.trusted = false;
         if !findings.iter().any(|finding| finding.code == few.code) {
             findings.push(few);

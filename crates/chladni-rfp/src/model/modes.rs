@@ -242,7 +242,7 @@ pub(crate) fn unscaled(unit: ReferenceUnit) -> Finding {
 }
 
 /// The finding that the band has no mode, or no sure one.
-pub(crate) fn few_modes(modes: &[Mode]) -> Option<Finding> {
+pub(crate) fn no_sure_mode(modes: &[Mode]) -> Option<Finding> {
     let mut inside = modes.iter().filter(|mode| mode.counts()).peekable();
     if inside.peek().is_none() {
         return Some(

@@ -8,7 +8,7 @@ use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::pair_weights::{NextWeights, NoiseSource, PairWeights};
 use crate::data::products::Projected;
-use crate::data::screening::{enough, lines_left_out, sensible, Screened};
+use crate::data::screening::{check_lines, check_scale, lines_left_out, Screened};
 use crate::data::source::{Source, Way};
 use crate::pieces::error::PieceError;
 use crate::pieces::limits;
@@ -146,7 +146,7 @@ impl<'a> Merged<'a> {
         if kept.is_empty() {
             return Err(FitError::NoData.into());
         }
-        enough(kept.len(), band_hz, options.modes)?;
+        check_lines(kept.len(), band_hz, options.modes)?;
         let used = kept.iter().map(|&k| lines[k]).collect();
         let mut layout = with_dofs(plan.layout(used, options.effort)?, set);
         match asked {
@@ -162,7 +162,7 @@ impl<'a> Merged<'a> {
         }
         let energy: Array1<f64> = kept.iter().map(|&k| line_energy[k]).collect();
         layout.rms = (energy.sum() / (kept.len() * layout.pairs.len()) as f64).sqrt();
-        sensible(layout.rms)?;
+        check_scale(layout.rms)?;
         let factor = layout.factor();
         let filled: Vec<usize> = (0..counts.len()).filter(|&c| counts[c] > 0).collect();
         let sums = columns.array();

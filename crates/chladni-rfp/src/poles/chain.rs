@@ -9,7 +9,7 @@ use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::options::Asked;
-use crate::data::outliers::single_lines;
+use crate::data::outliers::outliers_by_energy;
 use crate::data::products::Projected;
 use crate::data::source::{By, Source, Way};
 use crate::data::watch::Watch;
@@ -142,13 +142,7 @@ fn judged(
         data.hz(),
     );
     if !whiteness.white {
-        let residual = line_residual.to_vec();
-        let fitted: Vec<f64> = energy
-            .iter()
-            .zip(&residual)
-            .map(|(all, residual)| (all - residual).max(0.0))
-            .collect();
-        let outliers = single_lines(&residual, &fitted);
+        let outliers = outliers_by_energy(energy, &line_residual);
         return Ok(Outcome::Ended(if outliers.is_empty() {
             Doubt::NotWhite(whiteness.evidence)
         } else {

@@ -41,7 +41,7 @@ pub(crate) fn rank_over_noise(singular_values: &[f64], lines: usize) -> (usize, 
     let (part, whole) = limits::BEFORE_NOISE;
     let tail = &singular_values[count * part / whole..];
     let noise = tail.iter().map(|v| v * v).sum::<f64>() / tail.len().max(1) as f64;
-    // the largest singular value of noise alone is (1 + √(r/N)) times the typical one
+    // the largest singular value of noise alone over the smallest: (1 + √(r/N))/(1 − √(r/N))
     let ratio = (count as f64 / lines as f64).sqrt();
     let limit = limits::RANK_OVER_TAIL * noise.sqrt() * (1.0 + ratio)
         / (1.0 - ratio).abs().max(limits::SQUARE_LEAST);

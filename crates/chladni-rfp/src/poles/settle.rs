@@ -19,8 +19,8 @@ pub(crate) type OrderHistory = Vec<(usize, f64)>;
 /// Settles the number of poles. Returns the last scan of the residual.
 ///
 /// * `variance`: of the noise; it falls with the residual
-/// * `frfs`: number of FRFs whose noise one pole takes up. On a sketch these are its columns.
-///   Compressed columns hold all that their basis takes out of *all* FRFs, noise included.
+/// * `frfs`: number of FRFs behind the columns. For a sketch, its columns; for compressed columns,
+///   all FRFs, because the columns contain the noise that the basis picked up from all of them.
 pub(crate) fn settle(
     work: &Columns,
     refined: &mut Refined,
@@ -28,7 +28,7 @@ pub(crate) fn settle(
     frfs: usize,
     history: &mut OrderHistory,
 ) -> Result<Scan, LinalgError> {
-    let mut vain = InVain::new(refined);
+    let mut guard = StallGuard::new(refined);
     let mut search = OrderSearch {
         work,
         refined,
@@ -46,7 +46,7 @@ pub(crate) fn settle(
         let Some(place) = search.next_place(&scanned) else {
             return Ok(scanned);
         };
-        if search.add(place)? && vain.after(search.refined) {
+        if search.add(place)? && guard.added_pole_stalls(search.refined) {
             break;
         }
     }
@@ -136,16 +136,16 @@ impl OrderSearch<'_> {
     }
 }
 
-/// A guard against poles that stand for errors which neighbouring lines share: each lowers the
+/// A guard against poles that represent errors which neighbouring lines share: each lowers the
 /// sum of squares a little, and adding them would never end.
-struct InVain {
+struct StallGuard {
     /// Poles added so far.
     added: usize,
     /// Sum of squares at the last check, if lines correlated everywhere then.
     before: Option<f64>,
 }
 
-impl InVain {
+impl StallGuard {
     fn new(start: &Refined) -> Self {
         Self {
             added: 0,
@@ -159,7 +159,7 @@ impl InVain {
     }
 
     /// Counts one more pole; true if the last few have helped little.
-    fn after(&mut self, refined: &Refined) -> bool {
+    fn added_pole_stalls(&mut self, refined: &Refined) -> bool {
         let (count, share) = limits::ADDED_IN_VAIN;
         self.added += 1;
         if !self.added.is_multiple_of(count) {

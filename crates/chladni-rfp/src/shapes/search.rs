@@ -7,8 +7,8 @@
 //! of squares rises by no more than chance (likelihood ratio); where rank one does not
 //! hold, modes may be missing, and one at a time is added while it pays.
 //!
-//! Needs every pair of response and reference, and the structural law (complex-analytic
-//! poles).
+//! Needs every pair of response and reference. In the viscous law the steps replace the derivative
+//! by Re λ as [`crate::damping::columns`] does.
 
 use crate::data::layout::DataLayout;
 use crate::data::options::ShapeModel;
