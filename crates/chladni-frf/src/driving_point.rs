@@ -6,6 +6,7 @@
 //! so that Y is imaginary there; a reversed sensor makes it negative. The other time sign
 //! is seen first: through a resonance the phase falls, so that Σ Im(Y*_k·Y_{k+1}) < 0.
 
+use crate::driving_points::driving_points;
 use crate::limits::{CLEAR, LEAST_LINES, NEAR, PLAUSIBLE_KG};
 use crate::{Finding, FrfKind, FrfSet, ReferenceUnit};
 use num_complex::Complex64;
@@ -19,31 +20,24 @@ pub fn driving_point_faults(set: &FrfSet) -> Vec<Finding> {
     };
     let mut found: Vec<(Fault, Vec<String>)> = Vec::new();
     let mut points = 0;
-    for (i, response) in set.responses.iter().enumerate() {
-        for (j, reference) in set
-            .references
+    for point in driving_points(&set.responses, &set.references) {
+        let response = set.responses[point.response];
+        let frf = set.values.frf(point.response, point.reference);
+        let lines = frf
             .iter()
-            .enumerate()
-            .filter(|(_, reference)| response.same_axis(**reference))
-        {
-            let sign = response.direction.sign() * reference.direction.sign();
-            let frf = set.values.frf(i, j);
-            let lines = frf
-                .iter()
-                .zip(&set.frequency_hz)
-                .filter(|(value, &f)| !value.re.is_nan() && f > 0.0);
-            let lines: Vec<(f64, Complex64)> = lines
-                .map(|(&value, &f)| (std::f64::consts::TAU * f, value * sign))
-                .collect();
-            if lines.len() < LEAST_LINES {
-                continue;
-            }
-            points += 1;
-            for fault in faults_of(&lines, kind) {
-                match found.iter_mut().find(|(known, _)| *known == fault) {
-                    Some((_, names)) => names.push(response.to_string()),
-                    None => found.push((fault, vec![response.to_string()])),
-                }
+            .zip(&set.frequency_hz)
+            .filter(|(value, &f)| !value.re.is_nan() && f > 0.0);
+        let lines: Vec<(f64, Complex64)> = lines
+            .map(|(&value, &f)| (std::f64::consts::TAU * f, value * point.sign))
+            .collect();
+        if lines.len() < LEAST_LINES {
+            continue;
+        }
+        points += 1;
+        for fault in faults_of(&lines, kind) {
+            match found.iter_mut().find(|(known, _)| *known == fault) {
+                Some((_, names)) => names.push(response.to_string()),
+                None => found.push((fault, vec![response.to_string()])),
             }
         }
     }

@@ -42,6 +42,7 @@
 
 mod dof;
 mod driving_point;
+mod driving_points;
 mod error;
 mod estimation;
 mod finding;
@@ -63,6 +64,7 @@ mod time_record;
 
 pub use dof::{Direction, Dof};
 pub use driving_point::driving_point_faults;
+pub use driving_points::{driving_points, DrivingPoint};
 pub use error::{Error, ErrorKind, Result};
 pub use estimation::{BlockWindow, Estimation, Estimator, Forcing};
 pub use finding::{numbered, warnings, Finding, Reason, Reasons, Severity, Values, MODES_HZ};

@@ -9,7 +9,7 @@
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::limits;
-use chladni_frf::{Finding, FrfKind, ModalModel, Mode, ReferenceUnit, Severity};
+use chladni_frf::{driving_points, Finding, FrfKind, ModalModel, Mode, ReferenceUnit, Severity};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -96,33 +96,18 @@ fn wrong(severity: Severity, evidence: &str, kinds: &str) -> Finding {
 /// Residues at the driving points over what they could be at most, one for each mode that
 /// shows there.
 fn driving_residues(model: &ModalModel, modes: &[&Mode]) -> Vec<Complex64> {
-    let pairs = driving_points(model);
+    let points = driving_points(&model.responses, &model.references);
     modes
         .iter()
         .filter_map(|mode| {
-            let residues = pairs
-                .iter()
-                .map(|&(i, j, sign)| sign * mode.shape.0[i] * mode.participation.0[j]);
+            let residues = points.iter().map(|point| {
+                point.sign * mode.shape.0[point.response] * mode.participation.0[point.reference]
+            });
             let (sum, most) = residues.fold((Complex64::default(), 0.0), |(sum, most), r| {
                 (sum + r, most + r.norm())
             });
             (most > 0.0).then(|| sum / most)
         })
-        .collect()
-}
-
-/// (response, reference, sign between their directions) of the pairs whose DOFs are one.
-fn driving_points(model: &ModalModel) -> Vec<(usize, usize, f64)> {
-    let pairs = model.responses.iter().enumerate().flat_map(|(i, r)| {
-        model
-            .references
-            .iter()
-            .enumerate()
-            .map(move |(j, f)| (i, *r, j, *f))
-    });
-    pairs
-        .filter(|(_, r, _, f)| r.same_axis(*f))
-        .map(|(i, r, j, f)| (i, j, r.direction.sign() * f.direction.sign()))
         .collect()
 }
 
@@ -150,7 +135,7 @@ fn kind_of(declared: FrfKind, more: i32) -> Option<FrfKind> {
 
 /// Negative driving points: two differentiations, or a direction that is reversed.
 fn reversed(model: &ModalModel, modes: &[&Mode], driving: &[Complex64], evidence: &str) -> Checked {
-    let pairs = driving_points(model);
+    let points = driving_points(&model.responses, &model.references);
     // Σ over driving points of the coefficient of ω^power
     let beside = |power: i32| -> f64 {
         let scale = model.residual_terms.omega_scale_rad_per_s.powi(-power);
@@ -160,17 +145,19 @@ fn reversed(model: &ModalModel, modes: &[&Mode], driving: &[Complex64], evidence
             .iter()
             .filter(|term| term.power == power);
         term.flat_map(|term| {
-            pairs
-                .iter()
-                .map(move |&(i, j, sign)| sign * term.matrix.0[[i, j]].re * scale)
+            points.iter().map(move |point| {
+                point.sign * term.matrix.0[[point.response, point.reference]].re * scale
+            })
         })
         .sum()
     };
     let of_modes = |power: i32| -> f64 {
         let size = |mode: &Mode| {
-            pairs
+            points
                 .iter()
-                .map(|&(i, j, _)| (mode.shape.0[i] * mode.participation.0[j]).norm())
+                .map(|point| {
+                    (mode.shape.0[point.response] * mode.participation.0[point.reference]).norm()
+                })
                 .sum::<f64>()
         };
         modes

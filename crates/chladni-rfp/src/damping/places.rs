@@ -25,7 +25,7 @@ pub(crate) fn lambda_of_value(law: Damping, value: Complex64) -> Complex64 {
 /// s/ω_max of a pole λ.
 pub(crate) fn s_of_lambda(law: Damping, lambda: Complex64) -> Complex64 {
     match law {
-        Damping::Structural => from_structural(lambda),
+        Damping::Structural => s_of_structural(lambda),
         Damping::Viscous => viscous_pole_of(lambda),
     }
 }
@@ -69,7 +69,7 @@ pub(crate) fn value_of(mode: &Mode, law: Damping, omega_max: f64) -> Complex64 {
 }
 
 /// s = j√λ: the viscous pole of the same resonance. Using √Re λ instead is wrong by ζ².
-pub(crate) fn from_structural(lambda: Complex64) -> Complex64 {
+pub(crate) fn s_of_structural(lambda: Complex64) -> Complex64 {
     Complex64::i() * lambda.sqrt()
 }
 

@@ -4,19 +4,23 @@
 
 use crate::data::limits;
 use num_complex::Complex64;
+use std::f64::consts::LN_2;
 
 /// A fourth difference of five lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FourthDifference([f64; 5]);
 
 impl FourthDifference {
+    /// The one of even lines.
+    pub const OF_EVEN_LINES: Self = Self(limits::DIFFERENCE_OF_EVEN);
+
     /// The one of lines at these places, which rise.
     pub fn new(places: [f64; 5]) -> Self {
         let gaps = [0, 1, 2, 3].map(|k| places[k + 1] - places[k]);
         let least = gaps.iter().copied().fold(f64::MAX, f64::min);
         let most = gaps.iter().copied().fold(0.0, f64::max);
         if most <= (1.0 + limits::EVEN_LINES) * least || least <= 0.0 {
-            return Self(limits::DIFFERENCE_OF_EVEN);
+            return Self::OF_EVEN_LINES;
         }
         let factor = |k: usize| -> f64 {
             let others = (0..5).filter(|other| *other != k);
@@ -27,6 +31,12 @@ impl FourthDifference {
         let factors = [0, 1, 2, 3, 4].map(factor);
         let size: f64 = factors.iter().map(|factor| factor * factor).sum();
         Self(factors.map(|factor| factor * (limits::DIFFERENCE_OF_NOISE / size).sqrt()))
+    }
+
+    /// σ² of noise whose |Δ⁴|² has this median: the median of an exponential variable is ln 2 times
+    /// its mean, 70σ².
+    pub fn noise_of_median(median: f64) -> f64 {
+        median / (limits::DIFFERENCE_OF_NOISE * LN_2)
     }
 
     /// |Δ⁴|² of the values of these lines.

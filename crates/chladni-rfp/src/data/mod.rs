@@ -2,7 +2,7 @@
 
 pub(crate) mod columns;
 pub(crate) mod error;
-mod fourth_difference;
+pub(crate) mod fourth_difference;
 pub(crate) mod given_noise;
 pub(crate) mod grade;
 mod incomplete;

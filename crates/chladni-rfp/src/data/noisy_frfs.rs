@@ -81,12 +81,8 @@ fn noise(value: impl Fn(usize) -> Complex64, stencils: &[Stencil]) -> [f64; 2] {
         return [0.0; 2];
     }
     let count = differences.len();
-    // the median of an exponential variable is ln 2 times its mean
-    let noise = (*differences
-        .select_nth_unstable_by(count / 2, f64::total_cmp)
-        .1
-        / (limits::DIFFERENCE_OF_NOISE * std::f64::consts::LN_2))
-        .sqrt();
+    let (_, median, _) = differences.select_nth_unstable_by(count / 2, f64::total_cmp);
+    let noise = FourthDifference::noise_of_median(*median).sqrt();
     let rms = (energy / count as f64).sqrt();
     [noise, noise / rms.max(f64::MIN_POSITIVE)]
 }

@@ -6,6 +6,7 @@ use super::limits::{
     OWN_SHARE, STRONGEST_PERCENT,
 };
 use crate::data::columns::{line_energy, Columns};
+use crate::data::fourth_difference::FourthDifference;
 use crate::data::peaks::running_median;
 use crate::tolerances as tol;
 use ndarray::{Array1, Array2};
@@ -89,7 +90,7 @@ fn median(values: &mut [f64]) -> f64 {
 }
 
 /// Scale of each FRF: √(σ² + (0.01 rms)²), its own noise, but never less than 1 % of
-/// itself.
+/// itself. Lines count as even: this is a scale, no test.
 pub(crate) fn column_scales(work: &Columns) -> Vec<f64> {
     let n = work.lines();
     work.b
@@ -97,14 +98,11 @@ pub(crate) fn column_scales(work: &Columns) -> Vec<f64> {
         .into_iter()
         .map(|column| {
             let mean_square = column.iter().map(|v| v.norm_sqr()).sum::<f64>() / n as f64;
+            let about = |k: usize| [k - 2, k - 1, k, k + 1, k + 2].map(|k| column[k]);
             let mut differences: Vec<f64> = (2..n.saturating_sub(2))
-                .map(|k| {
-                    (column[k - 2] - 4.0 * column[k - 1] + 6.0 * column[k] - 4.0 * column[k + 1]
-                        + column[k + 2])
-                        .norm_sqr()
-                })
+                .map(|k| FourthDifference::OF_EVEN_LINES.energy(about(k)))
                 .collect();
-            let noise = median(&mut differences) / (70.0 * std::f64::consts::LN_2);
+            let noise = FourthDifference::noise_of_median(median(&mut differences));
             (noise + OWN_SHARE * mean_square).sqrt().max(tol::TINY)
         })
         .collect()

@@ -43,7 +43,7 @@ pub(crate) struct MeasuredPoles {
     /// of the columns, so that residues do best to follow the peaks.
     pub weights: Vec<f64>,
     /// E|δλ|² of each pole.
-    pub variance: Vec<f64>,
+    pub spread: Vec<f64>,
     /// Grade of each pole; nuisance poles are `Weak` without reasons.
     pub grades: Vec<Grade>,
     /// Warnings.
@@ -137,7 +137,7 @@ fn on_columns(
         true => refine_inside(&work, &lambda, &RESIDUAL_POWERS, tol::FINE)?,
         false => refine(&work, &lambda, &RESIDUAL_POWERS, tol::NO_STEP)?,
     };
-    let variance = evidence
+    let spread = evidence
         .iter()
         .map(|e| (e.deviation * e.lambda.im).powi(2))
         .collect();
@@ -149,7 +149,7 @@ fn on_columns(
         },
         work,
         back,
-        variance,
+        spread,
         grades: graded.into_iter().map(|own| own.grade).collect(),
         warnings,
     })

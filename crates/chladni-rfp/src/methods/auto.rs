@@ -52,13 +52,17 @@ pub(crate) fn auto<S: Source>(
     outlier_lines: OutlierLines,
     watch: &Watch,
 ) -> Result<MethodRun, S::Stop> {
+    let run = Run {
+        data,
+        options,
+        outlier_lines,
+        watch,
+    };
     let mut history = Vec::new();
     let found = match data.way() {
         // where the walk stopped
-        Some(way) if !matches!(way.by, By::Fast { .. }) => {
-            on_way(data, way.clone(), options, outlier_lines)?
-        }
-        _ => match chain(data, options, watch)? {
+        Some(way) if !matches!(way.by, By::Fast { .. }) => run.on_way(way.clone())?,
+        _ => match run.chain()? {
             Outcome::White(chain) => {
                 history.clone_from(&chain.history);
                 from_chain(*chain, options.modes, data.hz()).into()
@@ -66,28 +70,23 @@ pub(crate) fn auto<S: Source>(
             Outcome::Ended(Doubt::Outliers(lines)) if outlier_lines == OutlierLines::LeaveOut => {
                 PoleSearch::LeaveOut(lines)
             }
-            Outcome::Ended(Doubt::Conjugated) => {
-                let way = Way {
-                    law: data.law,
-                    lambda: Vec::new(),
-                    by: By::Conjugated,
-                };
-                on_way(data, way, options, outlier_lines)?
-            }
-            Outcome::Ended(doubt) => {
-                from_measured(data, options, outlier_lines, doubt.words(), watch)?
-            }
+            Outcome::Ended(Doubt::Conjugated) => run.on_way(Way {
+                law: data.law,
+                lambda: Vec::new(),
+                by: By::Conjugated,
+            })?,
+            Outcome::Ended(doubt) => run.from_measured(doubt.words())?,
         },
     };
     let found = match found {
         PoleSearch::Found(found) => *found,
         PoleSearch::LeaveOut(lines) => return Ok(MethodRun::LeaveOut(lines)),
     };
-    let residual = match found.measured {
-        true => Residual::NotWhite,
-        false => Residual::White,
+    let residual = match found.residual_is_noise {
+        true => Residual::White,
+        false => Residual::NotWhite,
     };
-    let (model, residual_energy_of_frfs) = finished(data, found, options, watch)?;
+    let (model, residual_energy_of_frfs) = run.finished(found)?;
     let leave_out = (outlier_lines, residual) == (OutlierLines::LeaveOut, Residual::NotWhite);
     let outliers = match data.values().filter(|_| leave_out) {
         Some(values) => outliers_of(values, &model),
@@ -108,75 +107,170 @@ pub(crate) fn auto<S: Source>(
     })))
 }
 
-/// The fast chain in the law asked for, or in the structural one if none is. If its residual is
-/// not white, the other law is tried.
-fn chain<S: Source>(data: &S, options: &FitOptions, watch: &Watch) -> Result<Outcome, S::Stop> {
-    let in_law = |law, doubt: Option<&str>| {
-        fast_chain(
-            &data.in_law(law),
-            options.seed,
-            options.asked(),
-            doubt,
-            watch,
-        )
-    };
-    let (law, doubt) = match data.way() {
-        Some(Way {
-            law,
-            by: By::Fast { doubt, .. },
-            ..
-        }) => (*law, doubt.clone()),
-        _ => (options.damping.unwrap_or(FIRST), None),
-    };
-    let (other, evidence) = match doubt {
-        Some(evidence) => (law, evidence),
-        None => match in_law(law, None)? {
-            Outcome::Ended(Doubt::NotWhite(evidence)) => (law.other(), evidence),
-            whole => return Ok(whole),
-        },
-    };
-    Ok(match in_law(other, Some(&evidence))? {
-        white @ Outcome::White(_) => white,
-        Outcome::Ended(_) => Outcome::Ended(Doubt::NotWhite(evidence)),
-    })
+/// One run of the method, with all that its steps need to know.
+struct Run<'a, S> {
+    data: &'a S,
+    options: &'a FitOptions,
+    outlier_lines: OutlierLines,
+    watch: &'a Watch<'a>,
 }
 
-/// The model that poles lead to, and what it leaves of each FRF.
-fn finished<S: Source>(
-    data: &S,
-    found: PoleEstimate,
-    options: &FitOptions,
-    watch: &Watch,
-) -> Result<(ModalModel, Vec<f64>), S::Stop> {
-    let again = |found: PoleEstimate, law: Damping| -> Result<PoleEstimate, S::Stop> {
-        let frfs = (!found.measured).then_some(data.pairs.len());
-        if found.measured || data.values().is_none() {
-            return Ok(in_law(found, law, frfs)?);
-        }
-        match fast_chain(
-            &data.in_law(law),
-            options.seed,
-            options.asked(),
-            None,
-            watch,
-        )? {
-            Outcome::White(chain) => Ok(from_chain(*chain, options.modes, data.hz())),
-            Outcome::Ended(_) => Ok(in_law(found, law, frfs)?),
-        }
-    };
-    let (identified, mut warnings) = decide(data, found, options, watch, &again)?;
-    let shaped = Shaped::new(data, identified, options.most_modes())?;
-    let residual_energy = match data.values() {
-        Some(values) => shaped.residual_energy(values),
-        None => shaped.residual_energy_by_sums(data),
-    };
-    let mut model = shaped.model(data, options, &residual_energy)?;
-    if model.quality.relative_error > BAND_UNEXPLAINED {
-        warnings.push(band_unexplained(model.quality.relative_error));
+impl<S: Source> Run<'_, S> {
+    /// The fast chain in the law asked for, or in the structural one if none is. If its residual is
+    /// not white, the other law is tried.
+    fn chain(&self) -> Result<Outcome, S::Stop> {
+        let in_law = |law, doubt: Option<&str>| self.chain_in_law(law, doubt);
+        let (law, doubt) = match self.data.way() {
+            Some(Way {
+                law,
+                by: By::Fast { doubt, .. },
+                ..
+            }) => (*law, doubt.clone()),
+            _ => (self.options.damping.unwrap_or(FIRST), None),
+        };
+        let (other, evidence) = match doubt {
+            Some(evidence) => (law, evidence),
+            None => match in_law(law, None)? {
+                Outcome::Ended(Doubt::NotWhite(evidence)) => (law.other(), evidence),
+                whole => return Ok(whole),
+            },
+        };
+        Ok(match in_law(other, Some(&evidence))? {
+            white @ Outcome::White(_) => white,
+            Outcome::Ended(_) => Outcome::Ended(Doubt::NotWhite(evidence)),
+        })
     }
-    model.quality.findings.append(&mut warnings);
-    model.number_findings();
-    Ok((model, residual_energy))
+
+    /// The fast chain in one law.
+    ///
+    /// * `doubt`: evidence against the other law, if that was tried before
+    fn chain_in_law(&self, law: Damping, doubt: Option<&str>) -> Result<Outcome, S::Stop> {
+        let asked = self.options.asked();
+        let data = self.data.in_law(law);
+        fast_chain(&data, self.options.seed, asked, doubt, self.watch)
+    }
+
+    /// The model that poles lead to, and what it leaves of each FRF.
+    fn finished(&self, found: PoleEstimate) -> Result<(ModalModel, Vec<f64>), S::Stop> {
+        let Run {
+            data,
+            options,
+            watch,
+            ..
+        } = *self;
+        let again = |found: PoleEstimate, law: Damping| -> Result<PoleEstimate, S::Stop> {
+            let frfs = found.residual_is_noise.then_some(data.pairs.len());
+            if !found.residual_is_noise || data.values().is_none() {
+                return Ok(in_law(found, law, frfs)?);
+            }
+            match self.chain_in_law(law, None)? {
+                Outcome::White(chain) => Ok(from_chain(*chain, options.modes, data.hz())),
+                Outcome::Ended(_) => Ok(in_law(found, law, frfs)?),
+            }
+        };
+        let (identified, mut warnings) = decide(data, found, options, watch, &again)?;
+        let shaped = Shaped::new(data, identified, options.most_modes())?;
+        let residual_energy = match data.values() {
+            Some(values) => shaped.residual_energy(values),
+            None => shaped.residual_energy_by_sums(data),
+        };
+        let mut model = shaped.model(data, options, &residual_energy)?;
+        if model.quality.relative_error > BAND_UNEXPLAINED {
+            warnings.push(band_unexplained(model.quality.relative_error));
+        }
+        model.quality.findings.append(&mut warnings);
+        model.number_findings();
+        Ok((model, residual_energy))
+    }
+
+    /// Poles by the measured-data path, or outlier lines to leave out.
+    fn from_measured(&self, evidence: String) -> Result<PoleSearch, S::Stop> {
+        let Run {
+            data,
+            options,
+            watch,
+            ..
+        } = *self;
+        let found = measured_path(data, options.seed, options.asked(), watch)?;
+        let Some(back) = found.back else {
+            // the path ran on mixtures: residues come from one pass over all FRFs
+            let way = Way {
+                law: data.law,
+                lambda: found.refined.lambda,
+                by: By::Measured {
+                    evidence,
+                    spread: found.spread,
+                    grades: found.grades,
+                    findings: found.warnings,
+                    weights: found.weights,
+                },
+            };
+            return self.on_way(way);
+        };
+        Ok(PoleSearch::from(PoleEstimate {
+            variance: found.refined.variance(&found.work),
+            refined: found.refined,
+            work: found.work,
+            back: Some(back),
+            spread: found.spread,
+            residual_is_noise: false,
+            grades: found.grades,
+            idle: Vec::new(),
+            path: measured_words(&evidence),
+            warnings: found.warnings,
+            consistent: true,
+        }))
+    }
+
+    /// The poles of a way other than the fast chain, on columns of all FRFs. If the FRFs themselves
+    /// are not at hand, outlier lines are looked for in these columns.
+    fn on_way(&self, way: Way) -> Result<PoleSearch, S::Stop> {
+        let data = self.data;
+        let (mut sketch, energy) = data.sketch(self.options.seed);
+        sketch.weigh(way.weights());
+        let q = Projection::new(&sketch, &way.lambda, &RESIDUAL_POWERS)?.q;
+        drop(sketch);
+        data.end_first_pass();
+        let projected = data.projected(&way, q, &energy)?;
+        if data.values().is_none() && self.outlier_lines == OutlierLines::LeaveOut {
+            let outliers = spoilt_lines(&way, &projected, &energy)?;
+            if !outliers.is_empty() {
+                return Ok(PoleSearch::LeaveOut(outliers));
+            }
+        }
+        let refined = refine(&projected.work, &way.lambda, &RESIDUAL_POWERS, tol::NO_STEP)?;
+        let consistent = way.by != By::Conjugated;
+        let (spread, grades, path, warnings) = match way.by {
+            By::Measured {
+                evidence,
+                spread,
+                grades,
+                findings,
+                ..
+            } => (spread, grades, measured_words(&evidence), findings),
+            // the data contradict any passive structure in e^{+jωt}; they are not conjugated unless
+            // the user says so
+            By::Fast { .. } | By::Conjugated => (
+                Vec::new(),
+                Vec::new(),
+                "stopped after the pole pool".into(),
+                vec![conjugated()],
+            ),
+        };
+        Ok(PoleSearch::from(PoleEstimate {
+            variance: refined.variance(&projected.work),
+            refined,
+            work: projected.work,
+            back: Some(projected.back),
+            spread,
+            residual_is_noise: false,
+            grades,
+            idle: Vec::new(),
+            path,
+            warnings,
+            consistent,
+        }))
+    }
 }
 
 /// The finding of a band whose peaks are explained, and most of its rms not.
@@ -196,7 +290,7 @@ fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
     PoleEstimate {
         grades,
         spread,
-        measured: false,
+        residual_is_noise: true,
         work: chain.projected.work,
         back: Some(chain.projected.back),
         variance: chain.variance,
@@ -211,101 +305,8 @@ fn from_chain(chain: Chain, asked: Option<usize>, hz: f64) -> PoleEstimate {
     }
 }
 
-/// Poles by the measured-data path, or outlier lines to leave out.
-fn from_measured<S: Source>(
-    data: &S,
-    options: &FitOptions,
-    outlier_lines: OutlierLines,
-    evidence: String,
-    watch: &Watch,
-) -> Result<PoleSearch, S::Stop> {
-    let found = measured_path(data, options.seed, options.asked(), watch)?;
-    let Some(back) = found.back else {
-        // the path ran on mixtures: residues come from one pass over all FRFs
-        let way = Way {
-            law: data.law,
-            lambda: found.refined.lambda,
-            by: By::Measured {
-                evidence,
-                spread: found.variance,
-                grades: found.grades,
-                findings: found.warnings,
-                weights: found.weights,
-            },
-        };
-        return on_way(data, way, options, outlier_lines);
-    };
-    Ok(PoleSearch::from(PoleEstimate {
-        variance: found.refined.variance(&found.work),
-        refined: found.refined,
-        work: found.work,
-        back: Some(back),
-        spread: found.variance,
-        measured: true,
-        grades: found.grades,
-        idle: Vec::new(),
-        path: measured_words(&evidence),
-        warnings: found.warnings,
-        consistent: true,
-    }))
-}
-
 fn measured_words(evidence: &str) -> String {
     format!("measured-data path: {evidence}")
-}
-
-/// The poles of a way other than the fast chain, on columns of all FRFs. If the FRFs themselves
-/// are not at hand, outlier lines are looked for in these columns.
-fn on_way<S: Source>(
-    data: &S,
-    way: Way,
-    options: &FitOptions,
-    outlier_lines: OutlierLines,
-) -> Result<PoleSearch, S::Stop> {
-    let (mut sketch, energy) = data.sketch(options.seed);
-    sketch.weigh(way.weights());
-    let q = Projection::new(&sketch, &way.lambda, &RESIDUAL_POWERS)?.q;
-    drop(sketch);
-    data.end_first_pass();
-    let projected = data.projected(&way, q, &energy)?;
-    if data.values().is_none() && outlier_lines == OutlierLines::LeaveOut {
-        let outliers = spoilt_lines(&way, &projected, &energy)?;
-        if !outliers.is_empty() {
-            return Ok(PoleSearch::LeaveOut(outliers));
-        }
-    }
-    let refined = refine(&projected.work, &way.lambda, &RESIDUAL_POWERS, tol::NO_STEP)?;
-    let consistent = way.by != By::Conjugated;
-    let (spread, grades, path, warnings) = match way.by {
-        By::Measured {
-            evidence,
-            spread,
-            grades,
-            findings,
-            ..
-        } => (spread, grades, measured_words(&evidence), findings),
-        // the data contradict any passive structure in e^{+jωt}; they are not conjugated unless
-        // the user says so
-        By::Fast { .. } | By::Conjugated => (
-            Vec::new(),
-            Vec::new(),
-            "stopped after the pole pool".into(),
-            vec![conjugated()],
-        ),
-    };
-    Ok(PoleSearch::from(PoleEstimate {
-        variance: refined.variance(&projected.work),
-        refined,
-        work: projected.work,
-        back: Some(projected.back),
-        spread,
-        measured: true,
-        grades,
-        idle: Vec::new(),
-        path,
-        warnings,
-        consistent,
-    }))
 }
 
 fn conjugated() -> Finding {

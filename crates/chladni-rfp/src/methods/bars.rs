@@ -9,7 +9,7 @@
 use super::limits::{METHOD_ERROR_MOST, SAME_POLE};
 use crate::damping::bars::UncertainPole;
 use crate::damping::basis::RESIDUAL_POWERS;
-use crate::damping::places::lambda_of_s;
+use crate::damping::places::{lambda_of_s, s_of_structural};
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::grade::Grade;
@@ -93,7 +93,7 @@ pub(crate) fn fit_by_method(
         real_shapes: false,
         law_open: LawOpen::No,
         fitted: true,
-        measured: false,
+        residual_is_noise: true,
     };
     let on_law = note_law(&mut identified, verdict, options, false);
     identified.warnings.extend(on_law);
@@ -123,9 +123,13 @@ fn method_failed(relative_error: f64) -> Finding {
 /// Takes poles of pure resonances to those of the lines that a window broadens: no method
 /// but maximum likelihood has its line shape.
 fn off_window(work: &Columns, found: &mut MethodPoles) -> Result<(), LinalgError> {
-    let lambda: Vec<Complex64> = found.poles.iter().map(|s| -s * s).collect();
+    let lambda: Vec<Complex64> = found
+        .poles
+        .iter()
+        .map(|&s| lambda_of_s(Damping::Structural, s))
+        .collect();
     let refined = refine(work, &lambda, &RESIDUAL_POWERS, tol::FINE)?;
-    let poles = refined.lambda.iter().map(|l| Complex64::i() * l.sqrt());
+    let poles = refined.lambda.iter().copied().map(s_of_structural);
     found.poles = poles.collect();
     Ok(())
 }

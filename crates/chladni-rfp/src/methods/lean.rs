@@ -20,17 +20,18 @@
 //!
 //! Equations: theory.md, section 2.
 
-use super::limits::{BROAD, EXCHANGES, HELPERS_AT};
+use super::limits::{BROAD, EXCHANGES};
 use crate::damping::basis::basis;
 use crate::damping::basis::RESIDUAL_POWERS;
 use crate::data::columns::Columns;
 use crate::data::error::FitError;
 use crate::data::options::FitOptions;
 use crate::data::products::{measured_basis, project};
-use crate::methods::selection::{fewer, inside, left_by, select};
+use crate::methods::selection::{fewer, inside, left_by, poles_beyond_ends, select};
 use crate::methods::survey::Survey;
 use crate::methods::vf::{pool, signed};
 use crate::poles::estimate::{graded, PoleEstimate};
+use crate::poles::noise_variance::noise_variance;
 use crate::poles::pool::StepBasis;
 use crate::poles::prune::is_one_bad_line;
 use crate::poles::refine::{refine, refined_poles, removable, Refined};
@@ -52,7 +53,8 @@ pub(crate) fn lean(survey: Survey, options: &FitOptions) -> Result<PoleEstimate,
     // memory for the pass
     drop(survey.sketch);
     let all = data.axis();
-    rough.extend(beyond(&all, &rough));
+    // modes there may show in all FRFs together only
+    rough.extend(poles_beyond_ends(&all, &rough, 0.0));
     let measured = {
         let columns = basis(&all, &rough, &RESIDUAL_POWERS);
         measured_basis(data, &qr_thin(columns.view())?.0, &[])
@@ -60,15 +62,16 @@ pub(crate) fn lean(survey: Survey, options: &FitOptions) -> Result<PoleEstimate,
     let projected = project(data, measured, &survey.energy, &[])?;
     let needed = needed(&projected.work, &rough, data.pairs.len())?;
     let refined = fine(&projected.work, &needed, options, data.pairs.len())?;
-    let freedom = data.lines.len().saturating_sub(refined.unknowns()).max(1) * data.pairs.len();
-    let variance = (projected.line_residual(&refined.projection.residual).sum() / freedom as f64)
-        .max(tol::VARIANCE_LEAST);
+    let sse = projected.line_residual(&refined.projection.residual).sum();
+    let size = (data.lines.len(), data.pairs.len());
+    // normalised data: their mean square is one
+    let variance = noise_variance(sse, size, refined.unknowns(), tol::VARIANCE_LEAST);
     let found = inside(&projected.work, &refined.lambda);
     let (grades, spread) = graded(&refined, &projected.work, variance);
     Ok(PoleEstimate {
         grades,
         spread,
-        measured: false,
+        residual_is_noise: true,
         work: projected.work,
         back: Some(projected.back),
         variance,
@@ -127,12 +130,15 @@ fn completed(
     fine: Precision,
 ) -> Result<Vec<Complex64>, LinalgError> {
     let refined = refine(work, &rough, &RESIDUAL_POWERS, tol::NO_STEP)?;
-    if Missed::new(work, &refined, modes)?.next(&[]).is_none() {
+    if MissedPlaces::new(work, &refined, modes)?
+        .next(&[])
+        .is_none()
+    {
         return Ok(rough);
     }
     // poles that have yet to move leave a residual that is none of a missed one
     let mut best = refine(work, &rough, &RESIDUAL_POWERS, fine)?;
-    let mut missed = Missed::new(work, &best, modes)?;
+    let mut missed = MissedPlaces::new(work, &best, modes)?;
     let most = modes
         .saturating_sub(inside(work, &rough))
         .saturating_add(EXCHANGES);
@@ -145,53 +151,55 @@ fn completed(
         let more = [best.lambda.as_slice(), &[place]].concat();
         let mut other = refine(work, &more, &RESIDUAL_POWERS, tol::ROUGH)?;
         let last = other.lambda.len() - 1;
-        if !work.in_band(other.lambda[last]) || is_one_bad_line(work, &other, last, missed.noise)? {
+        if !work.in_band(other.lambda[last])
+            || is_one_bad_line(work, &other, last, missed.noise_gain)?
+        {
             continue;
         }
         keep_strongest(work, &mut other, modes)?;
         let worth = match other.lambda.len() > best.lambda.len() {
-            true => missed.noise,
+            true => missed.noise_gain,
             false => 0.0,
         };
         if best.projection.sse - other.projection.sse > worth {
             best = other;
-            missed = Missed::new(work, &best, modes)?;
+            missed = MissedPlaces::new(work, &best, modes)?;
         }
     }
     Ok(best.lambda)
 }
 
 /// Places of the band where one more pole would pay.
-struct Missed {
+struct MissedPlaces {
     scanned: Scan,
     /// The least that it must take out of the residual.
-    least: f64,
-    /// The most that noise may take.
-    noise: f64,
+    least_gain: f64,
+    /// The most that a pole of noise takes out.
+    noise_gain: f64,
 }
 
-impl Missed {
-    /// A place in the residual of poles, fewer than `modes` in the band, must show more than noise;
-    /// else more than the weakest of them, which is given up for it.
+impl MissedPlaces {
+    /// With fewer than `modes` in-band poles, a new one must explain more than noise. Otherwise it
+    /// replaces the weakest and must explain more than that one.
     fn new(work: &Columns, refined: &Refined, modes: usize) -> Result<Self, LinalgError> {
         let rises = refined.significance()?;
         let in_band = (0..rises.len()).filter(|&q| work.in_band(refined.lambda[q]));
-        let given_up = match inside(work, &refined.lambda) < modes {
+        let weakest_rise = match inside(work, &refined.lambda) < modes {
             true => 0.0,
             false => in_band.map(|q| rises[q]).fold(f64::INFINITY, f64::min),
         };
         let sse = refined.projection.sse;
-        let noise = noise_takes(work, sse, refined.unknowns(), work.columns());
+        let noise_gain = noise_takes(work, sse, refined.unknowns(), work.columns());
         Ok(Self {
             scanned: scan(work, refined),
-            least: given_up.max(noise),
-            noise,
+            least_gain: weakest_rise.max(noise_gain),
+            noise_gain,
         })
     }
 
     /// The place, none of those `tried`, where a pole takes out most.
     fn next(&self, tried: &[Complex64]) -> Option<Complex64> {
-        self.scanned.beyond(self.least, tried).first().copied()
+        self.scanned.beyond(self.least_gain, tried).first().copied()
     }
 }
 
@@ -237,20 +245,6 @@ fn narrow(work: &Columns, lambda: &mut Vec<Complex64>, modes: usize) {
         };
         lambda.remove(broadest);
     }
-}
-
-/// Places beyond the ends of the band for modes that only all FRFs together show: two
-/// mean distances of modes away.
-fn beyond(work: &Columns, lambda: &[Complex64]) -> impl Iterator<Item = Complex64> {
-    let (low, high) = work.range();
-    let (loss, reach) = (
-        usual_loss(work, lambda),
-        HELPERS_AT * (high - low) / lambda.len().max(1) as f64,
-    );
-    [low - reach, high + reach]
-        .into_iter()
-        .filter(|x| *x > 0.0)
-        .map(move |x| Complex64::new(1.0, loss) * x)
 }
 
 /// Poles without those beyond the band that the FRFs, so many, do not tell from noise.

@@ -130,9 +130,6 @@ pub(super) const VANISHING: f64 = 1e-16;
 /// Loss factor over the usual one from which a pole of the band, beyond as many as are
 /// asked for or visible, is no mode.
 pub(super) const BROAD: f64 = 3.0;
-/// Mean distances of modes beyond the ends of the band at which poles represent out-of-band
-/// modes.
-pub(super) const HELPERS_AT: f64 = 2.0;
 /// Poles of the residual that are tried in place of weaker ones, beyond those that are missing.
 pub(super) const EXCHANGES: usize = 4;
 
@@ -209,8 +206,6 @@ pub(super) const TWINS: f64 = 0.5;
 /// Loss factor and bandwidth over their medians, both, from which a pole of the band
 /// serves the background.
 pub(super) const BACKGROUND: f64 = 4.0;
-/// Variance of a residue over that of its pole alone beyond which the pole adds nothing.
-pub(super) const MOST_INFLATION: f64 = 1e10;
 /// Part of the distance from the end of the band to such a place ([`HELPERS_AT`]) within which a
 /// pole is there already.
 pub(super) const HELPER_TAKEN: f64 = 0.5;
@@ -222,9 +217,12 @@ pub(super) const SANATHANAN_KOERNER_ROUNDING: f64 = 1e-15;
 
 // selection.rs
 
+/// Mean distances of modes beyond the ends of the band at which poles represent out-of-band
+/// modes.
+pub(super) const HELPERS_AT: f64 = 2.0;
 /// Variance of a residue, relative to that of its pole alone, beyond which the pole adds
 /// nothing to the others: two poles a hundred-thousandth of a bandwidth apart.
-pub(super) const SELECTION_MOST_INFLATION: f64 = 1e10;
+pub(super) const MOST_INFLATION: f64 = 1e10;
 
 // stabilization.rs
 

@@ -1,9 +1,7 @@
 //! The search of `rfp` in the plane of one law: poles of each band, thinned, then
 //! one fraction for all that is left.
 
-use super::limits::{
-    BACKGROUND, CLAIM, HELPERS_AT, HELPER_TAKEN, LAST_STEPS, MOST_INFLATION, REWEIGHTED, TWINS,
-};
+use super::limits::{BACKGROUND, CLAIM, HELPER_TAKEN, LAST_STEPS, REWEIGHTED, TWINS};
 use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::plane::Plane;
 use crate::data::columns::Columns;
@@ -12,11 +10,10 @@ use crate::methods::fraction::{damped, Lines};
 use crate::methods::instrumental::{improved, Steps};
 use crate::methods::overlapping_bands::{order, overlapping_bands, OverlappingBand};
 use crate::methods::sanathanan_koerner::sanathanan_koerner;
-use crate::methods::selection::{inside, left_by};
+use crate::methods::selection::{inside, left_by, poles_beyond_ends, thin_to};
 use crate::methods::survey::{Compressed, Survey};
 use crate::poles::prune::narrower_than_a_line;
 use crate::poles::refine::removable;
-use crate::poles::scan::usual_loss;
 use crate::poles::significance::threshold;
 use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
@@ -115,7 +112,8 @@ impl<'a> Search<'a> {
             RfpWeight::Gn => Some(Steps::GaussNewton),
         };
         if let Some(steps) = steps {
-            let helpers: Vec<Complex64> = helpers(work, &found.poles).collect();
+            // modes there may need one more pole than the bands found
+            let helpers = poles_beyond_ends(work, &found.poles, HELPER_TAKEN);
             found.poles.extend(helpers);
             self.thin(work, &mut found.poles)?;
             let lines = Lines::new(Plane::new(self.law, &work.x), work);
@@ -171,22 +169,16 @@ impl<'a> Search<'a> {
             return Ok(());
         }
         let whole = work.lines() == self.work.lines();
-        let asked = self.options.modes;
         let all = removable(work, poles, &RESIDUAL_POWERS)?;
         let variance = (self.chosen * self.noise).max(left_by(work, all.sse, all.unknowns()));
         let limit = threshold(work.columns(), work.lines()) * variance;
-        *poles = all.thin_out(poles, |candidate| {
-            let within = candidate
-                .kept
-                .iter()
-                .filter(|&&k| work.in_band(poles[k]))
-                .count();
-            match (work.in_band(poles[candidate.pole]), asked) {
-                _ if candidate.inflation > MOST_INFLATION => true,
-                (true, Some(asked)) => whole && within > asked,
-                _ => candidate.rise < limit,
-            }
-        });
+        let modes = match self.options.modes {
+            None => 0..=usize::MAX,
+            Some(asked) if whole => asked..=asked,
+            // a band keeps all that it has: the number asked for is that of the whole
+            Some(_) => usize::MAX..=usize::MAX,
+        };
+        *poles = thin_to(work, all, poles, modes, limit);
         Ok(())
     }
 }
@@ -237,21 +229,4 @@ fn drop_background(work: &Columns, poles: &mut Vec<Complex64>, least: usize) {
     if inside(work, &kept) >= least {
         *poles = kept;
     }
-}
-
-/// A pole beyond each end, two mean distances of modes away: what lies there may need one
-/// more than the bands found.
-fn helpers<'a>(work: &'a Columns, poles: &'a [Complex64]) -> impl Iterator<Item = Complex64> + 'a {
-    let (low, high) = work.range();
-    let reach = HELPERS_AT * (high - low) / poles.len().max(1) as f64;
-    let loss = usual_loss(work, poles);
-    let taken = move |x: f64| {
-        poles
-            .iter()
-            .any(|pole| (pole.re - x).abs() < HELPER_TAKEN * reach)
-    };
-    [low - reach, high + reach]
-        .into_iter()
-        .filter(move |x| *x > 0.0 && !taken(*x))
-        .map(move |x| Complex64::new(1.0, loss) * x)
 }

@@ -1,19 +1,21 @@
 //! Choice of the poles that are modes, for methods that find them in the plane x: the
 //! significance of their residues.
 
-use super::limits::SELECTION_MOST_INFLATION;
+use super::limits::{HELPERS_AT, MOST_INFLATION};
 use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::law::RATIONAL;
-use crate::damping::places::from_structural;
+use crate::damping::places::s_of_structural;
 use crate::data::columns::Columns;
 use crate::data::options::FitOptions;
 use crate::methods::found::negative_damping;
 use crate::methods::found::MethodPoles;
 use crate::methods::survey::Survey;
 use crate::poles::estimate::fewer_modes;
+use crate::poles::noise_variance::noise_variance;
 use crate::poles::prune::{narrower_than_a_line, redundant_pole};
 use crate::poles::refine::{refine, removable, Projection};
-use crate::poles::removal::rise_without;
+use crate::poles::removal::{rise_without, Removable};
+use crate::poles::scan::usual_loss;
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
 use chladni_frf::Finding;
@@ -30,15 +32,16 @@ pub(crate) fn variance_left(work: &Columns, lambda: &[Complex64]) -> Result<f64,
     ))
 }
 
+/// The same of a fit with so many unknowns that leaves `sse`.
 pub(crate) fn left_by(work: &Columns, sse: f64, unknowns: usize) -> f64 {
-    let freedom = work.lines().saturating_sub(unknowns).max(1) * work.columns();
-    (sse / freedom as f64)
-        .max(tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64)
+    let size = (work.lines(), work.columns());
+    // below it rounding begins to look like modes
+    let floor = tol::ROUNDING_VARIANCE * work.energy() / (work.lines() * work.columns()) as f64;
+    noise_variance(sse, size, unknowns, floor)
 }
 
-/// Takes poles out, the least significant first, until every one left matters (theory.md,
-/// eq. 8); of those in the band as many stay as `modes` allows, whatever they matter.
-/// With the noise variance that all of them together leave.
+/// Removes insignificant poles (theory.md, eq. 8), the weakest first, but keeps the number of
+/// in-band poles within `modes`. Also returns the noise variance left by all poles.
 pub(crate) fn select(
     work: &Columns,
     lambda: &[Complex64],
@@ -57,20 +60,53 @@ pub(crate) fn select(
     } else {
         removable(work, &physical, &RESIDUAL_POWERS)?
     };
-    let kept = all.thin_out(&physical, |candidate| {
+    Ok((thin_to(work, all, &physical, modes, limit), variance))
+}
+
+/// Removes poles of the fit `all` whose rise is below `least_rise`, the weakest first, but keeps
+/// the number of in-band poles within `modes`. Poles whose residue is unknown go in any case.
+pub(crate) fn thin_to(
+    work: &Columns,
+    all: Removable,
+    lambda: &[Complex64],
+    modes: RangeInclusive<usize>,
+    least_rise: f64,
+) -> Vec<Complex64> {
+    all.thin_out(lambda, |candidate| {
         let rise = candidate.rise;
         let inside = candidate
             .kept
             .iter()
-            .filter(|&&k| work.in_band(physical[k]))
+            .filter(|&&k| work.in_band(lambda[k]))
             .count();
-        match work.in_band(physical[candidate.pole]) {
-            _ if candidate.inflation > SELECTION_MOST_INFLATION => true,
-            true => inside > *modes.end() || (inside > *modes.start() && rise < limit),
-            false => rise < limit,
+        match work.in_band(lambda[candidate.pole]) {
+            _ if candidate.inflation > MOST_INFLATION => true,
+            true => inside > *modes.end() || (inside > *modes.start() && rise < least_rise),
+            false => rise < least_rise,
         }
-    });
-    Ok((kept, variance))
+    })
+}
+
+/// Poles beyond both ends of the band for modes that lie there, two mean distances of modes away,
+/// unless a pole of `lambda` is within the part `taken` of that distance.
+pub(crate) fn poles_beyond_ends(
+    work: &Columns,
+    lambda: &[Complex64],
+    taken: f64,
+) -> Vec<Complex64> {
+    let (low, high) = work.range();
+    let loss = usual_loss(work, lambda);
+    let reach = HELPERS_AT * (high - low) / lambda.len().max(1) as f64;
+    let is_taken = |x: f64| {
+        lambda
+            .iter()
+            .any(|pole| (pole.re - x).abs() < taken * reach)
+    };
+    [low - reach, high + reach]
+        .into_iter()
+        .filter(|x| *x > 0.0 && !is_taken(*x))
+        .map(|x| Complex64::new(1.0, loss) * x)
+        .collect()
 }
 
 /// The poles as the method found them, without those of the band that become redundant once
@@ -125,7 +161,7 @@ pub(crate) fn modes_of(
     }
     warnings.extend(fewer(options, inside(work, &chosen)));
     Ok(MethodPoles {
-        poles: chosen.into_iter().map(from_structural).collect(),
+        poles: chosen.into_iter().map(s_of_structural).collect(),
         deviation: None,
         law: RATIONAL,
         warnings,

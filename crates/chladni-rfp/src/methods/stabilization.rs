@@ -10,6 +10,7 @@ use super::limits::{
     AGREED, AGREED_LEAST, BEYOND, HEAVIEST, LINES_PER_MODE, LINES_PER_POLE, MORE_POLES, ORDERS,
     POLES_PER_MODE, STABILIZATION_CLUSTER_SPACINGS, STABLE_DAMPING, STABLE_FREQUENCY,
 };
+use crate::damping::places::lambda_of_s;
 use crate::data::options::FitOptions;
 use crate::methods::clusters::{clusters, median_pole};
 use crate::methods::found::MethodPoles;
@@ -17,6 +18,7 @@ use crate::methods::found::{OrderPole, Stability, Stabilization};
 use crate::methods::matrix_fraction::MatrixFraction;
 use crate::methods::selection::modes_of;
 use crate::methods::survey::Survey;
+use chladni_frf::Damping;
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -105,7 +107,7 @@ impl Ladder {
             .iter()
             .map(|members| median_pole(members[members.len() / 2..].iter().map(|&i| settled[i].1)))
             .filter(|s| near(*s))
-            .map(|s| -s * s)
+            .map(|s| lambda_of_s(Damping::Structural, s))
             .take(work.lines() / LINES_PER_MODE)
             .collect();
         let mut found = modes_of(survey, &lambda, options, how)?;

@@ -108,7 +108,7 @@ impl Shaped {
             scales_of_frfs: noise.map(|noise| noise.mapv(f64::sqrt).to_vec()),
             powers: &self.identified.powers,
             fitted: self.identified.fitted,
-            measured: self.identified.measured,
+            residual_is_noise: self.identified.residual_is_noise,
             poles: &self.poles,
             shapes: &self.shapes,
             scales: &self.scales,
@@ -231,10 +231,12 @@ impl Shaped {
         let mean_square = residual_energy.iter().sum::<f64>() / values;
         let relative_error = mean_square.sqrt() / data.measured_over_used();
         let Identified {
-            measured, fitted, ..
+            residual_is_noise,
+            fitted,
+            ..
         } = self.identified;
         // bars that come from the residual itself, or from errors of lines, stay
-        let by_even_noise = fitted && !measured && data.errors.is_none();
+        let by_even_noise = fitted && residual_is_noise && data.errors.is_none();
         if by_even_noise && !is_rounding(relative_error) {
             let at_maximum = matches!(options.method, Method::Auto | Method::Lean);
             self.set_bars_by_frfs(data, residual_energy, at_maximum)?;

@@ -142,7 +142,7 @@ pub(crate) fn note_law(
     let (law, free) = (identified.damping, options.damping.is_none());
     let shift = identified.shift_by_other_law();
     identified.law_open = match free && verdict.law().is_none() {
-        true if identified.measured => LawOpen::ResidualNotWhite,
+        true if !identified.residual_is_noise => LawOpen::ResidualNotWhite,
         true if shift > limits::LAW_SHIFTS => LawOpen::BeyondErrorBars,
         _ => LawOpen::No,
     };
@@ -190,7 +190,7 @@ fn real_shapes_hold(search: &Search) -> bool {
 /// The verdict of the data on the law: undecidable without modes, and if the residual is not
 /// white and damping is light.
 fn law_verdict(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError> {
-    if found.measured && found.heaviest_sure() < limits::LAW_ALIKE {
+    if !found.residual_is_noise && found.heaviest_sure() < limits::LAW_ALIKE {
         return Ok(Verdict::Undecidable);
     }
     // faint modes may stand for the misfit of a wrong law: they do not count
@@ -219,7 +219,7 @@ fn shape_search(
     options: &FitOptions,
 ) -> Result<Search, LinalgError> {
     let forced = matches!(options.shapes, ShapeModel::Rank1 | ShapeModel::Real);
-    if found.measured && !forced {
+    if !(found.residual_is_noise || forced) {
         return Ok(Search::Inapplicable);
     }
     structured(data, found, options.shapes, options.modes.is_some())

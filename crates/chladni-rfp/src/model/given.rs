@@ -88,7 +88,7 @@ impl GivenPoles {
             real_shapes: false,
             law_open: LawOpen::No,
             fitted: false,
-            measured: false,
+            residual_is_noise: true,
         })
     }
 }

@@ -37,8 +37,9 @@ pub(crate) struct Identified {
     pub law_open: LawOpen,
     /// False if the poles were given, and not fitted to these columns.
     pub fitted: bool,
-    /// True if the residual is not white noise: the error bars come from the residual itself.
-    pub measured: bool,
+    /// True if the residual is white, or taken for noise without a test. If not, the error bars come
+    /// from the residual itself.
+    pub residual_is_noise: bool,
 }
 
 /// State of the damping law.
@@ -83,7 +84,7 @@ impl Identified {
             path,
             warnings,
             consistent,
-            measured,
+            residual_is_noise,
             ..
         } = found;
         let poles = refined.lambda.iter().zip(&spread).zip(grades);
@@ -108,7 +109,7 @@ impl Identified {
             real_shapes: false,
             law_open: LawOpen::No,
             fitted: true,
-            measured,
+            residual_is_noise,
         }
     }
 

@@ -7,7 +7,10 @@ use crate::shapes::error_bars::ShapeBars;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::scale::Scale;
 use crate::validation::complexity::mpc;
-use chladni_frf::{ComplexVector, Damping, Dof, Finding, Mode, ReferenceUnit, Scaling, Trust};
+use chladni_frf::{
+    driving_points, ComplexVector, Damping, DrivingPoint, Finding, Mode, ReferenceUnit, Scaling,
+    Trust,
+};
 use ndarray::Array1;
 use num_complex::Complex64;
 use std::f64::consts::FRAC_PI_2;
@@ -33,31 +36,6 @@ fn unweighted(
     )
 }
 
-/// A response and a reference at one DOF.
-struct DrivingPoint {
-    response: usize,
-    reference: usize,
-    /// Sign between their directions.
-    sign: f64,
-}
-
-/// All driving points of the set.
-fn driving_points(data: &DataLayout) -> Vec<DrivingPoint> {
-    let of_response = |(i, r): (usize, &Dof)| {
-        let r = *r;
-        let references = data.references.iter().enumerate();
-        references
-            .filter(move |(_, f)| r.same_axis(**f))
-            .map(move |(j, f)| DrivingPoint {
-                response: i,
-                reference: j,
-                sign: r.direction.sign() * f.direction.sign(),
-            })
-    };
-    let responses = data.responses.iter().enumerate();
-    responses.flat_map(of_response).collect()
-}
-
 /// Scale of each shape: unit modal mass if the set has driving points and forces, else one at the
 /// largest response.
 pub(crate) fn scales(
@@ -66,7 +44,7 @@ pub(crate) fn scales(
     poles: &[Pole],
     shapes: &Shapes,
 ) -> (Vec<Scale>, Scaling) {
-    let driving = driving_points(data);
+    let driving = driving_points(&data.responses, &data.references);
     let has_mass_scale = !driving.is_empty() && data.reference_unit == ReferenceUnit::Newton;
     let of_term = |n: usize| {
         let (shape, participation) = unweighted(data, shapes, n);

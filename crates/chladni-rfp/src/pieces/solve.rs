@@ -1,6 +1,6 @@
 //! Poles of a merged sketch; the fit of merged products.
 
-use crate::data::options::FitOptions;
+use crate::data::options::{FitOptions, Method};
 use crate::data::watch::{CancelToken, Watch};
 use crate::driver::walk;
 use crate::methods::fit::Fit;
@@ -26,7 +26,8 @@ pub enum Solved {
 ///
 /// The partial is used up: the sums of a million FRFs need not be in memory twice.
 /// `progress` is told the name of each stage as it begins. Of `options` a first pass
-/// needs `modes`, a second `damping`, `shapes` and `exponential_window_per_s`.
+/// needs `modes`, a second `damping`, `shapes` and `exponential_window_per_s`. The method is
+/// the default one, whatever `options` say: the others need single FRFs.
 ///
 /// # Errors
 /// [`crate::FitError`] as for [`crate::fit()`]; no block, no sums, an FRF that stands in
@@ -49,6 +50,8 @@ pub fn solve(
             exponential_window_per_s: options
                 .exponential_window_per_s
                 .or(whole.plan.exponential_window_per_s),
+            // the other methods need single FRFs
+            method: Method::Auto,
             ..options.clone()
         };
         match walk(merged, &options, &watch) {

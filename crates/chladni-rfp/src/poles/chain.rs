@@ -6,7 +6,6 @@
 //! takes over.
 
 use crate::damping::basis::RESIDUAL_POWERS;
-use crate::data::columns::Columns;
 use crate::data::layout::DataLayout;
 use crate::data::options::Asked;
 use crate::data::outliers::outliers_by_energy;
@@ -70,7 +69,24 @@ pub(crate) fn fast_chain<S: Source>(
     watch.stage("sketch")?;
     let (sketch, energy) = data.sketch(seed);
     let start = match data.way() {
-        Some(way) if way.law == data.law => resumed(data, sketch, way)?,
+        // the chain stopped for a pass that is made now
+        Some(Way {
+            law,
+            lambda,
+            by:
+                By::Fast {
+                    history,
+                    extra_passes,
+                    doubt,
+                },
+        }) if *law == data.law => PassStart {
+            sketch,
+            lambda: lambda.clone(),
+            q: on_all_lines(data, lambda)?,
+            history: history.clone(),
+            extra_passes: *extra_passes,
+            doubt: doubt.clone(),
+        },
         _ => match poles_of_sketch(data, sketch, seed, asked.modes, watch)? {
             SketchOutcome::Poles(start) => PassStart {
                 doubt: doubt.map(str::to_owned),
@@ -87,26 +103,6 @@ pub(crate) fn fast_chain<S: Source>(
     };
     let (pass, history) = start.compressed(data, &energy, missed)?;
     Ok(judged(data, pass, &energy, asked, history)?)
-}
-
-/// The start of the passes as the chain had it when it stopped on its `way`.
-fn resumed(data: &DataLayout, sketch: Columns, way: &Way) -> Result<PassStart, LinalgError> {
-    let (history, extra_passes, doubt) = match &way.by {
-        By::Fast {
-            history,
-            extra_passes,
-            doubt,
-        } => (history.clone(), *extra_passes, doubt.clone()),
-        By::Measured { .. } | By::Conjugated => Default::default(),
-    };
-    Ok(PassStart {
-        sketch,
-        lambda: way.lambda.clone(),
-        q: on_all_lines(data, &way.lambda)?,
-        history,
-        extra_passes,
-        doubt,
-    })
 }
 
 /// Takes the order and the additions asked for into account, and judges the residual.

@@ -22,9 +22,9 @@ pub(crate) struct PoleEstimate {
     pub variance: f64,
     /// E|δλ|² per pole.
     pub spread: Vec<f64>,
-    /// True if spreads and grades come from the measured-data path (the residual is not white), false
-    /// if they come from the information matrix.
-    pub measured: bool,
+    /// True if the residual is white, or taken for noise without a test: spreads come from the
+    /// information matrix.
+    pub residual_is_noise: bool,
     /// Grade of each pole.
     pub grades: Vec<Grade>,
     /// Poles added by hand that explain nothing; they are not among `refined`.

@@ -7,6 +7,7 @@ pub(crate) mod descent;
 pub(crate) mod estimate;
 pub(crate) mod first_look;
 pub(crate) mod limits;
+pub(crate) mod noise_variance;
 pub(crate) mod normal;
 pub(crate) mod passes;
 pub(crate) mod pole;

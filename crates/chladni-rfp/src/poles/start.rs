@@ -4,6 +4,7 @@ use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::law::start_of;
 use crate::data::columns::Columns;
 use crate::poles::limits;
+use crate::poles::noise_variance::noise_variance;
 use crate::poles::pool::{starts, vector_fit, StepBasis};
 use crate::poles::prune::prune;
 use crate::poles::rank::visible_rank;
@@ -77,7 +78,8 @@ pub(crate) fn pool_size(
 
 /// Noise variance of the sketch from the over-fitted pool.
 pub(crate) fn pool_variance(work: &Columns, pool: &Removable) -> f64 {
-    let dof = (work.lines() - pool.unknowns().min(work.lines() - 1)) * work.columns();
-    (pool.sse / dof as f64)
-        .max(tol::VARIANCE_LEAST * work.energy() / (work.lines() * work.columns()) as f64)
+    let size = (work.lines(), work.columns());
+    // a sketch of exact data leaves rounding alone
+    let floor = tol::VARIANCE_LEAST * work.energy() / (work.lines() * work.columns()) as f64;
+    noise_variance(pool.sse, size, pool.unknowns(), floor)
 }

@@ -17,8 +17,8 @@ pub(crate) struct FittedPoles<'a> {
     pub powers: &'a [i32],
     /// True where the poles are those of a fit to these columns.
     pub fitted: bool,
-    /// True if errors are not white noise, and the bars at hand come from the residual itself.
-    pub measured: bool,
+    /// False if errors are not white noise, and the bars at hand come from the residual itself.
+    pub residual_is_noise: bool,
     pub poles: &'a [Pole],
     pub shapes: &'a Shapes,
     pub scales: &'a [Scale],

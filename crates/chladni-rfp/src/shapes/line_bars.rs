@@ -118,7 +118,7 @@ pub(crate) fn line_bars(
     let by_force = influence.shared.by_force;
     let keep = match by_force {
         true => Keep::Larger,
-        false if found.measured && errors.of_blows() => Keep::LargerIfContradicted,
+        false if !found.residual_is_noise && errors.of_blows() => Keep::LargerIfContradicted,
         false => Keep::New,
     };
     let of_term = |term: usize| {
