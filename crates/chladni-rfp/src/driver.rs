@@ -55,7 +55,7 @@ pub(crate) fn walk<S: Source>(
         let weighted = weighted_by_set(&data)?;
         let (fitted, found) = without_outliers(weighted, options, watch)?;
         let weighted_residual_energy = weighted_residual_energy(&fitted, &found);
-        data = match weighting_after(&fitted, &found, &weighted_residual_energy) {
+        data = match next_fit(&fitted, &found, &weighted_residual_energy) {
             NextFit::None => {
                 let FitToCheck {
                     mut fit, residual, ..
@@ -138,11 +138,7 @@ enum NextFit {
 /// The fit that follows `found` by the rules of [`walk`].
 ///
 /// * `weighted_residual_energy`: of each FRF, as fitted
-fn weighting_after(
-    fitted: &DataLayout,
-    found: &FitToCheck,
-    weighted_residual_energy: &[f64],
-) -> NextFit {
+fn next_fit(fitted: &DataLayout, found: &FitToCheck, weighted_residual_energy: &[f64]) -> NextFit {
     let is_noise = found.residual != Residual::NotWhite;
     let error = found.fit.model.quality.relative_error;
     let unequal = PairWeights::if_unequal(fitted, weighted_residual_energy, error)

@@ -90,7 +90,7 @@ fn drop_scale_of_moving(model: &mut ModalModel) {
     let moves = |place: &f64| {
         let off = |mode: &&Mode| (mode.frequency_hz - place).abs();
         let nearest = modes.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-        nearest.is_some_and(|mode| mode.reasons.iter().any(|why| why.code == "split-mode"))
+        nearest.is_some_and(split::is_split)
     };
     model.quality.findings.retain(|told| {
         let places = told.values.get("modes_hz");

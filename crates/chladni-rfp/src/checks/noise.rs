@@ -7,6 +7,7 @@ use crate::damping::basis::{basis, RESIDUAL_POWERS};
 use crate::data::columns::Columns;
 use crate::data::noise_levels::UnevenNoise;
 use crate::data::screening::Screened;
+use crate::poles::estimate::is_uncertain;
 use crate::poles::significance::threshold;
 use crate::shapes::line_products::background;
 use chladni_frf::{Finding, Mode, Reason, Trust};
@@ -27,10 +28,9 @@ fn sure(case: &Case) -> Vec<usize> {
 fn sure_or_uncertain(case: &Case) -> Vec<usize> {
     let modes = case.model.modes.iter().enumerate();
     let uncertain = |mode: &Mode| {
-        let mut codes = mode.reasons.iter().map(|reason| reason.code.as_ref());
         mode.trust == Trust::Weak
             && !mode.reasons.is_empty()
-            && codes.all(|code| code == "uncertain")
+            && mode.reasons.iter().all(is_uncertain)
     };
     let asked = |mode: &Mode| mode.in_band && (mode.trust == Trust::Sure || uncertain(mode));
     let asked = modes.filter(|(_, mode)| asked(mode));

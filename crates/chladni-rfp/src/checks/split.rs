@@ -121,6 +121,11 @@ pub(crate) fn split_modes(case: &Case) -> Option<Checked> {
     })
 }
 
+/// True for a mode that [`split_modes`] doubts.
+pub(crate) fn is_split(mode: &Mode) -> bool {
+    mode.reasons.iter().any(|why| why.code == "split-mode")
+}
+
 /// The finding of groups of modes that fewer moving modes explain.
 ///
 /// * `alike`: groups that only look like these

@@ -1,23 +1,21 @@
-//! The linear least-squares problem of both classic methods: one denominator for one FRF,
-//! or for many.
+//! The linear least-squares problem of one FRF (method `rfp`, the form of 1982).
 //!
 //! With Y = N/D in the measured kind, multiplying by D makes the fit linear (equation
 //! error):
 //!
 //! ```text
-//! min Σ_l Σ_k | D(jy_k) Y_l(jy_k) − N_l(jy_k) |²,   D = Σ_{i<m} d_i θ_i + θ_m,   N_l = Σ_i c_{l,i} φ_i
+//! min Σ_k | D(jy_k) Y(jy_k) − N(jy_k) |²,   D = Σ_{i<m} d_i θ_i + θ_m,   N = Σ_i c_i φ_i
 //! ```
 //!
-//! φ is orthonormal on the lines, θ on the lines with weight mean|Y_l|²
-//! ([`super::forsythe`]), and the leading coefficient of D is one, as in 1982. The
-//! unknown numerators are eliminated: with P the columns φ and T_l the columns Y_l θ, A_l
-//! = (I − PPᵀ)T_l and D solves A d ≈ 0 of all FRFs. A is factored by QR, then SVD; it is
-//! never squared.
+//! φ is orthonormal on the lines, θ on the lines with weight |Y|² ([`super::forsythe`]), and
+//! the leading coefficient of D is one, as in 1982. The unknown numerator is eliminated: with
+//! P the columns φ and T the columns Y θ, A = (I − PPᵀ)T and D solves A d ≈ 0. A is factored
+//! by QR, then SVD; it is never squared.
 //!
 //! *Equation error, not output error.* The residual is the measured one times |D|, which
 //! is small at the resonances and large between and beyond them: the fit looks where the
 //! modes are not. Noise enters A too, so the estimate is biased, and collecting more
-//! lines or FRFs does not remove the bias. A well-conditioned basis changes nothing of
+//! lines does not remove the bias. A well-conditioned basis changes nothing of
 //! this; pole pairs to spare ([`super::limits::SPARE_PAIRS`]) change much, since they take the
 //! noise on themselves.
 //!
@@ -29,17 +27,16 @@
 //! not feel them, arbitrary ones become as uncertain as they are. The covariance tells
 //! the scatter, not the bias.
 //!
-//! Cost per band: 8·lines·(numerator + denominator)·columns·order flop for A, then its
-//! QR.
+//! Cost per band: 8·lines·(numerator + denominator)·order flop for A, then its QR.
 
 use super::limits::RANK_CUTOFF;
 use crate::methods::forsythe::Forsythe;
 use crate::methods::limits::{LINES_PER_UNKNOWN, NUMERATOR_EXTRA};
 use chladni_linalg::{matmul, matmul_h, qr_r, svd_thin, LinalgError};
-use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
+use ndarray::{s, Array2, ArrayView1, ShapeBuilder};
 use num_complex::Complex64;
 
-/// Lines of a band and the numerator basis on them, shared by all FRFs.
+/// Lines of a band and the numerator basis on them, the same for all FRFs.
 #[derive(Debug)]
 pub(crate) struct BandEquations {
     /// ω/ω_max of the lines.
@@ -97,32 +94,18 @@ impl BandEquations {
         })
     }
 
-    /// Common denominator of the given FRFs (line, column), in the measured kind up to
-    /// one real factor per column.
+    /// Denominator of an FRF, in the measured kind up to a real factor.
     ///
     /// # Errors
     /// Too few lines with data; no convergence of a decomposition.
-    pub fn solve(&self, columns: ArrayView2<Complex64>) -> Result<Denominator, LinalgError> {
-        let weights = crate::data::columns::line_energy(&columns.to_owned()).to_vec();
+    pub fn solve(&self, frf: &[Complex64]) -> Result<Denominator, LinalgError> {
+        let weights: Vec<f64> = frf.iter().map(Complex64::norm_sqr).collect();
         let theta = Forsythe::new(&self.y, &weights, 2 * self.order)?;
-        let blocks: Vec<Array2<f64>> = columns
-            .axis_iter(Axis(1))
-            .map(|column| self.reduced(&theta, &weights, column))
-            .collect();
+        let reduced = self.reduced(&theta, &weights, frf);
         let m = theta.degree();
-        let mut small = Array2::zeros((0, m + 1));
-        for block in &blocks {
-            let r = if block.nrows() > m {
-                qr_r(block.view())?
-            } else {
-                block.clone()
-            };
-            small.append(Axis(0), r.view()).expect("equal widths");
-        }
-        let small = if small.nrows() > m {
-            qr_r(small.view())?
-        } else {
-            small
+        let small = match reduced.nrows() > m {
+            true => qr_r(reduced.view())?,
+            false => reduced.clone(),
         };
         let (u, sigma, vh) = svd_thin(small.slice(s![.., ..m]))?;
         let cutoff = sigma[0] * RANK_CUTOFF;
@@ -148,7 +131,7 @@ impl BandEquations {
         };
         let open = scaled(&|i| f64::from(u8::from(i == 0.0)));
         let covariance =
-            covariance(&blocks, &d, &scaled(&|i| i * i), self.numerator.ncols()) + open;
+            covariance(&reduced, &d, &scaled(&|i| i * i), self.numerator.ncols()) + open;
         let roots = theta.roots(&d)?.into_iter().filter(|s| s.im > 0.0);
         Ok(Denominator {
             roots: roots
@@ -161,14 +144,9 @@ impl BandEquations {
         })
     }
 
-    /// A_l = (I − PPᵀ)·Y_l θ, real parts over imaginary parts.
-    fn reduced(
-        &self,
-        theta: &Forsythe,
-        weights: &[f64],
-        column: ndarray::ArrayView1<Complex64>,
-    ) -> Array2<f64> {
-        let ratio: Vec<Complex64> = column
+    /// A = (I − PPᵀ)·Yθ, real parts over imaginary parts.
+    fn reduced(&self, theta: &Forsythe, weights: &[f64], frf: &[Complex64]) -> Array2<f64> {
+        let ratio: Vec<Complex64> = frf
             .iter()
             .zip(weights)
             .map(|(v, w)| {
@@ -218,28 +196,24 @@ fn columns_in_halves(half: &Array2<f64>, factor: &[Complex64]) -> Array2<f64> {
 /// G·(Σ e² a aᵀ)·G with G = (AᵀA)⁺, e = A d, enlarged by the degrees of freedom the
 /// unknowns took.
 fn covariance(
-    blocks: &[Array2<f64>],
+    reduced: &Array2<f64>,
     d: &[f64],
     inverse_gram: &Array2<f64>,
     numerator_terms: usize,
 ) -> Array2<f64> {
     let m = d.len() - 1;
-    let mut sum = Array2::zeros((m, m));
-    let mut rows = 0;
-    for block in blocks {
-        let error = block.dot(&ndarray::ArrayView1::from(d));
-        let mut weighted = block.slice(s![.., ..m]).to_owned();
-        weighted
-            .rows_mut()
-            .into_iter()
-            .zip(&error)
-            .for_each(|(mut row, e)| row *= *e);
-        let carried = matmul(weighted.view(), inverse_gram.view());
-        sum += &matmul_h(carried.view(), carried.view());
-        rows += block.nrows();
-    }
-    let unknowns = blocks.len() * numerator_terms + m;
-    sum * (rows as f64 / rows.saturating_sub(unknowns).max(1) as f64)
+    let error = reduced.dot(&ArrayView1::from(d));
+    let mut weighted = reduced.slice(s![.., ..m]).to_owned();
+    weighted
+        .rows_mut()
+        .into_iter()
+        .zip(&error)
+        .for_each(|(mut row, e)| row *= *e);
+    let carried = matmul(weighted.view(), inverse_gram.view());
+    let rows = reduced.nrows();
+    let unknowns = numerator_terms + m;
+    matmul_h(carried.view(), carried.view())
+        * (rows as f64 / rows.saturating_sub(unknowns).max(1) as f64)
 }
 
 /// One sigma of |s| and of η = −2 Re s/|s| for a root of Σ d_i θ_i.

@@ -102,14 +102,9 @@ fn fit_each(data: &Screened, band: &Band, lines: &BandLines, used: &[usize]) -> 
     let phase = data.kind.from_receptance(1.0);
     used.par_iter()
         .filter_map(|&l| {
-            lines
-                .equations
-                .solve(
-                    data.block(l..l + 1, band.rows.clone())
-                        .mapv(|v| v * phase)
-                        .view(),
-                )
-                .ok()
+            let column = data.block(l..l + 1, band.rows.clone());
+            let frf: Vec<Complex64> = column.iter().map(|v| v * phase).collect();
+            lines.equations.solve(&frf).ok()
         })
         .collect()
 }

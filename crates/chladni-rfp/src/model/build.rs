@@ -18,7 +18,7 @@ use crate::model::modes::{
     widen_scale,
 };
 use crate::model::residual_energy::{residuals_above_rounding, residuals_by_sums, ModelOnColumns};
-use crate::poles::estimate::fewer_modes;
+use crate::poles::estimate::{fewer_modes, says_fewer_modes};
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::{shape_bars, Noisy, ShapeBars};
 use crate::shapes::found::FittedPoles;
@@ -249,7 +249,7 @@ impl Shaped {
         let mut findings = data.warnings.clone();
         findings.append(&mut self.identified.warnings);
         findings.extend(self.findings(data, &modes));
-        if !findings.iter().any(|finding| finding.code == "fewer-modes") {
+        if !findings.iter().any(says_fewer_modes) {
             let found = modes.iter().filter(|mode| mode.counts()).count();
             let asked = options.modes.filter(|asked| found < *asked);
             findings.extend(asked.map(|asked| fewer_modes(asked, found, "")));

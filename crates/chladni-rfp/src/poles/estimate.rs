@@ -122,6 +122,11 @@ pub(crate) fn fewer_modes(asked: usize, found: usize, why: &str) -> Finding {
     .help("ask for fewer modes, or fit a wider band")
 }
 
+/// True for the finding of [`fewer_modes`].
+pub(crate) fn says_fewer_modes(finding: &Finding) -> bool {
+    finding.code == "fewer-modes"
+}
+
 /// The grade of a pole by the `variance` of its real and imaginary part: sure if it is known to a
 /// fraction of its half-bandwidth.
 pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade {
@@ -139,6 +144,11 @@ pub(crate) fn uncertainty_grade(lambda: Complex64, variance: [f64; 2]) -> Grade 
 pub(crate) fn uncertain(half_bandwidths: f64) -> Reason {
     Reason::new("uncertain", UNCERTAIN_SENTENCE)
         .detail(format!("{half_bandwidths:.1} half-bandwidths, one sigma"))
+}
+
+/// True for the reason that [`uncertain`] gives.
+pub(crate) fn is_uncertain(reason: &Reason) -> bool {
+    reason.code == "uncertain"
 }
 
 /// Reason for a doubt: the mode is much less certain than all others.

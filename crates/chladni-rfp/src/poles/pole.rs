@@ -4,7 +4,7 @@ use crate::damping::bars::UncertainPole;
 use crate::damping::law;
 use crate::damping::places::value_in;
 use crate::data::grade::Grade;
-use crate::poles::estimate::uncertainty_grade;
+use crate::poles::estimate::{is_uncertain, uncertainty_grade};
 use crate::poles::limits;
 use chladni_frf::{Damping, Trust};
 use ndarray::Array2;
@@ -74,7 +74,7 @@ impl Pole {
     pub fn grade_anew(&mut self) {
         let doubted = match self.grade.reasons.as_slice() {
             [] => false,
-            [only] => only.code == "uncertain",
+            [only] => is_uncertain(only),
             _ => return,
         };
         let lambda = self.lambda();
