@@ -25,7 +25,7 @@ use crate::poles::sections::{split, Section};
 use crate::tolerances as tol;
 use chladni_frf::{Finding, Trust};
 use chladni_linalg::{matmul, svd_thin, LinalgError};
-use ndarray::{s, Array1, Array2};
+use ndarray::{s, Array1};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -36,9 +36,9 @@ pub(crate) struct MeasuredPoles {
     pub refined: Refined,
     /// Weighted lines and columns.
     pub work: Columns,
-    /// From columns to FRFs, where the columns are scaled FRFs; `None` where they are
-    /// mixtures.
-    pub back: Option<Array2<f64>>,
+    /// Scales of the FRFs, if the columns are FRFs over their scales; `None` for mixtures, which do
+    /// not lead back to FRFs.
+    pub frf_scales: Option<Array1<f64>>,
     /// 1/σ of each line of the data, of unit mean square; empty where lines do not have the shape
     /// of the columns, so that residues do best to follow the peaks.
     pub weights: Vec<f64>,
@@ -50,9 +50,8 @@ pub(crate) struct MeasuredPoles {
     pub warnings: Vec<Finding>,
 }
 
-/// Columns for the path: scaled FRFs, or the strongest mixtures of many; then without the
-/// way back.
-fn columns<S: Source>(data: &S, seed: u64) -> Result<(Columns, Option<Array2<f64>>), LinalgError> {
+/// Columns for the path: FRFs over their scales, with these, or the strongest mixtures of many.
+fn columns<S: Source>(data: &S, seed: u64) -> Result<(Columns, Option<Array1<f64>>), LinalgError> {
     let few = data
         .values()
         .filter(|values| values.pairs.len() <= COLUMNS_MOST);
@@ -65,10 +64,7 @@ fn columns<S: Source>(data: &S, seed: u64) -> Result<(Columns, Option<Array2<f64
     for (mut column, scale) in b.columns_mut().into_iter().zip(&scales) {
         column.mapv_inplace(|v| v / scale);
     }
-    Ok((
-        raw.with_columns(b),
-        Some(Array2::from_diag(&Array1::from(scales))),
-    ))
+    Ok((raw.with_columns(b), Some(Array1::from(scales))))
 }
 
 /// The strongest mixtures of the columns of a sketch.
@@ -90,22 +86,22 @@ pub(crate) fn measured_path<S: Source>(
     asked: Asked,
     watch: &Watch,
 ) -> Result<MeasuredPoles, FitError> {
-    let (work, back) = columns(data, seed)?;
-    on_columns(data, work, back, asked, watch)
+    let (work, frf_scales) = columns(data, seed)?;
+    on_columns(data, work, frf_scales, asked, watch)
 }
 
-/// The path on columns that are made already; `back` where they are scaled FRFs.
+/// The path on columns that are made already; `frf_scales` if they are FRFs over their scales.
 fn on_columns(
     data: &DataLayout,
     work: Columns,
-    back: Option<Array2<f64>>,
+    frf_scales: Option<Array1<f64>>,
     asked: Asked,
     watch: &Watch,
 ) -> Result<MeasuredPoles, FitError> {
     watch.stage("screening")?;
     let hz = data.hz();
     let (visible, mut warnings) = visible(data, work);
-    let record = visible.record(data, back.as_ref());
+    let record = visible.record(data, frf_scales.as_ref());
 
     watch.stage("pole pool and local tests")?;
     let sections = split(&visible.work, &visible.seen);
@@ -148,7 +144,7 @@ fn on_columns(
             false => Vec::new(),
         },
         work,
-        back,
+        frf_scales,
         spread,
         grades: graded.into_iter().map(|own| own.grade).collect(),
         warnings,
@@ -165,14 +161,14 @@ struct Visible {
 }
 
 impl Visible {
-    /// The record as a search takes it; `back` where the columns are scaled FRFs.
-    fn record<'a>(&'a self, data: &'a DataLayout, back: Option<&Array2<f64>>) -> Record<'a> {
+    /// The record as a search takes it; `frf_scales` if the columns are FRFs over their scales.
+    fn record<'a>(&'a self, data: &'a DataLayout, frf_scales: Option<&Array1<f64>>) -> Record<'a> {
         Record {
             work: &self.work,
             noise: &self.noise,
             seen: &self.seen,
             frfs: data.pairs.len(),
-            scales: back.map(|back| back.diag().to_owned()),
+            scales: frf_scales.cloned(),
             one_reference: data.references.len() == 1,
             windowed: self.windowed,
             leaks: data.errors.as_ref().is_some_and(|errors| errors.leaks()),

@@ -24,7 +24,7 @@ use crate::poles::whiteness::Residual;
 use crate::tolerances as tol;
 use chladni_frf::{Damping, Finding, ModalModel, Trust};
 use chladni_linalg::LinalgError;
-use ndarray::Array1;
+use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
 /// The result of the search for poles.
@@ -75,7 +75,7 @@ pub(crate) fn auto<S: Source>(
                 lambda: Vec::new(),
                 by: By::Conjugated,
             })?,
-            Outcome::Ended(doubt) => run.from_measured(doubt.words())?,
+            Outcome::Ended(doubt) => run.by_measured_path(doubt.words())?,
         },
     };
     let found = match found {
@@ -184,7 +184,7 @@ impl<S: Source> Run<'_, S> {
     }
 
     /// Poles by the measured-data path, or outlier lines to leave out.
-    fn from_measured(&self, evidence: String) -> Result<PoleSearch, S::Stop> {
+    fn by_measured_path(&self, evidence: String) -> Result<PoleSearch, S::Stop> {
         let Run {
             data,
             options,
@@ -192,7 +192,7 @@ impl<S: Source> Run<'_, S> {
             ..
         } = *self;
         let found = measured_path(data, options.seed, options.asked(), watch)?;
-        let Some(back) = found.back else {
+        let Some(scales) = found.frf_scales else {
             // the path ran on mixtures: residues come from one pass over all FRFs
             let way = Way {
                 law: data.law,
@@ -211,7 +211,7 @@ impl<S: Source> Run<'_, S> {
             variance: found.refined.variance(&found.work),
             refined: found.refined,
             work: found.work,
-            back: Some(back),
+            back: Some(Array2::from_diag(&scales)),
             spread: found.spread,
             residual_is_noise: false,
             grades: found.grades,
