@@ -5,10 +5,11 @@
 
 // bars.rs
 
-/// Standard deviations that 95 % of errors do not exceed to one side.
-pub(super) const ONE_SIDE: f64 = 1.6449;
-/// Error bars within which 95 % of the errors of a complex number lie.
-pub(super) const COMPLEX_95: f64 = 1.7308;
+/// Error bars within which 95 % of the errors of a number lie, and those that 95 % of them do not
+/// exceed to one side: of real numbers.
+pub(super) const REAL_95: [f64; 2] = [1.9600, 1.6449];
+/// The same of complex numbers whose errors have no direction, to one side along any line.
+pub(super) const COMPLEX_95: [f64; 2] = [1.7308, 1.1631];
 
 // filled.rs
 

@@ -232,6 +232,12 @@ fn confusing_turn_of_fits(laws: &[LawFit; 2]) -> f64 {
     (mean(&structural) - mean(&viscous)).abs() / 2.0
 }
 
+/// The loss factor without the decay that an exponential window adds, by which the laws differ in
+/// the poles of the structure: `decay` in units of `omega`, the pole's frequency.
+pub(crate) fn without_decay(loss_factor: f64, omega: f64, decay: f64) -> f64 {
+    (loss_factor - 2.0 * decay / omega).max(0.0)
+}
+
 /// Shift of frequency or loss factor under the wrong law, whichever is more, in error
 /// bars.
 pub(crate) fn shift(loss_factor: f64, relative_omega_std: f64, loss_factor_std: f64) -> f64 {

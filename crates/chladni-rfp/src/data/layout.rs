@@ -4,7 +4,7 @@
 use crate::data::columns::Columns;
 use crate::data::limits;
 use crate::data::line_variance::LineVariance;
-use crate::data::options::Effort;
+use crate::data::options::{Effort, FitOptions};
 use crate::data::pair_weights::{NextWeights, NoiseSource, PairWeights};
 use crate::data::window::block_errors::BlockErrors;
 use crate::data::window::kinds::Window;
@@ -307,6 +307,11 @@ impl DataLayout {
     /// Mean square of the data, if the energies are known.
     pub fn mean_square(&self) -> f64 {
         self.energy.iter().sum::<f64>() / (self.lines.len() * self.pairs.len()) as f64
+    }
+
+    /// Decay of the exponential window of the responses, in units of ω_max; 0 without one.
+    pub fn decay_of_window(&self, options: &FitOptions) -> f64 {
+        options.exponential_window_per_s.unwrap_or(0.0) / self.omega_max
     }
 
     /// Frequency of x = 1, Hz.

@@ -95,7 +95,7 @@ pub(crate) fn fit_by_method(
         fitted: true,
         residual_is_noise: true,
     };
-    let on_law = note_law(&mut identified, verdict, options, false);
+    let on_law = note_law(&mut identified, data, verdict, options, false);
     identified.warnings.extend(on_law);
     let shaped = Shaped::new(data, identified, options.most_modes())?;
     let residual_energy = shaped.residual_energy(data);

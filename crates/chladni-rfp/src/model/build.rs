@@ -1,9 +1,9 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
-use crate::damping::bars::in_either_law;
+use crate::damping::bars::{in_either_law, turned_in_either_law};
 use crate::damping::law::is_rational;
 use crate::damping::synthesis::synthesis;
-use crate::damping::verdict::shifts;
+use crate::damping::verdict::{shifts, without_decay};
 use crate::data::layout::DataLayout;
 use crate::data::noise_levels::UnevenNoise;
 use crate::data::noise_weights::is_rounding;
@@ -33,6 +33,7 @@ use chladni_frf::{
 use chladni_linalg::LinalgError;
 use ndarray::Array2;
 use num_complex::Complex64;
+use std::f64::consts::TAU;
 
 /// Identified poles with shapes, their scale and error bars: all of the model but its residual
 /// energy.
@@ -189,17 +190,21 @@ impl Shaped {
     }
 
     /// Widens error bars of poles by their shift under the other damping law.
-    fn widen_by_other_law(&mut self) {
+    ///
+    /// * `decay`: of an exponential window, in units of ω_max
+    fn widen_by_other_law(&mut self, decay: f64) {
         for pole in &mut self.poles {
-            let [omega, loss, _] = shifts(pole.loss_factor);
-            pole.omega_std = pole.omega_std.hypot(omega * pole.omega);
-            pole.loss_factor_std = pole.loss_factor_std.hypot(loss);
+            let [omega, loss, _] = shifts(without_decay(pole.loss_factor, pole.omega, decay));
+            pole.omega_std = in_either_law(pole.omega_std, omega * pole.omega);
+            pole.loss_factor_std = in_either_law(pole.loss_factor_std, loss);
         }
     }
 
     /// Widens the error bars of mass-scaled shapes by their turn under the other damping law; if the
     /// residual is noise, also by the error that turned phases suggest.
-    fn widen_by_turns(&self, modes: &mut [Mode]) {
+    ///
+    /// * `decay`: of an exponential window, 1/s
+    fn widen_by_turns(&self, modes: &mut [Mode], decay: f64) {
         let unexplained = match self.identified.law_open {
             LawOpen::No => return,
             LawOpen::ResidualNotWhite => 0.0,
@@ -209,9 +214,10 @@ impl Shaped {
             return;
         }
         for mode in modes.iter_mut() {
-            let [.., turn] = shifts(mode.loss_factor);
+            let omega = TAU * mode.frequency_hz;
+            let [.., turn] = shifts(without_decay(mode.loss_factor, omega, decay));
             widen_scale(mode, |std, size| {
-                let in_both_laws = in_either_law(std, turn * size);
+                let in_both_laws = turned_in_either_law(std, turn * size);
                 in_both_laws.max(std.hypot(unexplained * size))
             });
         }
@@ -242,10 +248,10 @@ impl Shaped {
             self.set_bars_by_frfs(data, residual_energy, at_maximum)?;
         }
         if self.identified.law_open != LawOpen::No {
-            self.widen_by_other_law();
+            self.widen_by_other_law(data.decay_of_window(options));
         }
         let mut modes = self.modes(data);
-        self.widen_by_turns(&mut modes);
+        self.widen_by_turns(&mut modes, options.exponential_window_per_s.unwrap_or(0.0));
         let mut findings = data.warnings.clone();
         findings.append(&mut self.identified.warnings);
         findings.extend(self.findings(data, &modes));

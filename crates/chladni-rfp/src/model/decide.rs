@@ -54,7 +54,8 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     }
     let real = real_shapes_hold(&choice.search);
     let mut identified = Identified::new(choice.found);
-    let mut findings = Vec::from_iter(note_law(&mut identified, choice.verdict, options, real));
+    let on_law = note_law(&mut identified, data, choice.verdict, options, real);
+    let mut findings = Vec::from_iter(on_law);
     match choice.search {
         Search::Found(structured) => identified = identified.structured(structured),
         Search::Refused(sigmas) => findings.push(one_shape_refused(sigmas)),
@@ -123,7 +124,7 @@ pub(crate) fn with_free_residues(
     let verdict = law_verdict(data, &found)?;
     let law = options.damping.or(verdict.law()).unwrap_or(found.work.law);
     let mut identified = Identified::new(in_law(found, law, None)?);
-    let on_law = note_law(&mut identified, verdict, options, false);
+    let on_law = note_law(&mut identified, data, verdict, options, false);
     identified.warnings.extend(on_law);
     Ok(identified)
 }
@@ -135,12 +136,13 @@ pub(crate) fn with_free_residues(
 /// * `real`: true if shapes are real in the law taken
 pub(crate) fn note_law(
     identified: &mut Identified,
+    data: &DataLayout,
     verdict: Verdict,
     options: &FitOptions,
     real: bool,
 ) -> Option<Finding> {
     let (law, free) = (identified.damping, options.damping.is_none());
-    let shift = identified.shift_by_other_law();
+    let shift = identified.shift_by_other_law(data.decay_of_window(options));
     identified.law_open = match free && verdict.law().is_none() {
         true if !identified.residual_is_noise => LawOpen::ResidualNotWhite,
         true if shift > limits::LAW_SHIFTS => LawOpen::BeyondErrorBars,

@@ -2,7 +2,7 @@
 
 use crate::damping::bars::UncertainPole;
 use crate::damping::places::value_in;
-use crate::damping::verdict::shift;
+use crate::damping::verdict::{shift, without_decay};
 use crate::data::columns::Columns;
 use crate::data::grade::Grade;
 use crate::poles::estimate::{uncertainty_grade, PoleEstimate};
@@ -114,14 +114,16 @@ impl Identified {
     }
 
     /// Largest shift, in error bars, of a sure mode of the band under the other damping law.
-    pub fn shift_by_other_law(&self) -> f64 {
+    ///
+    /// * `decay`: of an exponential window, in units of ω_max
+    pub fn shift_by_other_law(&self, decay: f64) -> f64 {
         let sure = self
             .poles
             .iter()
             .filter(|pole| pole.grade.trust == Trust::Sure && self.work.in_band(pole.lambda()));
         let shifts = sure.map(|pole| {
             shift(
-                pole.loss_factor,
+                without_decay(pole.loss_factor, pole.omega, decay),
                 pole.omega_std / pole.omega,
                 pole.loss_factor_std,
             )
