@@ -93,7 +93,7 @@ pub fn stress_table(rows: &[StressRow]) -> String {
     format!("\n{}", table(&header, &cells.collect::<Vec<_>>()))
 }
 
-/// The best frequencies of a sweep, in rising order. The best serves the most responses under a
+/// The best frequencies of a sweep and the suggested one, in rising order. The best serves the most responses under a
 /// finger, then the most without one, then has the largest κ.
 fn best_of(sweep: &FrequencySweep) -> Vec<&SweptFrequency> {
     let rank = |f: &SweptFrequency| {
@@ -107,6 +107,8 @@ fn best_of(sweep: &FrequencySweep) -> Vec<&SweptFrequency> {
             order.then(b.total_cmp(&a))
         })
     });
+    // the suggestion is the best by a rule of its own: it is shown whatever its rank
+    best.sort_by_key(|f| Some(f.frequency_hz) != sweep.suggested_hz);
     best.truncate(BEST_SHOWN);
     best.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     best
@@ -147,12 +149,16 @@ pub fn sweep_table(sweep: &FrequencySweep, weights: &Weights, all: bool) -> Stri
         0 => String::new(),
         _ => format!("the best of {}: -v lists all; ", sweep.frequencies.len()),
     };
-    let suggestion = match sweep.suggested_hz {
-        Some(hz) => format!("suggested: {} Hz\n", significant(hz, 6)),
+    let suggestion = match sweep.suggestion() {
+        Some(f) if f.is_met() => format!("suggested: {} Hz\n", significant(f.frequency_hz, 6)),
+        Some(f) => format!(
+            "no frequency serves every response; {} Hz comes nearest\n",
+            significant(f.frequency_hz, 6)
+        ),
         None => "no frequency in the fitted band serves any response\n".into(),
     };
     format!(
-        "\n{}by method {method}; kappa: standard deviations of the model's error borne, 1 \
+        "\n{}by method {method}; kappa: standard deviations of the model's error tolerated, 1 \
          needed\n{more}{suggestion}",
         table(
             &["frequency, Hz", "kappa", "success", "touched", &drive, ""],

@@ -287,7 +287,7 @@ fn judge(whole: &ModalModel, left: &mut ModalModel, dropped: usize) {
         Finding::caution(
             "dropped-by-hand",
             format!(
-                "{dropped} mode(s) dropped by hand and nothing fitted again: their part counts as \
+                "modes dropped by hand: {dropped}; nothing was fitted again, so their part counts as \
                  unexplained, and the relative error is {:.3} instead of {:.3} (computed from the \
                  model, without the FRFs)",
                 after.sqrt(),

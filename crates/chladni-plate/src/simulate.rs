@@ -243,9 +243,10 @@ fn findings(panel: &Panel, plate: &DampedPlate) -> Vec<Finding> {
     };
     if let Some(&first) = modes.iter().find(narrow) {
         let words = format!(
-            "{} modes have half-power bandwidths below the line spacing of {} Hz (the mode at {:.1} Hz: {:.3} Hz): \
-             their damping can hardly be identified",
+            "the half-power bandwidth of {} of {} modes is below the line spacing of {} Hz (at {:.1} Hz: {:.3} Hz): \
+             damping can hardly be identified there",
             modes.iter().filter(narrow).count(),
+            modes.len(),
             panel.frf.step_hz,
             frequencies[first],
             loss_factors[first] * frequencies[first]

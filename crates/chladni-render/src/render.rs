@@ -3,7 +3,7 @@
 use crate::judging::ceiling::Ceiling;
 use crate::judging::endurance::Endurance;
 use crate::judging::frequency_sweep::{less_sensitive_frequency, mode_near};
-use crate::judging::shortcomings::{ground_lost, replayed_worse, shortfall, strength, Replay};
+use crate::judging::shortcomings::{ground_lost, replayed_worse, strength, Replay, Shortfall};
 use crate::methods::choice::MethodChoice;
 use crate::methods::drive_error;
 use crate::methods::method::Method;
@@ -23,6 +23,7 @@ use crate::scene::drift::Drift;
 use crate::scene::limits::Limits;
 use crate::scene::scene_file::Scene;
 use crate::scene::zones::ZoneMap;
+use crate::tolerances;
 use crate::touch::{findings as touch_findings, judged, TouchIndices, TouchPlan};
 use chladni_frf::{numbered, Error, Finding, FrfSet, ModalModel, Result};
 
@@ -126,16 +127,19 @@ fn render_tone(
     } = Calibrated::new(model, scene, Some(scene.frequency_hz), &options.drift)?;
     let (model, scene) = (&*model, &*scene);
     let measured = measured.map(|frf| (frf, &asked.1.actuators));
-    let mut solved = SolvedDrive::new(model, scene, &others, options, measured)?;
+    let (mut solved, mut outcome) = SolvedDrive::judged(model, scene, &others, options, measured)?;
+    let is_measured = measured.is_some();
+    if solved.needs_more_modes(&outcome, is_measured) {
+        let all_modes = RenderOptions {
+            modes: Count::All,
+            ..options.clone()
+        };
+        (solved, outcome) = SolvedDrive::judged(model, scene, &others, &all_modes, measured)?;
+    }
     findings.append(&mut solved.findings);
-    let outcome = Outcome::of(&solved.setup, &solved.drive)?;
     let feasible = outcome.is_feasible();
     let ceiling = solved.ceiling(feasible, options)?;
-    let [_, success_ratio, _] = solved.judge.served(&solved.drive);
-    let replay = Replay {
-        is_measured: measured.is_some(),
-        success_ratio,
-    };
+    let replay = solved.replay(is_measured);
     let counted = options.actuators != Count::All;
     findings.extend(solved.shortcomings(&outcome, ceiling.as_ref(), counted, replay));
     let refuted = replay.refutes(&outcome.indices.points);
@@ -255,6 +259,34 @@ impl SolvedDrive {
         })
     }
 
+    /// Solves, and judges the drive.
+    fn judged(
+        model: &ModalModel,
+        scene: &Scene,
+        others: &[Setup],
+        options: &RenderOptions,
+        measured: Option<(&FrfSet, &Actuators)>,
+    ) -> Result<(Self, Outcome)> {
+        let solved = Self::new(model, scene, others, options, measured)?;
+        let outcome = Outcome::of(&solved.setup, &solved.drive)?;
+        Ok((solved, outcome))
+    }
+
+    /// The drive replayed through the whole model, or through the measured line.
+    fn replay(&self, is_measured: bool) -> Replay {
+        let [_, success_ratio, _] = self.judge.served(&self.drive);
+        Replay {
+            is_measured,
+            success_ratio,
+        }
+    }
+
+    /// True where few modes served the drive of all actuators, and do not serve that of fewer.
+    fn needs_more_modes(&self, outcome: &Outcome, is_measured: bool) -> bool {
+        let is_reduced = self.setup.modes.len() < self.all_modes && self.fewer.is_some();
+        is_reduced && self.replay(is_measured).refutes(&outcome.indices.points)
+    }
+
     /// Proves what no drive can do. The proof takes as long as a conic program: it is made for
     /// `best`, and for scenes that a conic method does not meet.
     fn ceiling(&self, feasible: bool, options: &RenderOptions) -> Result<Option<Ceiling>> {
@@ -303,13 +335,17 @@ impl SolvedDrive {
         let mut findings = Vec::new();
         if !feasible {
             let of_some = self.fewer.is_some().then_some(self.actuators);
-            findings.push(shortfall(
+            let used = self.fewer.as_ref().unwrap_or(setup);
+            let room = used.problem.drive_limits.allowed_gain(&self.solution.drive);
+            let short = Shortfall {
                 points,
                 ceiling,
                 of_some,
-                &setup.limits,
-                self.method,
-            ));
+                limits: &setup.limits,
+                method: self.method,
+                at_drive_limit: room < tolerances::AT_DRIVE_LIMIT,
+            };
+            findings.push(short.finding());
         }
         let modes = [setup.modes.len(), self.all_modes];
         findings.extend(replayed_worse(replay, points, modes));

@@ -8,7 +8,7 @@ use chladni_console::table::significant;
 use chladni_render::Weights;
 
 /// For a drive that is too sensitive to the panel: a sweep, or after a sweep the suggested
-/// frequency. Otherwise the report.
+/// frequency, if the scene is met there. Otherwise the report.
 pub fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<String> {
     let [model, scene] = [&args.model, &args.scene].map(|path| shell_path(path));
     let again = format!("chladni render {model} {scene}");
@@ -20,10 +20,11 @@ pub fn next_step(args: &Args, weights: &Weights, band_hz: [f64; 2]) -> Option<St
         .any(|finding| finding.code == "rig-sensitive" && !is_of_gains(finding));
     match (&weights.sweep, is_sensitive || !weights.feasible) {
         (Some(sweep), true) => {
-            let hz = sweep.suggested_hz.filter(|hz| *hz != drive_hz)?;
+            let better = sweep.suggestion().filter(|better| better.is_met());
+            let hz = better.map(|better| better.frequency_hz);
             Some(format!(
                 "set frequency_hz = {} in {scene}, then {again}",
-                significant(hz, 6)
+                significant(hz.filter(|hz| *hz != drive_hz)?, 6)
             ))
         }
         // a sweep suggests one frequency, for scenes of one tone

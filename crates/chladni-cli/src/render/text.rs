@@ -4,7 +4,7 @@
 use crate::indices::{stress_table, sweep_table, weights_table};
 use crate::limits::{MOST_COLUMNS, MOST_ROWS, SAME_M};
 use chladni_console::table::{counted, significant, table};
-use chladni_render::{Field, Ground, Limits, Rendering, TouchIndices, Weights};
+use chladni_render::{Field, Ground, Limits, Rendering, TouchIndices, Weights, ZoneMap};
 use std::fmt::{self, Display, Formatter};
 
 /// All tones, one below the other. `weights` are those of `rendering` with the outcome of the
@@ -14,15 +14,21 @@ pub fn text(weights: &Weights, rendering: &Rendering, verbose: bool) -> String {
     let tones: Vec<String> = weights
         .tones()
         .zip(fields)
-        .map(|(weights, shown)| tone(weights, &shown.field, &shown.limits, verbose))
+        .map(|(weights, shown)| tone(weights, shown, verbose))
         .collect();
     tones.join("\n")
 }
 
-fn tone(weights: &Weights, field: &Field, limits: &Limits, verbose: bool) -> String {
-    let judged = Judged::of(field, limits);
+fn tone(weights: &Weights, shown: &Rendering, verbose: bool) -> String {
+    let Rendering {
+        field,
+        limits,
+        zones,
+        ..
+    } = shown;
+    let judged = Judged::of(field, limits, zones);
     let mut text = format!("{}\n", sentence(weights, &judged));
-    if let Some(map) = map(field, limits) {
+    if let Some(map) = map(field, limits, zones) {
         text += &format!("{map}▲ felt  · quiet  △ ✕ limit missed; blank: not judged\n");
     }
     text += &indices(weights, &judged, limits);
@@ -69,13 +75,15 @@ struct Judged {
 }
 
 impl Judged {
-    fn of(field: &Field, limits: &Limits) -> Self {
+    fn of(field: &Field, limits: &Limits, zones: &ZoneMap) -> Self {
         let mut judged = Self::default();
-        for (ground, velocity) in field.ground.iter().zip(&field.velocity_m_per_s) {
+        for (k, ground) in field.ground.iter().enumerate() {
+            let Some(is_kept) = field.keeps(k, limits, zones) else {
+                continue;
+            };
             match ground {
-                Ground::Hot => judged.hot.count(limits.is_felt(velocity.norm())),
-                Ground::Cold => judged.cold.count(limits.is_quiet(velocity.norm())),
-                Ground::Ignored => {}
+                Ground::Hot => judged.hot.count(is_kept),
+                _ => judged.cold.count(is_kept),
             }
         }
         judged
@@ -105,7 +113,7 @@ fn sentence(weights: &Weights, judged: &Judged) -> String {
 
 /// A map with one sign for each response; `None` where the responses do not lie on a grid
 /// that fits on a terminal.
-fn map(field: &Field, limits: &Limits) -> Option<String> {
+fn map(field: &Field, limits: &Limits, zones: &ZoneMap) -> Option<String> {
     let axis = |k: usize| -> Vec<f64> {
         let mut places: Vec<f64> = field.positions_m.iter().map(|place| place[k]).collect();
         places.sort_by(f64::total_cmp);
@@ -121,14 +129,15 @@ fn map(field: &Field, limits: &Limits) -> Option<String> {
     let mut cells = vec![vec![' '; columns.len()]; rows.len()];
     let nearest = |axis: &[f64], place: f64| axis.partition_point(|&known| known < place - SAME_M);
     for (k, place) in field.positions_m.iter().enumerate() {
-        let speed = field.velocity_m_per_s[k].norm();
-        cells[nearest(&rows, place[1])][nearest(&columns, place[0])] = match field.ground[k] {
-            Ground::Hot if limits.is_felt(speed) => '▲',
-            Ground::Hot => '△',
-            Ground::Cold if limits.is_quiet(speed) => '·',
-            Ground::Cold => '✕',
-            Ground::Ignored => ' ',
+        let is_hot = field.ground[k] == Ground::Hot;
+        let sign = match (field.keeps(k, limits, zones), is_hot) {
+            (Some(true), true) => '▲',
+            (Some(false), true) => '△',
+            (Some(true), false) => '·',
+            (Some(false), false) => '✕',
+            (None, _) => ' ',
         };
+        cells[nearest(&rows, place[1])][nearest(&columns, place[0])] = sign;
     }
     let line = |row: &Vec<char>| {
         let signs: Vec<String> = row.iter().map(char::to_string).collect();
@@ -182,8 +191,8 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
     );
     rows.extend(drive.map(|drive| one("largest drive", drive, driven)));
     if let Some(kappa) = weights.kappa {
-        let bears = "standard deviations of the model's error".into();
-        rows.push(one("bears", format!("{kappa:.1}"), bears));
+        let unit = "standard deviations of the model's error".into();
+        rows.push(one("tolerates", format!("{kappa:.1}"), unit));
     }
     if let Some(endurance) = weights.endurance {
         let survives = format!("{:.0} %", 100.0 * endurance.survival_ratio);
@@ -191,8 +200,8 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
         rows.push(one("rigs that are served", survives, rigs));
     }
     if let Some(touch) = &weights.touch {
-        let [borne, served, least] = under_fingers(touch);
-        rows.push(one("bears fingers", borne, String::new()));
+        let [tolerated, served, least] = under_fingers(touch);
+        rows.push(one("tolerates fingers", tolerated, String::new()));
         rows.push(one("served under them", served, least));
     }
     table(&["", "responses", "ground between"], &rows)
@@ -202,13 +211,13 @@ fn indices(weights: &Weights, judged: &Judged, limits: &Limits) -> String {
 /// the share at the worst place.
 fn under_fingers(touch: &TouchIndices) -> [String; 3] {
     let kappa = touch.kappa.unwrap_or(f64::INFINITY);
-    let borne = match &touch.firmest {
+    let tolerated = match &touch.firmest {
         Some(firmest) => format!("up to {firmest}, with {kappa:.1} standard deviations"),
         None => "none".into(),
     };
     let [served, least] = [touch.points.success_ratio, touch.points.min_ratio];
     [
-        borne,
+        tolerated,
         format!("{:.1} %", 100.0 * served),
         format!(
             "at the worst place {:.0} % of the worse zone",

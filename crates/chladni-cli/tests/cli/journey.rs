@@ -214,7 +214,7 @@ fn modes_are_selected_by_hand_and_the_result_says_so() {
         .run("select model.json selection.toml -o selected.json --json")
         .exits(0);
     assert!(
-        run.said().contains("2 mode(s) dropped by hand"),
+        run.said().contains("modes dropped by hand: 2"),
         "{}",
         run.stderr
     );

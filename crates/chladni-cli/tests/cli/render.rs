@@ -107,6 +107,65 @@ fn an_impossible_scene_exits_1_with_what_is_possible_and_what_was_asked() {
     folder.run("report weights.json -o report.html -q").exits(0);
 }
 
+/// Few modes serve the drive of all actuators; the drive of the few that are chosen then needs more.
+#[test]
+fn fewer_actuators_take_the_modes_that_they_need() {
+    let folder = prepared();
+    for (hz, cell) in [(320, 4), (340, 1)] {
+        let zones = format!("[zones]\ngrid = [2, 2]\nhot = [{cell}]\n");
+        folder.write("scene.toml", format!("frequency_hz = {hz}\n{zones}"));
+        let line = "render model.json scene.toml --modes auto --actuators auto --json";
+        let json = folder.run(line).exits(0).json();
+        assert_eq!(json["indices"]["points"]["success_ratio"], 1.0, "{json}");
+        assert!(json["actuators_used"].as_u64().unwrap() < 34, "{json}");
+    }
+}
+
+/// A zone that is to be 20 dB louder than the limit, which no drive of 1 mN makes.
+#[test]
+fn a_louder_zone_is_felt_from_its_own_level_on() {
+    let folder = prepared();
+    let corners = "[[0.03, 0.02], [0.14, 0.02], [0.14, 0.09], [0.03, 0.09]]";
+    let zone = format!("[[zones.polygon]]\nkind = \"hot\"\npoints_m = {corners}\nlevel_db = 20\n");
+    let scene = format!("frequency_hz = 330\n{zone}[actuators]\nmax_force_n = 0.001\n");
+    folder.write("scene.toml", scene);
+    let line = "render model.json scene.toml -o weights.json";
+    let run = folder.run(line).exits(1);
+    assert!(
+        run.stdout.contains("hot ground felt       0 of 8"),
+        "{}",
+        run.stdout
+    );
+    assert!(
+        run.said().contains("as strong as [actuators] allows"),
+        "{}",
+        run.said()
+    );
+    folder
+        .run("report model.json weights.json -o report.html --charts charts -q")
+        .exits(0);
+    let field = folder.text("charts/field-1.svg");
+    assert!(field.contains("above +2.0 dB, in the loudest zone above +22.0 dB"));
+    assert!(!field.contains("felt as wished"));
+}
+
+/// The suggestion of a sweep where no frequency serves the scene is no next step.
+#[test]
+fn a_frequency_that_does_not_serve_is_not_suggested() {
+    let folder = prepared();
+    let rest = "transition_m = 0.0\n[actuators]\nmax_force_n = 1e-4\n";
+    folder.write("scene.toml", scene(330, 1, rest));
+    let run = folder
+        .run("render model.json scene.toml --sweep 326:334")
+        .exits(1);
+    assert!(
+        run.stdout.contains("no frequency serves every response; "),
+        "{}",
+        run.stdout
+    );
+    assert!(!run.said().contains("set frequency_hz"), "{}", run.said());
+}
+
 #[test]
 fn stress_sweep_and_signals() {
     let folder = prepared();
@@ -324,7 +383,7 @@ fn several_tones_are_rendered_judged_and_reported_one_by_one() {
 }
 
 #[test]
-fn fingers_are_borne_and_a_better_frequency_is_one_flag() {
+fn fingers_are_tolerated_and_a_better_frequency_is_one_flag() {
     let folder = prepared();
     folder.write("scene.toml", scene(300, 1, "[touch]\n"));
     let run = folder
@@ -340,7 +399,7 @@ fn fingers_are_borne_and_a_better_frequency_is_one_flag() {
     let run = folder
         .run("render model.json scene.toml --frequency 330")
         .exits(0);
-    assert!(run.stdout.contains("bears fingers") && run.stdout.contains("up to mid"));
+    assert!(run.stdout.contains("tolerates fingers") && run.stdout.contains("up to mid"));
     for (flags, words) in [
         ("--frequency loud", "neither `auto`"),
         ("--frequency -3", ""),

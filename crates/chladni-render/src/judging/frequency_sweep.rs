@@ -111,14 +111,28 @@ pub fn sweep(
     })
 }
 
+impl FrequencySweep {
+    /// The suggested frequency, if there is one.
+    pub fn suggestion(&self) -> Option<&SweptFrequency> {
+        let is_suggested = |f: &&SweptFrequency| Some(f.frequency_hz) == self.suggested_hz;
+        self.frequencies.iter().find(is_suggested)
+    }
+}
+
+impl SweptFrequency {
+    /// True where every response keeps its limit.
+    pub fn is_met(&self) -> bool {
+        self.success_ratio == 1.0
+    }
+}
+
 /// The best of some frequencies: see [`FrequencySweep::suggested_hz`].
 fn suggested_hz(model: &ModalModel, frequencies: &[SweptFrequency]) -> Option<f64> {
     let in_band = || {
         let frequencies = frequencies.iter();
         frequencies.filter(|f| is_in_band(model, f.frequency_hz))
     };
-    let is_met = |f: &&SweptFrequency| f.success_ratio == 1.0;
-    let some_met = in_band().any(|f| is_met(&f));
+    let some_met = in_band().any(SweptFrequency::is_met);
     let key = |f: &SweptFrequency| {
         let touched = f.touched_kappa.or(f.touched_ratio).filter(|_| some_met);
         let kappa = f.kappa.unwrap_or(f64::INFINITY);
@@ -129,7 +143,7 @@ fn suggested_hz(model: &ModalModel, frequencies: &[SweptFrequency]) -> Option<f6
         a[0] > b[0] + tolerances::SAME_SUCCESS
             || ((a[0] - b[0]).abs() <= tolerances::SAME_SUCCESS && a[1] > b[1])
     };
-    let best = in_band().filter(|f| is_met(f) || !some_met).fold(
+    let best = in_band().filter(|f| f.is_met() || !some_met).fold(
         None,
         |best: Option<&SweptFrequency>, f| match best {
             Some(best) if !better(best, f) => Some(best),

@@ -57,71 +57,87 @@ pub(crate) fn replayed_worse(
     })
 }
 
-/// Tells what an infeasible scene got instead, what physics would allow, and what could
-/// help.
-///
-/// * `of_some`: number of the actuators that were chosen, where others were left out: what the
-///   ceiling proves holds for these alone
-pub(crate) fn shortfall(
-    points: &PointIndices,
-    ceiling: Option<&Ceiling>,
-    of_some: Option<usize>,
-    limits: &Limits,
-    method: Method,
-) -> Finding {
-    let contrast = points.contrast_db.map_or("no contrast".into(), |db| {
-        format!("a contrast of {db:.1} dB")
-    });
-    let served = format!(
-        "{:.1} % of the hot and {:.1} % of the cold responses keep their limit",
-        100.0 * points.hot_ratio,
-        100.0 * points.cold_ratio
-    );
-    let help = "widen transition_m, use more actuators, or another frequency";
-    let of_ceiling = |finding: Finding, ceiling: &Ceiling| {
-        finding
-            .value("possible_db", ceiling.possible_db)
-            .value("asked_db", ceiling.asked_db)
+/// What an infeasible scene got instead, what physics would allow, and what could help.
+pub(crate) struct Shortfall<'a> {
+    pub points: &'a PointIndices,
+    pub ceiling: Option<&'a Ceiling>,
+    /// Number of the actuators that were chosen, where others were left out: what the ceiling
+    /// proves holds for these alone.
+    pub of_some: Option<usize>,
+    pub limits: &'a Limits,
+    pub method: Method,
+    /// True where an actuator is as strong as it may be.
+    pub at_drive_limit: bool,
+}
+
+impl Shortfall<'_> {
+    /// The finding.
+    pub fn finding(&self) -> Finding {
+        let Self {
+            points,
+            ceiling,
+            of_some,
+            limits,
+            method,
+            at_drive_limit,
+        } = *self;
+        let contrast = points.contrast_db.map_or("no contrast".into(), |db| {
+            format!("a contrast of {db:.1} dB")
+        });
+        let served = format!(
+            "{:.1} % of the hot and {:.1} % of the cold responses keep their limit",
+            100.0 * points.hot_ratio,
+            100.0 * points.cold_ratio
+        );
+        let help = match at_drive_limit && points.hot_ratio < 1.0 {
+        true => "the drive is as strong as [actuators] allows: allow more, widen transition_m, use more actuators, or another frequency",
+        false => "widen transition_m, use more actuators, or another frequency",
     };
-    let finding = match (ceiling, of_some) {
-        (Some(ceiling), Some(actuators)) if ceiling.forbids() => {
-            let [possible, asked] = ceiling.in_words();
-            let words = format!(
-                "the scene is not met: the {actuators} actuators chosen give at most {possible} dB, \
+        let of_ceiling = |finding: Finding, ceiling: &Ceiling| {
+            finding
+                .value("possible_db", ceiling.possible_db)
+                .value("asked_db", ceiling.asked_db)
+        };
+        let finding = match (ceiling, of_some) {
+            (Some(ceiling), Some(actuators)) if ceiling.forbids() => {
+                let [possible, asked] = ceiling.in_words();
+                let words = format!(
+                "the scene is not met: the actuators chosen ({actuators}) give at most {possible} dB, \
                  asked {asked} dB; {served}, with {contrast}"
             );
-            of_ceiling(Finding::fault("scene-not-met", words), ceiling)
-        }
-        (Some(ceiling), None) if ceiling.forbids() => {
-            let [possible, asked] = ceiling.in_words();
-            let words = format!(
+                of_ceiling(Finding::fault("scene-not-met", words), ceiling)
+            }
+            (Some(ceiling), None) if ceiling.forbids() => {
+                let [possible, asked] = ceiling.in_words();
+                let words = format!(
                 "the scene is impossible: possible {possible} dB, asked {asked} dB (certified: no \
                  drive within the limits of the actuators gives more in this model); {served}, \
                  with {contrast}"
             );
-            of_ceiling(Finding::fault("scene-impossible", words), ceiling)
-        }
-        (Some(ceiling), _) => {
-            let words = format!(
+                of_ceiling(Finding::fault("scene-impossible", words), ceiling)
+            }
+            (Some(ceiling), _) => {
+                let words = format!(
                 "the scene is not met: possible at most {:.1} dB, asked {:.1} dB, found {:.1} dB; \
                  {served}, with {contrast}",
                 ceiling.possible_db, ceiling.asked_db, ceiling.reached_db
             );
-            of_ceiling(Finding::fault("scene-not-met", words), ceiling)
+                of_ceiling(Finding::fault("scene-not-met", words), ceiling)
+            }
+            (None, _) => {
+                let words = format!(
+                    "the scene is not met: {served}, with {contrast} where {:.1} dB are needed",
+                    limits.apart_db()
+                );
+                Finding::fault("scene-not-met", words)
+            }
+        };
+        match (ceiling, method) {
+            (None, Method::Mls | Method::PressureMatching) => {
+                finding.help(format!("{help}; method `robust` says what is possible"))
+            }
+            _ => finding.help(help),
         }
-        (None, _) => {
-            let words = format!(
-                "the scene is not met: {served}, with {contrast} where {:.1} dB are needed",
-                limits.apart_db()
-            );
-            Finding::fault("scene-not-met", words)
-        }
-    };
-    match (ceiling, method) {
-        (None, Method::Mls | Method::PressureMatching) => {
-            finding.help(format!("{help}; method `robust` says what is possible"))
-        }
-        _ => finding.help(help),
     }
 }
 

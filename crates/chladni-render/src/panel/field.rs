@@ -3,6 +3,7 @@
 use crate::panel::drive::Drive;
 use crate::panel::interpolation::{Interpolation, Nodes};
 use crate::panel::operator::Operator;
+use crate::scene::limits::Limits;
 use crate::scene::plane::{convex_hull, polygon_contains, Position, Rectangle};
 use crate::scene::zones::{Ground, ZoneMap};
 use crate::tolerances;
@@ -21,6 +22,19 @@ pub struct Field {
     pub ground: Vec<Ground>,
     /// Velocity along +Z at each, m/s.
     pub velocity_m_per_s: Vec<Complex64>,
+}
+
+impl Field {
+    /// True where response `k` keeps its limit, that of its zone on hot ground; `None` where it is
+    /// not judged.
+    pub fn keeps(&self, k: usize, limits: &Limits, zones: &ZoneMap) -> Option<bool> {
+        let speed = self.velocity_m_per_s[k].norm();
+        match self.ground[k] {
+            Ground::Hot => Some(limits.is_felt(speed / zones.level_at(self.positions_m[k]))),
+            Ground::Cold => Some(limits.is_quiet(speed)),
+            Ground::Ignored => None,
+        }
+    }
 }
 
 /// Velocities on a grid between the responses, m/s, peak phasors of e^{+jωt}.

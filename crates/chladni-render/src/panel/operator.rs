@@ -211,7 +211,10 @@ impl Operator {
                     nowhere.len()
                 ))
                 .expected("responses along Z at nodes with known positions")
-                .help("the file with the FRFs must carry the geometry (nodes in metres)"));
+                .help(match nowhere.is_empty() {
+                    true => "a panel lies in the x–y plane and moves along Z: give the responses that direction",
+                    false => "the file with the FRFs must carry the geometry (nodes in metres)",
+                }));
         }
         Ok(())
     }

@@ -166,7 +166,7 @@ fn without_dead(model: &ModalModel, scene: &Scene, dead: &[Dof]) -> Result<Scene
     if only.as_ref().is_some_and(Vec::is_empty) {
         return Err(Error::bad_data("every actuator that may be used is dead")
             .field("actuators.dead")
-            .found(format!("{} dead channels", dead.len()))
+            .found(format!("channels that are dead: {}", dead.len()))
             .expected("at least one that moves the panel"));
     }
     Ok(Scene {

@@ -225,7 +225,7 @@ fn burst_short(indices: &TimeIndices, table: &TimeTable) -> Option<Finding> {
             "take longer events; {stronger} makes up for it by a stronger drive, under which cold \
              ground keeps its limit summed over time, but not at each instant"
         ),
-        (false, false) => "take longer events: cold ground bears no stronger drive".into(),
+        (false, false) => "take longer events: cold ground tolerates no stronger drive".into(),
     };
     let finding = Finding::caution("time-burst-short", words).value("worst_hot_db", level);
     Some(finding.help(help))

@@ -13,6 +13,9 @@ pub const CEILING_REACHED_DB: f64 = 0.1;
 /// tells cases apart. Half of it takes three times the cases.
 pub const CEILING_CASES_DB: f64 = 0.19;
 
+/// Factor by which a drive may grow, below which it is called as strong as it may be.
+pub const AT_DRIVE_LIMIT: f64 = 1.02;
+
 /// Distance of the frequencies of a sweep, Hz: a fifth to a half of the bandwidth of a
 /// glass panel's modes there.
 pub const SWEEP_STEP_HZ: f64 = 2.0;

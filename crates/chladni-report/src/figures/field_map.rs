@@ -30,7 +30,8 @@ pub fn field_map(
         .or_else(|| Plane::around(&shown.field.positions_m))?;
     let mut chart = plane.chart(460.0);
     let threshold = shown.limits.threshold_m_per_s;
-    let limen_db = level(shown.limits.hot_m_per_s / threshold);
+    let limits_db =
+        [shown.limits.hot_m_per_s, shown.limits.cold_m_per_s].map(|limit| level(limit / threshold));
     let (felt, quiet) = (
         Stroke::new(BLACK, 1.8),
         Stroke::new(BLACK, 1.6).dashed(Dash::Dashed),
@@ -38,7 +39,7 @@ pub fn field_map(
     chart = match shown.area {
         Some(area) => {
             let surface = Surface::of_area(area);
-            with_levels(chart, shown, &surface, limen_db, [felt, quiet])
+            with_levels(chart, shown, &surface, limits_db, [felt, quiet])
         }
         None => with_discs(chart, shown),
     };
@@ -60,21 +61,44 @@ pub fn field_map(
             .step(3.0),
         map: ColourMap::Sequential,
         bands: 0,
-        lines: vec![(limen_db, felt), (-limen_db, quiet)],
+        lines: vec![(limits_db[0], felt), (limits_db[1], quiet)],
     });
     Some(Figure {
         name: format!("field-{number}"),
         title: format!("Field at {} Hz ({})", fixed(frequency_hz, 1), shown.on),
         caption: format!(
-            "Level of the velocity re the threshold of {} mm/s peak. Hot ground is to lie above +{limen} dB, cold ground below −{limen} dB; \
+            "Level of the velocity re the threshold of {} mm/s peak. Hot ground is to lie above {} dB{}, cold ground below {} dB; \
              hatched ground is not judged. Levels beyond ±{} dB have the colours of the ends.",
             fixed(1e3 * threshold, 3),
+            signed(limits_db[0]),
+            louder_zones(shown, limits_db[0]),
+            signed(limits_db[1]),
             fixed(sizes::FIELD_RANGE_DB, 0),
-            limen = fixed(limen_db, 1),
         ),
         width: sizes::MAP_PX,
         charts: vec![chart],
     })
+}
+
+/// A level with its sign, dB.
+fn signed(db: f64) -> String {
+    let sign = if db >= 0.0 { "+" } else { "" };
+    sign.to_owned() + &fixed(db, 1)
+}
+
+/// The limit of the loudest zone in words, where zones differ from the scene's limit `hot_db`.
+fn louder_zones(shown: &ShownField, hot_db: f64) -> String {
+    let places = shown.field.positions_m.iter();
+    let most = places
+        .map(|&place| shown.zones.level_at(place))
+        .fold(1.0, f64::max);
+    match most > 1.0 {
+        true => format!(
+            ", in the loudest zone above {} dB",
+            signed(hot_db + level(most))
+        ),
+        false => String::new(),
+    }
 }
 
 /// The outline of the judged area.
@@ -104,7 +128,7 @@ fn with_levels(
     chart: Chart,
     shown: &ShownField,
     surface: &Surface,
-    limen_db: f64,
+    [hot_db, cold_db]: [f64; 2],
     [felt, quiet]: [Stroke; 2],
 ) -> Chart {
     let threshold = shown.limits.threshold_m_per_s;
@@ -121,13 +145,12 @@ fn with_levels(
         [&fine.x, &fine.y].map(|axis| axis.iter().map(|value| 1e3 * value).collect::<Vec<f64>>());
     let lines = |at: f64| contours(&x, &y, &levels, at);
     let image = level_pixels(shown, &fine, &levels);
-    let limit = |sign: &str| format!("{sign}{} dB", fixed(limen_db, 1));
     let mut chart = chart.with(Layer::Pixels {
         x: whole(&x),
         y: whole(&y),
         image,
     });
-    for at in [limen_db, -limen_db] {
+    for at in [hot_db, cold_db] {
         chart = chart.with(Layer::Lines {
             name: None,
             lines: lines(at),
@@ -135,13 +158,13 @@ fn with_levels(
         });
     }
     chart = chart.with(Layer::Lines {
-        name: named(&format!("{} (felt beyond)", limit("+"))),
-        lines: lines(limen_db),
+        name: named(&format!("{} dB (felt beyond)", signed(hot_db))),
+        lines: lines(hot_db),
         stroke: felt,
     });
     chart.with(Layer::Lines {
-        name: named(&format!("{} (quiet below)", limit("−"))),
-        lines: lines(-limen_db),
+        name: named(&format!("{} dB (quiet below)", signed(cold_db))),
+        lines: lines(cold_db),
         stroke: quiet,
     })
 }
@@ -194,14 +217,7 @@ fn with_discs(chart: Chart, shown: &ShownField) -> Chart {
 
 fn with_responses(chart: Chart, shown: &ShownField) -> Chart {
     let field = shown.field;
-    let misses = |k: usize| {
-        let v = field.velocity_m_per_s[k].norm();
-        match field.ground[k] {
-            Ground::Hot => !shown.limits.is_felt(v),
-            Ground::Cold => !shown.limits.is_quiet(v),
-            Ground::Ignored => false,
-        }
-    };
+    let misses = |k: usize| field.keeps(k, &shown.limits, shown.zones) == Some(false);
     let of = |wanted: &dyn Fn(usize) -> bool| -> Vec<Place> {
         (0..field.positions_m.len())
             .filter(|&k| wanted(k))

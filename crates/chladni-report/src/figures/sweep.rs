@@ -40,8 +40,12 @@ pub(crate) fn sweep(weights: &Weights, number: usize) -> Option<Figure> {
     Some(Figure {
         name: format!("sweep-{number}"),
         title: format!("Scene {number} at other drive frequencies, each with weights of its own"),
-        caption: sweep.suggested_hz.map_or(String::new(), |hz| {
-            format!("Suggested: {} Hz.", fixed(hz, 1))
+        caption: sweep.suggestion().map_or(String::new(), |one| {
+            let hz = fixed(one.frequency_hz, 1);
+            match one.is_met() {
+                true => format!("Suggested: {hz} Hz."),
+                false => format!("No frequency serves every response; {hz} Hz comes nearest."),
+            }
         }),
         width: WIDE_PX,
         charts: vec![chart],

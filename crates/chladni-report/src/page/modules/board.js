@@ -1,8 +1,7 @@
 // The board of the studio: zones over the field of the drive.
 
 import { levelMap } from "./colour.js";
-import { level } from "./numbers.js";
-import { fieldLayers, unpackField } from "./field.js";
+import { fieldLayers, limitsOf, unpackField } from "./field.js";
 import { zoneEditor } from "./zone_editor.js";
 import { actuatorAt, discs, toggleActuator } from "./actuators.js";
 import { work, edit } from "./work.js";
@@ -29,7 +28,7 @@ export function board(geometry, onselect) {
     if (!shown) return editor.show({ extra: discs(geometry, [], "N") });
     const { field, scene } = shown;
     const speeds = Array.from(field.velocity.re, (re, k) => Math.hypot(re, field.velocity.im[k]));
-    const layers = fieldLayers(field, field.surface, speeds, level(field.felt / field.threshold), { columns: moving ? COARSE : FINE, map: levelMap(), stripe: stripe() });
+    const layers = fieldLayers(field, field.surface, speeds, limitsOf(field), { columns: moving ? COARSE : FINE, map: levelMap(), stripe: stripe() });
     editor.show({ ...layers, extra: discs(geometry, scene.weights, scene.unit) });
   }
 

@@ -3,7 +3,7 @@
 import { h, s, slider } from "./dom.js";
 import { array, split } from "./data.js";
 import { colourAt, cssColour } from "./colour.js";
-import { level, fixed } from "./numbers.js";
+import { level, fixed, signed } from "./numbers.js";
 import { refined, contours } from "./surface.js";
 import { panelMap, colourBar } from "./panel_map.js";
 import { velocity } from "./synthesis.js";
@@ -16,6 +16,8 @@ const COLUMNS = 200;
 const BESIDE = 0.1;
 
 const [IGNORED, COLD, HOT] = [0, 1, 2];
+/** Part of a limit that a velocity may miss it by: the page has velocities in single precision. */
+const ROUNDING = 1e-6;
 
 /** A scene's field with its numbers unpacked; null where only the weights are known. */
 export function unpackField(field) {
@@ -31,10 +33,16 @@ export function unpackModal(modal) {
   return { forces: split(array(modal.forces)), mirrored: split(array(modal.mirrored)), terms: split(array(modal.terms)), termsOnGrid: on };
 }
 
+/** Limits of a field, dB re threshold: hot ground lies above `hot`, in the loudest zone above `loudest`, cold ground below `cold`. */
+export function limitsOf(field) {
+  const [hot, cold] = [field.felt, field.quiet].map((speed) => level(speed / field.threshold));
+  return { hot, cold, loudest: hot + level(Math.max(1, ...field.levels)) };
+}
+
 /** True where a response keeps its limit. */
 export function keeps(field, k, speed) {
-  if (field.ground[k] === HOT) return speed >= field.felt * field.levels[k] * (1 - 1e-12);
-  return field.ground[k] !== COLD || speed <= field.quiet * (1 + 1e-12);
+  if (field.ground[k] === HOT) return speed >= field.felt * field.levels[k] * (1 - ROUNDING);
+  return field.ground[k] !== COLD || speed <= field.quiet * (1 + ROUNDING);
 }
 
 /** Shares of judged responses that keep their limits: {hot, cold, both}. */
@@ -54,7 +62,7 @@ export function fieldView(scene, model, geometry, id) {
   map.svg.id = id;
   const title = h("p", { class: "figure-title" });
   const said = h("p", { class: "muted", role: "status" });
-  const limenDb = level(field.felt / field.threshold);
+  const limits = limitsOf(field);
   const moving = field.surface ? space(`Field at ${fixed(scene.frequency_hz, 1)} Hz in three dimensions`) : null;
 
   function show(frequencyHz) {
@@ -65,11 +73,11 @@ export function fieldView(scene, model, geometry, id) {
     const speeds = Array.from(at.re, (re, k) => Math.hypot(re, at.im[k]));
     const { hot, cold, both } = shares(field, speeds);
     said.textContent = `At the responses: hot ${fixed(100 * hot, 1)} %, cold ${fixed(100 * cold, 1)} %, both ${fixed(100 * both, 1)} % keep their limits.`;
-    map.draw(fieldLayers(field, surface, speeds, limenDb));
+    map.draw(fieldLayers(field, surface, speeds, limits));
     if (moving && surface) moving.set({ surface });
   }
 
-  const parts = [title, map.element, levelBar(limenDb, "sequential"), said];
+  const parts = [title, map.element, levelBar(limits, "sequential"), said];
   if (scene.modal?.termsOnGrid && geometry?.grid) {
     const f = scene.frequency_hz;
     const step = Number((f / 2000).toPrecision(1));
@@ -78,7 +86,7 @@ export function fieldView(scene, model, geometry, id) {
     parts.push(h("div", { class: "controls" }, control.element, back));
   }
   show(scene.frequency_hz);
-  const maps = h("figure", {}, ...parts, h("figcaption", {}, caption(field, limenDb)));
+  const maps = h("figure", {}, ...parts, h("figcaption", {}, caption(field, limits)));
   return { element: h("div", { class: "pair" }, maps, moving ? h("figure", {}, h("p", { class: "figure-title" }, "The field in motion"), moving.element) : null), map };
 }
 
@@ -88,20 +96,20 @@ export const DISC_SIGNS = "✕ too loud  △ too weak";
 /** Radius of the disc of a response, px. */
 const RADIUS = 7;
 
-function caption(field, limenDb) {
-  const limen = fixed(limenDb, 1);
+function caption(field, { hot, cold, loudest }) {
   const lines = field.surface ? [" (full line)", " (dashed line); hatched ground is not judged"] : ["", `; ${DISC_SIGNS}`];
-  return `Level of the velocity re the threshold of ${fixed(1e3 * field.threshold, 3)} mm/s peak. Hot ground is to lie above +${limen} dB${lines[0]}, cold ground below −${limen} dB${lines[1]}. Levels beyond ±${RANGE_DB} dB have the colours of the ends.`;
+  const louder = loudest > hot ? `, in the loudest zone above ${signed(loudest)} dB` : "";
+  return `Level of the velocity re the threshold of ${fixed(1e3 * field.threshold, 3)} mm/s peak. Hot ground is to lie above ${signed(hot)} dB${lines[0]}${louder}, cold ground below ${signed(cold)} dB${lines[1]}. Levels beyond ±${RANGE_DB} dB have the colours of the ends.`;
 }
 
 /** The colours of levels, with the limits. */
-export function levelBar(limenDb, map) {
+export function levelBar({ hot, cold }, map) {
   const colour = (value) => colourAt(map, 0.5 + (0.5 * value) / RANGE_DB);
-  return colourBar(colour, [-RANGE_DB, RANGE_DB], "dB re threshold", [{ value: limenDb, style: "felt" }, { value: -limenDb, style: "quiet" }]);
+  return colourBar(colour, [-RANGE_DB, RANGE_DB], "dB re threshold", [{ value: hot, style: "felt" }, { value: cold, style: "quiet" }]);
 }
 
 /** Layers of the map for a surface and speeds at the responses: `look` = {columns, map, stripe} of the pixels. */
-export function fieldLayers(field, surface, speeds, limenDb, look = { columns: COLUMNS, map: "sequential", stripe: [255, 255, 255] }) {
+export function fieldLayers(field, surface, speeds, limits, look = { columns: COLUMNS, map: "sequential", stripe: [255, 255, 255] }) {
   const judged = (wanted) => speeds.map((_, k) => k).filter(wanted);
   const marks = [
     [judged((k) => field.ground[k] === HOT && keeps(field, k, speeds[k])), "response hot-mark", "triangle", "felt as wished"],
@@ -127,7 +135,7 @@ export function fieldLayers(field, surface, speeds, limenDb, look = { columns: C
     return hatched ? look.stripe : colourAt(look.map, 0.5 + (0.5 * levels[k]) / RANGE_DB);
   };
   const lines = (at, style) => ({ lines: contours(fine.x, fine.y, levels, at), style });
-  return { surface: fine, colour, contours: [lines(limenDb, "felt"), lines(-limenDb, "quiet")], outlines, marks };
+  return { surface: fine, colour, contours: [lines(limits.hot, "felt"), lines(limits.cold, "quiet")], outlines, marks };
 }
 
 /** A disc for each response, with a cross on cold ones that are felt and a triangle on hot ones that are not. */

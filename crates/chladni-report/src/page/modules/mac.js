@@ -11,6 +11,8 @@ import { colourBar } from "./panel_map.js";
 const WIDEST = 620;
 const BESIDE = 100;
 const NUMBER_GAP = 18;
+/** Width of the title of the axis, px. */
+const TITLE = 190;
 /** MAC above which two shapes are hardly two modes. */
 const HIGH = 0.5;
 
@@ -22,6 +24,8 @@ export function macSection(mac, model) {
   const room = Math.min(WIDEST, document.documentElement.clientWidth - BESIDE);
   const side = Math.min(30, room / count);
   const size = side * count;
+  // the title of the axis is longer than few modes
+  const beside = Math.max(0, 0.5 * (TITLE - size));
   const cells = Array.from(values, (value, k) => {
     const [row, column] = [Math.floor(k / count), k % count];
     const rgb = colourAt("white", value);
@@ -38,7 +42,7 @@ export function macSection(mac, model) {
     s("text", { x: (number - 0.5) * side, y: size + 15, "text-anchor": "middle" }, number),
     s("text", { x: -6, y: size - (number - 0.5) * side + 4, "text-anchor": "end" }, number),
   ]);
-  const svg = s("svg", { class: "chart mac", id: "mac-chart", viewBox: `-48 -6 ${size + 54} ${size + 44}`, width: size + 54, height: size + 44, role: "img", "aria-label": "AutoMAC matrix" },
+  const svg = s("svg", { class: "chart mac", id: "mac-chart", viewBox: `${-48 - beside} -6 ${size + 54 + 2 * beside} ${size + 44}`, width: size + 54 + 2 * beside, height: size + 44, role: "img", "aria-label": "AutoMAC matrix" },
     cells, numbers, s("rect", { class: "frame", x: 0, y: 0, width: size, height: size }),
     s("text", { x: size / 2, y: size + 33, "text-anchor": "middle" }, "Mode (number in the pole table)"),
     s("text", { transform: `translate(-34 ${size / 2}) rotate(-90)`, "text-anchor": "middle" }, "Mode"));

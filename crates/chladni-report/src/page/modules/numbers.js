@@ -7,6 +7,11 @@ export function fixed(value, decimals) {
   return (value < 0 && Number(digits) !== 0 ? "−" : "") + digits;
 }
 
+/** A level with its sign, one decimal: `+2.0`, `−5.8`. */
+export function signed(db) {
+  return (db >= 0 ? "+" : "") + fixed(db, 1);
+}
+
 /** A number with significant digits, and a power of ten where it is very large or small. */
 export function significant(value, digits) {
   if (!Number.isFinite(value) || value === 0) return fixed(value, 0);

@@ -92,7 +92,7 @@ export function panelPane(oncancel) {
     actuators = actuatorList(geometry.reference_names);
     const [x0, y0, x1, y1] = geometry.box;
     size.textContent = `${Math.round(1e3 * (x1 - x0))} × ${Math.round(1e3 * (y1 - y0))} mm`;
-    const bar = h("div", { class: "row legend-row" }, levelBar(work.limen, levelMap()), h("span", { class: "muted" }, "▲ hot  • cold  ✕ missed  stripes: not judged"));
+    const bar = h("div", { class: "row legend-row" }, levelBar({ hot: work.limen, cold: -work.limen }, levelMap()), h("span", { class: "muted" }, "▲ hot  • cold  ✕ missed  stripes: not judged"));
     const drive = h("div", { class: "row" }, numbers[0].element, profile.element, h("label", { class: "file", title: "Threshold table, CSV" }, "Table…", file), numbers[1].element, numbers[2].element, actuators.element);
     field.replaceChildren(view.editor.tools, zoneRow, h("div", { class: "board-holder" }, view.editor.element), bar, sweep.element, drive, result);
     showZone(null);
@@ -214,6 +214,11 @@ export function panelPane(oncancel) {
       redraw(result, tiles(scene, shown), h("div", { class: "trials" }, trials(scene), weightTable(scene)));
       result.dataset.method = scene.method;
       result.dataset.answers = String(Number(result.dataset.answers ?? 0) + 1);
+    },
+    /** Takes the scene off that no drive was computed for. */
+    noScene: () => {
+      view?.show(null, false);
+      result.replaceChildren();
     },
     showTime,
     showMeasured,

@@ -43,7 +43,7 @@ function indexTable(scene) {
 function levels(points) {
   const db = (value) => (value === null || value === undefined ? "–" : `${fixed(value, 1)} dB`);
   const rows = [
-    ["Contrast", `${db(points.contrast_db)} between the weakest hot and the strongest cold response`],
+    ["Contrast", `${db(points.contrast_db)} between the weakest hot response, over the level of its zone, and the strongest cold one`],
     ["Margin", `${db(points.margin_db)} from the nearest limit${points.margin_db < 0 ? " (negative: some response misses it)" : ""}`],
   ];
   if (Number.isFinite(points.max_force_n)) rows.push(["Largest force", `${significant(1e3 * points.max_force_n, 3)} mN peak`]);

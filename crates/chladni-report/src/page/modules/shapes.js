@@ -37,7 +37,7 @@ export function shapeSection(model, geometry, structure) {
 function aboutStructure(structure) {
   const still = structure.count - new Set(structure.moves.filter(Boolean).map(([node]) => node)).size;
   const parts = ["", "Dashed grey is the structure at rest."];
-  if (still) parts.push(`${still} nodes were not measured and stay at rest.`);
+  if (still) parts.push(still === 1 ? "1 node was not measured and stays at rest." : `${still} nodes were not measured and stay at rest.`);
   if (structure.turned) parts.push("The file gives motion along the beam in axes of its own nodes; it is drawn across the beam.");
   return parts.join(" ");
 }

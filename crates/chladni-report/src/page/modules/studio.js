@@ -279,7 +279,8 @@ function askScene(moving) {
     scenes.best.ask(best, (said) => {
       if (said.cancelled) return;
       showScene(said, best, number, false);
-      if (work.burst && !said.error) askTime(best, number);
+      if (said.error) return;
+      if (work.burst) askTime(best, number);
       askSweep(question, number);
     });
   }, REST_MS);
@@ -288,10 +289,7 @@ function askScene(moving) {
 function showScene(said, question, number, light) {
   // during a drag an older answer is shown too; the best drive is not replaced by a quick one
   if (number <= scenes.bestShown || (number < scenes.asked && !light) || said.cancelled) return;
-  if (said.error) {
-    panel.busy(said.error);
-    return;
-  }
+  if (said.error) return refuseScene(said.error);
   if (!light) {
     scenes.bestShown = number;
     panel.busy("computing other frequencies …", true);
@@ -302,13 +300,24 @@ function showScene(said, question, number, light) {
   showSentence();
 }
 
+/** Says why there is no drive, and leaves none of another scene. */
+function refuseScene(why) {
+  shown = null;
+  panel.noScene();
+  panel.sweep.show(null);
+  foot.set("scene", "");
+  foot.set("play", "");
+  showSentence();
+  panel.busy(why);
+}
+
 /** Asks for the scene over time, under the best drive. */
 function askTime(question, number) {
   scenes.time.ask(question, (said) => {
     if (said.cancelled || number !== scenes.asked) return;
     panel.showTime(said);
     foot.set("play", said.command ?? "");
-    if (said.findings) shown.said.findings.push(...said.findings.map((one) => ({ ...one, about: "Time" })));
+    if (said.findings && shown) shown.said.findings.push(...said.findings.map((one) => ({ ...one, about: "Time" })));
     showSentence();
   });
 }
@@ -322,6 +331,7 @@ function askSweep(question, number) {
     if (said.cancelled || number !== scenes.asked) return;
     panel.busy("");
     panel.sweep.show(said.sweep ?? null);
+    if (!shown) return;
     shown.sweep = said.sweep;
     showSentence();
   });
@@ -396,7 +406,7 @@ function showSentence() {
     const on = here.model.inBand.find((k) => Math.abs(here.model.frequency[k] - scene.frequency_hz) <= 0.5 * here.model.modes[k].loss_factor * here.model.frequency[k]);
     if (on !== undefined) parts.push(`, but mode ${here.model.inBand.indexOf(on) + 1} (${fixed(here.model.frequency[on], 1)} Hz) lies on the drive`);
     parts.push(".");
-    const calmer = shown.sweep?.suggested_hz;
+    const calmer = shown.sweep?.frequencies.find((one) => one.frequency_hz === shown.sweep.suggested_hz && one.success_ratio === 1)?.frequency_hz;
     if (calmer && calmer !== work.frequency && (on !== undefined || !scene.feasible)) offer = { words: `Use ${fixed(calmer, 0)} Hz`, action: () => edit({ frequency: calmer }) };
   }
   if (rig.corrected) {

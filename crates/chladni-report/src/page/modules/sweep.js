@@ -62,6 +62,6 @@ function curve(swept) {
     series: [{ x, y, style: "sweep-line" }],
     marks: [{ points: best < 0 ? [] : [[x[best], y[best]]], style: "suggested", sign: "big" }],
     horizontals: byKappa ? [{ at: 1, style: "needed-line" }] : [],
-    y: { label: "", unit: byKappa ? "model errors borne at other drive frequencies, κ of method mls (1 needed)" : "responses within their limits, %", range: padded([y, [0, 1]], 0.08) },
+    y: { label: "", unit: byKappa ? "model errors tolerated at other drive frequencies, κ of method mls (1 needed)" : "responses within their limits, %", range: padded([y, [0, 1]], 0.08) },
   };
 }

@@ -51,6 +51,9 @@ export function startOfScene(scenes, model) {
 /** Section with a board, and the scene as TOML. */
 export function zoneSection(geometry, scenes, model) {
   if (!geometry) return null;
+  if (model && !model.responses.some((name) => name.endsWith("Z"))) {
+    return section("zones", "Draw a scene", h("p", {}, "A scene needs responses along Z, across a panel in the x–y plane. This model has none, so no scene can be rendered from it."));
+  }
   const start = startOfScene(scenes, model);
   const take = takeAway("scene.toml", "scene-toml");
   let zones = start.zones;
