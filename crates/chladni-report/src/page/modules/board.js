@@ -8,6 +8,8 @@ import { work, edit } from "./work.js";
 
 /** Colour of the stripes on ground that is not judged: that of the paper. */
 const stripe = () => (levelMap() === "rising" ? [19, 21, 24] : [255, 255, 255]);
+/** Layers of a field, none of them. */
+const NO_FIELD = { surface: null, colour: null, contours: null, marks: null };
 /** Columns of the field's pixels during a drag, and after it. */
 const [COARSE, FINE] = [90, 180];
 
@@ -25,7 +27,7 @@ export function board(geometry, onselect) {
   let shown = null;
 
   function draw(moving) {
-    if (!shown) return editor.show({ extra: discs(geometry, [], "N") });
+    if (!shown) return editor.show({ ...NO_FIELD, extra: discs(geometry, [], "N") });
     const { field, scene } = shown;
     const speeds = Array.from(field.velocity.re, (re, k) => Math.hypot(re, field.velocity.im[k]));
     const layers = fieldLayers(field, field.surface, speeds, limitsOf(field), { columns: moving ? COARSE : FINE, map: levelMap(), stripe: stripe() });

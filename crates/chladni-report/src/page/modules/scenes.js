@@ -19,7 +19,7 @@ export function sceneBody(coded, number, model, geometry, light = false) {
   return [
     factList(scene.facts),
     indexTable(scene),
-    levels(scene.indices.points),
+    levels(scene),
     scene.field ? fieldView(scene, model, geometry, `field-${number}`).element : h("p", {}, "The field is not shown: weights alone do not carry it, and their scene and model do not lie beside them."),
     weightsView(scene, geometry, `weights-${number}`),
     timeView(scene.time, geometry, `time-${number}`),
@@ -40,10 +40,11 @@ function indexTable(scene) {
   ], { class: "indices" });
 }
 
-function levels(points) {
+function levels({ indices: { points }, field }) {
+  const hasLevels = field?.levels.some((level) => level > 1);
   const db = (value) => (value === null || value === undefined ? "–" : `${fixed(value, 1)} dB`);
   const rows = [
-    ["Contrast", `${db(points.contrast_db)} between the weakest hot response, over the level of its zone, and the strongest cold one`],
+    ["Contrast", `${db(points.contrast_db)} between the weakest hot${hasLevels ? " response, less the level of its zone," : ""} and the strongest cold response`],
     ["Margin", `${db(points.margin_db)} from the nearest limit${points.margin_db < 0 ? " (negative: some response misses it)" : ""}`],
   ];
   if (Number.isFinite(points.max_force_n)) rows.push(["Largest force", `${significant(1e3 * points.max_force_n, 3)} mN peak`]);
