@@ -56,7 +56,7 @@ pub fn render(model: &ModalModel, scene: &Scene, options: &RenderOptions) -> Res
 
 /// Finds the weights that move the hot zone of `scene` and keep the cold one quiet. A scene
 /// with several tones gets weights for each tone; counted actuators
-/// ([`RenderOptions::actuators`]) are the same for all tones.
+/// ([`RenderOptions::actuators`]) are the same for all tones, if all modes are summed.
 ///
 /// * `measured`: FRFs whose line at the drive frequency judges how many modes are enough;
 ///   without them the whole model does
@@ -75,8 +75,8 @@ pub fn render_measured(
 }
 
 /// As [`render_measured`]. If actuators are counted ([`RenderOptions::actuators`]), one set is
-/// chosen that serves `scene` and all `others`. The set does not depend on which of these scenes
-/// is rendered, if their order is kept.
+/// chosen that serves `scene` and all `others`. If all modes are summed, each of these scenes gets
+/// the same set when it is rendered with the rest as `others`.
 ///
 /// # Errors
 /// As [`render_measured`]; scenes that allow different actuators.
@@ -129,12 +129,13 @@ fn render_tone(
     let measured = measured.map(|frf| (frf, &asked.1.actuators));
     let (mut solved, mut outcome) = SolvedDrive::judged(model, scene, &others, options, measured)?;
     let is_measured = measured.is_some();
-    if solved.needs_more_modes(&outcome, is_measured) {
+    if options.modes == Count::Auto && solved.needs_more_modes(&outcome, is_measured) {
         let all_modes = RenderOptions {
             modes: Count::All,
             ..options.clone()
         };
         (solved, outcome) = SolvedDrive::judged(model, scene, &others, &all_modes, measured)?;
+        findings.push(all_modes_for_fewer_actuators());
     }
     findings.append(&mut solved.findings);
     let feasible = outcome.is_feasible();
@@ -281,10 +282,12 @@ impl SolvedDrive {
         }
     }
 
-    /// True where few modes served the drive of all actuators, and do not serve that of fewer.
+    /// True where few modes served the drive of all actuators, and do not serve that of fewer: the
+    /// whole model misses limits that they keep. A measured line refutes no drive.
     fn needs_more_modes(&self, outcome: &Outcome, is_measured: bool) -> bool {
         let is_reduced = self.setup.modes.len() < self.all_modes && self.fewer.is_some();
-        is_reduced && self.replay(is_measured).refutes(&outcome.indices.points)
+        let replay = self.replay(is_measured);
+        is_reduced && outcome.is_feasible() && replay.refutes(&outcome.indices.points)
     }
 
     /// Proves what no drive can do. The proof takes as long as a conic program: it is made for
@@ -355,7 +358,15 @@ impl SolvedDrive {
     }
 }
 
-/// The other scenes, set up as their own renderings do.
+fn all_modes_for_fewer_actuators() -> Finding {
+    Finding::note(
+        "all-modes-needed",
+        "all modes are summed: fewer serve the drive of all actuators, and not that of the actuators \
+         chosen",
+    )
+}
+
+/// The other scenes, set up as their own renderings do, with all modes.
 fn set_up(model: &ModalModel, others: &[Scene], options: &RenderOptions) -> Result<Vec<Setup>> {
     let set_up = |other: &Scene| {
         let Calibrated { model, scene, .. } =

@@ -105,7 +105,7 @@ pub struct EstimateOptions {
     pub overlap: Option<f64>,
 }
 
-/// Half-overlapped blocks that a single long record is cut into.
+/// Half-overlapped blocks that the shortest record is cut into.
 pub const BLOCKS: usize = 16;
 /// Largest overlap: beyond it the blocks say nothing new.
 pub const MOST_OVERLAP: f64 = 0.95;

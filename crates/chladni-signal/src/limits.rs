@@ -145,10 +145,10 @@ pub(crate) const RATIO_FAR: f64 = 0.5;
 pub(crate) const RATIO_ERRORS: f64 = 4.0;
 /// Part of a factor by which a peak that follows it differs at most, beside errors.
 pub(crate) const RATIO_LAW: f64 = 0.12;
-/// The same as one part in so many of the largest effect of the law: a weak one must be followed
-/// more closely.
+/// One part in so many of the largest effect of the law, by which such a peak differs at most: a
+/// weak effect must be followed more closely.
 pub(crate) const LAW_EFFECT: f64 = 3.0;
-/// Errors of a ratio on top of that.
+/// Errors of a ratio that such a peak may differ by beside that.
 pub(crate) const LAW_ERRORS: f64 = 3.0;
 /// Share of the coherent peaks that follow a law: so many of so many.
 pub(crate) const LAW_PEAKS: [usize; 2] = [3, 4];

@@ -157,7 +157,16 @@ fn touched(place: &Place, console: &Console) -> Result<Outcome> {
         })
         .collect();
     const HEADER: [&str; 10] = [
-        "scene", "Hz", "touch", "bears", "kappa", "mN", "total", "least", "ground", "s",
+        "scene",
+        "Hz",
+        "touch",
+        "tolerates",
+        "kappa",
+        "mN",
+        "total",
+        "least",
+        "ground",
+        "s",
     ];
     Ok(place.answer(&files, rows.len(), table(&HEADER, &cells)))
 }

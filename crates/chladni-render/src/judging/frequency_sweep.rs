@@ -280,8 +280,8 @@ fn still_frequencies(
     Ok(candidates.into_iter().map(|(_, hz)| hz).collect())
 }
 
-/// The mode nearest to `frequency_hz` within `tolerances::NEAR_BANDWIDTHS`, Hz: one that a finger moves
-/// across it.
+/// Natural frequency, Hz, of the mode nearest to `frequency_hz`, at most so many of its bandwidths
+/// away as a finger may move it ([`tolerances::NEAR_BANDWIDTHS`]).
 pub(crate) fn mode_near(model: &ModalModel, frequency_hz: f64) -> Option<f64> {
     let distance = |hz: f64| (hz - frequency_hz).abs();
     let near = model.in_band_modes().filter(|mode| {

@@ -89,10 +89,11 @@ impl Shortfall<'_> {
             100.0 * points.hot_ratio,
             100.0 * points.cold_ratio
         );
+        let change = "widen transition_m, use more actuators, or another frequency";
         let help = match at_drive_limit && points.hot_ratio < 1.0 {
-        true => "the drive is as strong as [actuators] allows: allow more, widen transition_m, use more actuators, or another frequency",
-        false => "widen transition_m, use more actuators, or another frequency",
-    };
+            true => format!("the drive is as strong as [actuators] allows: allow more, {change}"),
+            false => change.to_owned(),
+        };
         let of_ceiling = |finding: Finding, ceiling: &Ceiling| {
             finding
                 .value("possible_db", ceiling.possible_db)

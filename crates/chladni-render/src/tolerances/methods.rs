@@ -10,7 +10,7 @@ pub const ILL_CONDITIONED: f64 = 1e4;
 pub const AT_LIMIT: f64 = 1e-6;
 
 /// Gain at which a next row would meet its limit, over that of the last one that does: beyond
-/// the last all gains serve the same rows, and one of them is tried.
+/// the last all gains serve the same rows. One of them is tried, the geometric mean of the two.
 pub const BEYOND_LAST_GAIN: f64 = 4.0;
 
 /// Ridges, relative to the mean diagonal of the normal matrix, tried in turn where the

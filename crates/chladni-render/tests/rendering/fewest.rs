@@ -196,6 +196,25 @@ fn a_scene_that_one_mode_alone_meets_is_not_met() {
     assert!(doubt.contains("with 1 mode, not in the whole"), "{doubt}");
 }
 
+/// Modes that are counted by the evidence grow to what the actuators chosen need; a number that is
+/// asked for stays, and its drive is refuted.
+#[test]
+fn modes_are_judged_with_the_actuators_that_were_chosen() {
+    let scene = at(300.0, [2, 2], 1);
+    let model = disturbed(truth(), FIT_40_DB, 1);
+    let with = |modes: Count| {
+        let options = RenderOptions {
+            modes,
+            actuators: Count::Auto,
+            ..Default::default()
+        };
+        render(&model, &scene, &options).unwrap().weights
+    };
+    let one = with(Count::Number(1));
+    assert!(one.modes_used == 1 && one.is_met() && !one.feasible);
+    assert!(with(Count::Auto).feasible);
+}
+
 #[test]
 fn what_some_actuators_cannot_is_not_impossible() {
     let scene = at(300.0, [2, 2], 1);

@@ -52,7 +52,7 @@ pub(super) const TRIALS_MOST: usize = 20_000;
 
 // delayed_response.rs
 
-/// Least misfit to be left on the line by noise, over that expected of it: half.
+/// Part of its expected misfit that noise leaves on the line at least: half.
 pub(super) const NOISE_LEFT: f64 = 0.5;
 /// Modes that must show a response well: two lie on a line with one of many delays.
 pub(super) const RESPONSE_LEAST_MODES: usize = 3;

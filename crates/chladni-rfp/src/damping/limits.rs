@@ -5,10 +5,9 @@
 
 // bars.rs
 
-/// Error bars within which 95 % of the errors of a number lie, and those that 95 % of them do not
-/// exceed to one side: of real numbers.
+/// Limits of 95 % of real errors, in error bars: to both sides, and to one side.
 pub(super) const REAL_95: [f64; 2] = [1.9600, 1.6449];
-/// The same of complex numbers whose errors have no direction, to one side along any line.
+/// The same of complex errors without a preferred direction; to one side along any line.
 pub(super) const COMPLEX_95: [f64; 2] = [1.7308, 1.1631];
 
 // filled.rs

@@ -232,8 +232,8 @@ fn confusing_turn_of_fits(laws: &[LawFit; 2]) -> f64 {
     (mean(&structural) - mean(&viscous)).abs() / 2.0
 }
 
-/// The loss factor without the decay that an exponential window adds, by which the laws differ in
-/// the poles of the structure: `decay` in units of `omega`, the pole's frequency.
+/// The loss factor of the structure: `loss_factor` less what an exponential window adds to it,
+/// 2·`decay`/`omega`, both in one unit. Poles of the structure differ between the laws by this one.
 pub(crate) fn without_decay(loss_factor: f64, omega: f64, decay: f64) -> f64 {
     (loss_factor - 2.0 * decay / omega).max(0.0)
 }

@@ -268,8 +268,8 @@ pub(crate) fn lines_left_out(dropped: usize, lost: usize, all: usize) -> Finding
     finding.value("lines_left_out", dropped as f64)
 }
 
-/// Checks that there are lines check_lines for the modes asked for (`None`: for one), and that powers of ω
-/// differ over the band.
+/// Checks that there are enough lines for the modes asked for (`None`: for one), and that powers of
+/// ω differ over the band.
 ///
 /// # Errors
 /// [`FitError::TooFewLines`], [`FitError::NarrowBand`].

@@ -1,5 +1,5 @@
 //! The measured-data path as one walk: screen the record, search each section (votes of
-//! several orders, error model, local tests, twins), join what was found, grade it.
+//! several orders, error model, local tests, moving pairs), join what was found, grade it.
 
 use super::limits::{COLUMNS_MOST, EXPLAINS, LOUD_AT_PEAKS, PEAK_WIDTHS, PEAK_WINDOW, SAME_POLE};
 use crate::damping::basis::RESIDUAL_POWERS;

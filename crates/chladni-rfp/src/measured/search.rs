@@ -1,4 +1,4 @@
-//! The search for modes in one section: votes, error model, local tests, twins.
+//! The search for modes in one section: votes, error model, local tests, moving pairs.
 
 use super::limits::{
     APART, BASE_LEAST, NEAREST_LINES, ODD_EVEN_SIGMAS, OWNED_BEYOND, OWN_POLE_FARTHEST, RESEED,

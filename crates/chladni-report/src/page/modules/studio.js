@@ -267,8 +267,11 @@ function askScene(moving) {
   forgetMeasured();
   if (!work.burst) foot.set("play", "");
   if (!here || here.model.references.length < 2) return;
-  if (!panel.hasHot()) return panel.busy("draw a hot zone");
   const number = ++scenes.asked;
+  if (!panel.hasHot()) {
+    scenes.draft.cancel();
+    return refuseScene("draw a hot zone");
+  }
   const question = { ...scene, drop: droppedNumbers() };
   panel.busy(moving ? "fast" : "fast; computing the best drive …", !moving);
   const fast = { ...question, method: "fast" };
@@ -289,7 +292,7 @@ function askScene(moving) {
 function showScene(said, question, number, light) {
   // during a drag an older answer is shown too; the best drive is not replaced by a quick one
   if (number <= scenes.bestShown || (number < scenes.asked && !light) || said.cancelled) return;
-  if (said.error) return refuseScene(said.error);
+  if (said.error) return number === scenes.asked ? refuseScene(said.error) : undefined;
   if (!light) {
     scenes.bestShown = number;
     panel.busy("computing other frequencies …", true);
@@ -305,6 +308,7 @@ function refuseScene(why) {
   shown = null;
   panel.noScene();
   panel.sweep.show(null);
+  panel.showTime(work.burst ? { error: why } : null);
   foot.set("scene", "");
   foot.set("play", "");
   showSentence();
