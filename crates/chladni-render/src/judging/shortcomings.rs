@@ -57,7 +57,7 @@ pub(crate) fn replayed_worse(
     })
 }
 
-/// What an infeasible scene got instead, what physics would allow, and what could help.
+/// The outcome of a scene that is not met, beside what is possible: enough to advise on it.
 pub(crate) struct Shortfall<'a> {
     pub points: &'a PointIndices,
     pub ceiling: Option<&'a Ceiling>,

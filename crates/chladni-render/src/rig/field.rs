@@ -174,7 +174,7 @@ pub(crate) struct Prediction {
 }
 
 impl Prediction {
-    /// What `operator` predicts of `drive` at the measured `rows`.
+    /// The field that `operator` predicts of `drive` at the measured `rows`.
     pub(super) fn of(operator: &Operator, rows: &[usize], drive: Drive) -> Self {
         let mobility = operator.mobility.select(Axis(0), rows);
         Self {
