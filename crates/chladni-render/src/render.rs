@@ -12,7 +12,7 @@ use crate::methods::solution::Solution;
 use crate::panel::drive::Drive;
 use crate::panel::field::{AreaField, Field};
 use crate::problems::setup::Setup;
-use crate::reduction::fewest_actuators;
+use crate::reduction::fewest_actuators::{self, Choice};
 use crate::reduction::fewest_modes::{self, Judge, Reduced};
 use crate::results::outcome::Outcome;
 use crate::results::weights::Weights;
@@ -56,7 +56,7 @@ pub fn render(model: &ModalModel, scene: &Scene, options: &RenderOptions) -> Res
 
 /// Finds the weights that move the hot zone of `scene` and keep the cold one quiet. A scene
 /// with several tones gets weights for each tone; counted actuators
-/// ([`RenderOptions::actuators`]) are the same for all tones, if all modes are summed.
+/// ([`RenderOptions::actuators`]) are the same for all tones.
 ///
 /// * `measured`: FRFs whose line at the drive frequency judges how many modes are enough;
 ///   without them the whole model does
@@ -75,8 +75,8 @@ pub fn render_measured(
 }
 
 /// As [`render_measured`]. If actuators are counted ([`RenderOptions::actuators`]), one set is
-/// chosen that serves `scene` and all `others`. If all modes are summed, each of these scenes gets
-/// the same set when it is rendered with the rest as `others`.
+/// chosen that serves `scene` and all `others`. Each of these scenes gets the same set when it is
+/// rendered with the rest as `others`.
 ///
 /// # Errors
 /// As [`render_measured`]; scenes that allow different actuators.
@@ -87,35 +87,45 @@ pub fn render_with_others(
     options: &RenderOptions,
     measured: Option<&FrfSet>,
 ) -> Result<Rendering> {
-    let (tones, of_others): (Vec<Scene>, Vec<Scene>) = (
-        scene.tones(),
-        others.iter().flat_map(Scene::tones).collect(),
-    );
-    let render_one = |k: usize| {
-        let beside: Vec<Scene> = tones[..k]
-            .iter()
-            .chain(&tones[k + 1..])
-            .chain(&of_others)
-            .cloned()
-            .collect();
-        render_tone(model, &tones[k], &beside, options, measured)
-    };
-    let first = render_one(0)?;
-    let other_tones = (1..tones.len())
+    let tones = scene.tones();
+    let chosen = together(model, &tones, others, options)?;
+    let render_one = |tone| render_tone(model, tone, chosen.as_ref(), options, measured);
+    let first = render_one(&tones[0])?;
+    let other_tones = tones[1..]
+        .iter()
         .map(render_one)
         .collect::<Result<Vec<_>>>()?;
     Ok(first.with_tones(other_tones))
+}
+
+/// Chooses the actuators for all `tones` and `others`: a rig has one set of them. `None` for one
+/// scene of one tone, whose actuators are chosen after its modes. All modes are summed here,
+/// because each scene keeps other modes.
+fn together(
+    model: &ModalModel,
+    tones: &[Scene],
+    others: &[Scene],
+    options: &RenderOptions,
+) -> Result<Option<Choice>> {
+    let of_others = others.iter().flat_map(Scene::tones);
+    let scenes: Vec<Scene> = tones.iter().cloned().chain(of_others).collect();
+    if scenes.len() == 1 {
+        return Ok(None);
+    }
+    let setups = set_up(model, &scenes, options)?;
+    check_actuators(&setups)?;
+    let setups: Vec<&Setup> = setups.iter().collect();
+    fewest_actuators::choose(&setups, options.actuators).map(Some)
 }
 
 /// Renders a scene with one tone.
 fn render_tone(
     model: &ModalModel,
     scene: &Scene,
-    others: &[Scene],
+    chosen: Option<&Choice>,
     options: &RenderOptions,
     measured: Option<&FrfSet>,
 ) -> Result<Rendering> {
-    let others = set_up(model, others, options)?;
     let calibration = scene.actuators.calibration.as_deref();
     let gain_error = calibration.and_then(|known| known.gain_error(scene.frequency_hz));
     // at other frequencies the rig has other gains
@@ -127,14 +137,16 @@ fn render_tone(
     } = Calibrated::new(model, scene, Some(scene.frequency_hz), &options.drift)?;
     let (model, scene) = (&*model, &*scene);
     let measured = measured.map(|frf| (frf, &asked.1.actuators));
-    let (mut solved, mut outcome) = SolvedDrive::judged(model, scene, &others, options, measured)?;
+    let (mut solved, mut outcome) = SolvedDrive::judged(model, scene, chosen, options, measured)?;
     let is_measured = measured.is_some();
-    if options.modes == Count::Auto && solved.needs_more_modes(&outcome, is_measured) {
+    if options.modes == Count::Auto
+        && solved.needs_more_modes(&outcome, is_measured, chosen.is_some())
+    {
         let all_modes = RenderOptions {
             modes: Count::All,
             ..options.clone()
         };
-        (solved, outcome) = SolvedDrive::judged(model, scene, &others, &all_modes, measured)?;
+        (solved, outcome) = SolvedDrive::judged(model, scene, chosen, &all_modes, measured)?;
         findings.push(all_modes_for_fewer_actuators());
     }
     findings.append(&mut solved.findings);
@@ -204,16 +216,15 @@ struct SolvedDrive {
 }
 
 impl SolvedDrive {
-    /// Chooses modes and actuators, and solves.
+    /// Chooses modes, and actuators where they are not `chosen` yet, and solves.
     fn new(
         model: &ModalModel,
         scene: &Scene,
-        others: &[Setup],
+        chosen: Option<&Choice>,
         options: &RenderOptions,
         measured: Option<(&FrfSet, &Actuators)>,
     ) -> Result<Self> {
         let whole = Setup::new(model, scene, &options.drift)?;
-        check_actuators(&whole, others)?;
         let judge = match measured {
             Some((frf, actuators)) => Judge::of_line(&whole, frf, actuators)?,
             None => Judge::of_model(&whole, options.modes == Count::Auto),
@@ -223,8 +234,10 @@ impl SolvedDrive {
             setup,
             finding: of_modes,
         } = fewest_modes::choose(whole, model, &judge, options)?;
-        let setups: Vec<&Setup> = std::iter::once(&setup).chain(others).collect();
-        let chosen = fewest_actuators::choose(&setups, options.actuators)?;
+        let chosen = match chosen {
+            Some(chosen) => chosen.clone(),
+            None => fewest_actuators::choose(&[&setup], options.actuators)?,
+        };
         let all = setup.operator.references.len();
         let fewer = (chosen.columns.len() < all).then(|| setup.with_actuators(&chosen.columns));
         let used = fewer.as_ref().unwrap_or(&setup);
@@ -264,11 +277,11 @@ impl SolvedDrive {
     fn judged(
         model: &ModalModel,
         scene: &Scene,
-        others: &[Setup],
+        chosen: Option<&Choice>,
         options: &RenderOptions,
         measured: Option<(&FrfSet, &Actuators)>,
     ) -> Result<(Self, Outcome)> {
-        let solved = Self::new(model, scene, others, options, measured)?;
+        let solved = Self::new(model, scene, chosen, options, measured)?;
         let outcome = Outcome::of(&solved.setup, &solved.drive)?;
         Ok((solved, outcome))
     }
@@ -283,11 +296,16 @@ impl SolvedDrive {
     }
 
     /// True where few modes served the drive of all actuators, and do not serve that of fewer: the
-    /// whole model misses limits that they keep. A measured line refutes no drive.
-    fn needs_more_modes(&self, outcome: &Outcome, is_measured: bool) -> bool {
+    /// whole model misses limits that they keep, or they miss limits with actuators that were
+    /// chosen on the whole model (`is_given`). A measured line refutes no drive.
+    fn needs_more_modes(&self, outcome: &Outcome, is_measured: bool, is_given: bool) -> bool {
         let is_reduced = self.setup.modes.len() < self.all_modes && self.fewer.is_some();
         let replay = self.replay(is_measured);
-        is_reduced && outcome.is_feasible() && replay.refutes(&outcome.indices.points)
+        let is_missed = match outcome.is_feasible() {
+            true => replay.refutes(&outcome.indices.points),
+            false => is_given,
+        };
+        is_reduced && is_missed
     }
 
     /// Proves what no drive can do. The proof takes as long as a conic program: it is made for
@@ -366,20 +384,20 @@ fn all_modes_for_fewer_actuators() -> Finding {
     )
 }
 
-/// The other scenes, set up as their own renderings do, with all modes.
-fn set_up(model: &ModalModel, others: &[Scene], options: &RenderOptions) -> Result<Vec<Setup>> {
-    let set_up = |other: &Scene| {
+/// The scenes, set up as their renderings do, with all modes.
+fn set_up(model: &ModalModel, scenes: &[Scene], options: &RenderOptions) -> Result<Vec<Setup>> {
+    let set_up = |scene: &Scene| {
         let Calibrated { model, scene, .. } =
-            Calibrated::new(model, other, Some(other.frequency_hz), &options.drift)?;
+            Calibrated::new(model, scene, Some(scene.frequency_hz), &options.drift)?;
         Setup::new(&model, &scene, &options.drift)
     };
-    let named = |other: &Scene| set_up(other).map_err(|error| other.blame(error));
-    others.iter().map(named).collect()
+    let named = |scene: &Scene| set_up(scene).map_err(|error| scene.blame(error));
+    scenes.iter().map(named).collect()
 }
 
-fn check_actuators(whole: &Setup, others: &[Setup]) -> Result<()> {
-    let references = &whole.operator.references;
-    let other = others
+fn check_actuators(setups: &[Setup]) -> Result<()> {
+    let references = &setups[0].operator.references;
+    let other = setups
         .iter()
         .find(|other| other.operator.references != *references);
     other.map_or(Ok(()), |other| {

@@ -24,13 +24,14 @@ use ndarray::Array1;
 use rayon::prelude::*;
 
 /// Columns of the operator to use, rising, and what must be said about them.
+#[derive(Clone)]
 pub(crate) struct Choice {
     pub(crate) columns: Vec<usize>,
     pub(crate) finding: Option<Finding>,
 }
 
 /// Chooses among the actuators of `setups`, the same for all: those that serve every
-/// scene.
+/// scene, in whatever order the scenes are named.
 ///
 /// # Errors
 /// Those of the kernels: a broken promise.
@@ -57,6 +58,8 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
         .iter()
         .map(|setup| Stage::new(setup))
         .collect::<Result<Vec<_>>>()?;
+    // sums over scenes round by their order
+    stages.sort_by(|a, b| a.kappa.total_cmp(&b.kappa));
     let possible = stages.iter().all(|stage| stage.kappa > 0.0);
     if !possible && count == Count::Auto {
         return every(Some(all_needed(setups.len())));

@@ -5,7 +5,7 @@ use chladni_frf::{ErrorKind, FrfKind, ModalModel};
 use chladni_plate::{simulate, Panel};
 use chladni_render::{
     evaluate, needed_band, render, render_measured, render_with_others, Count, Method, On,
-    RenderOptions, Rendering, Scene,
+    RenderOptions, Rendering, Scene, Tone, Weights,
 };
 use num_complex::Complex64;
 
@@ -340,6 +340,37 @@ fn one_subset_of_actuators_serves_several_scenes() {
         "{shared} of {}",
         count(&both)
     );
+}
+
+/// Each tone and each scene keeps other modes; a rig has one set of actuators.
+#[test]
+fn the_actuators_are_the_same_where_every_scene_keeps_its_own_modes() {
+    let options = RenderOptions {
+        modes: Count::Auto,
+        actuators: Count::Auto,
+        ..Default::default()
+    };
+    let used = |weights: &Weights| -> Vec<bool> {
+        let driven = weights.weights.iter();
+        driven.map(|weight| weight.amplitude > 0.0).collect()
+    };
+    let mut chord = at(335.0, [2, 2], 1);
+    let second = Tone {
+        frequency_hz: 300.0,
+        share: chord.share,
+    };
+    chord.other_tones.push(second);
+    let other = at(320.0, [2, 2], 4);
+    let with = |scene: &Scene, other: &Scene| {
+        let others = std::slice::from_ref(other);
+        render_with_others(truth(), scene, others, &options, None).unwrap()
+    };
+    let (first, second) = (with(&chord, &other).weights, with(&other, &chord).weights);
+    let tone = &first.other_tones[0];
+    assert!(first.feasible && tone.feasible && second.feasible);
+    assert_eq!(used(&first), used(tone), "tones of one scene");
+    assert_eq!(used(&first), used(&second), "scenes");
+    assert!(used(&first).contains(&false));
 }
 
 #[test]
