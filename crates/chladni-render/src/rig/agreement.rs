@@ -45,7 +45,7 @@ pub struct PointAgreement {
 /// cables.
 ///
 /// * `raw`, `field`: as it was measured, and with lone points replaced
-/// * `deviation`: ‖L·A‖, of the prediction under the errors that drives are made to bear, m/s
+/// * `deviation`: ‖L·A‖, of the prediction under the errors that drives are made to tolerate, m/s
 ///
 /// # Errors
 /// Those of the factorisations.

@@ -112,7 +112,7 @@ pub fn stress_in_time(
 /// A trial in words, and how its cases do.
 type Trial = (String, Vec<TimeMeasure>);
 
-/// The trials that a drive does not bear although it is met without them.
+/// The trials that a drive does not hold although it is met without them.
 fn fragile(rows: &[TimeStressRow]) -> Option<Finding> {
     let (none, tried) = rows
         .split_first()
@@ -135,7 +135,7 @@ fn fragile(rows: &[TimeStressRow]) -> Option<Finding> {
         )
         .list("worst_cold_db", fails.iter().map(|row| row.worst_cold_db))
         .list("worst_hot_db", fails.iter().map(|row| row.worst_hot_db))
-        .help("longer ramps and a drive with more margin bear more"),
+        .help("longer ramps and a drive with more margin tolerate more"),
     )
 }
 

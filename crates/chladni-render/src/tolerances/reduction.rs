@@ -29,5 +29,5 @@ pub const LOSS_OF_GROUND: f64 = 0.005;
 pub const SERVES: f64 = 0.95;
 
 /// The part that a fit of a part of the band may leave out at the drive frequency, over
-/// the mobility: the isotropic error that drives are made to bear.
+/// the mobility: the isotropic error that drives are made to tolerate.
 pub const BAND_ERROR: f64 = 3e-3;
