@@ -4,6 +4,7 @@ use crate::curves::curves;
 use crate::in_time::in_time;
 use chladni_console::input::{expand, read_frf, read_weights, source, Reading};
 use chladni_console::output::{extension_of, make_folder, Output, HTML, PICTURE, TABLE};
+use chladni_console::quoting::shell_path;
 use chladni_console::table::{counted, shortened};
 use chladni_console::{unbroken, Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
@@ -121,6 +122,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 pub struct Contents {
     /// The model; that of the weights where none is named.
     pub model: Option<ModalModel>,
+    /// The name of its file, as one word of a shell; that of standard input is not known.
+    model_file: Option<String>,
     /// The FRFs that it was fitted to.
     pub measured: Option<FrfSet>,
     shown: Vec<ShownWeights>,
@@ -159,7 +162,10 @@ impl Contents {
         for (file, weights) in weights {
             shown.extend(show(&file, weights, model.as_ref(), console)?);
         }
+        let is_named = |file: &&PathBuf| file.as_os_str() != "-";
+        let name = |file: &PathBuf| file.file_name().map(|name| shell_path(Path::new(name)));
         Ok(Self {
+            model_file: model_file.as_ref().filter(is_named).and_then(name),
             model,
             measured,
             shown,
@@ -172,6 +178,7 @@ impl Contents {
         ReportInput {
             title,
             model: self.model.as_ref(),
+            model_file: self.model_file.clone(),
             measured: self.measured.as_ref(),
             scenes: self.shown.iter().map(ShownWeights::scene).collect(),
             tables: self.tables.clone(),

@@ -14,6 +14,9 @@ pub struct ReportInput<'a> {
     pub title: String,
     /// The modal model.
     pub model: Option<&'a ModalModel>,
+    /// The model's file as the commands on the page name it, quoted for a shell; `None`:
+    /// `model.json`.
+    pub model_file: Option<String>,
     /// The FRFs it was fitted to; without them the report shows its synthesis alone.
     pub measured: Option<&'a FrfSet>,
     /// Scenes that were rendered, in order.

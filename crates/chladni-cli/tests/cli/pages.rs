@@ -250,6 +250,11 @@ fn keep_only_sure_is_one_click_and_what_select_reads() {
     assert!(page.text(".sentence").contains(", 1 weak"));
     page.eval("document.querySelector('#keep-sure').click()");
     assert_eq!(page.text("#selection-toml"), "keep = \"sure\"\n");
+    let command = page.text(".selection pre");
+    assert!(
+        command.starts_with("chladni select doubtful.json "),
+        "{command}"
+    );
     folder.write("sure.toml", page.text("#selection-toml"));
     let sure = folder
         .run("select doubtful.json sure.toml -o sure.json --json")

@@ -37,7 +37,7 @@ pub(crate) fn of(input: &ReportInput) -> Result<Value> {
         "sentence": input.model.map(sentence),
         "better_band": input.model.and_then(advised_band).map(|band| band.hz),
         "findings": findings::all(input),
-        "model": input.model.map(model::value),
+        "model": input.model.map(|model| model::value(model, input.model_file.as_deref())),
         "frfs": comparison.as_ref().map(frfs::value),
         "cmif": comparison.as_ref().map(|comparison| diagrams::cmif(comparison, input.measured)).transpose()?,
         "stabilization": input.measured.map(|set| diagrams::stabilization(set, input.model)),
@@ -78,7 +78,7 @@ pub(crate) fn of_draft(model: &ModalModel) -> Value {
         ..ReportInput::default()
     };
     json!({
-        "model": model::value(model),
+        "model": model::value(model, None),
         "terms": frfs::model_terms(model),
         "mac": diagrams::mac(model),
         "geometry": geometry::Geometry::of(&input).as_ref().map(geometry::Geometry::value),

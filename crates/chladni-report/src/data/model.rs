@@ -9,8 +9,9 @@ use chladni_rfp::{mean_phase_deviation_deg, modal_complexity_factor};
 use serde_json::{json, Value};
 
 /// The model as the page uses it.
-pub(crate) fn value(model: &ModalModel) -> Value {
+pub(crate) fn value(model: &ModalModel, file: Option<&str>) -> Value {
     json!({
+        "file": file,
         "facts": facts(model),
         "band_hz": model.band_hz,
         "damping": model.damping,

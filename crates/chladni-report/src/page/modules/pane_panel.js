@@ -34,6 +34,7 @@ export function panelPane(oncancel) {
   measured.append(fieldError, fieldView);
   const inTime = h("div", { id: "in-time" });
   const result = h("div", { id: "result" });
+  const legend = h("div", { id: "level-legend" });
   const element = h("section", { id: "pane-3", class: "pane", tabindex: -1, "aria-label": "Panel" },
     h("div", { class: "pane-head" }, h("h2", {}, "3 Panel"), size, h("span", { class: "gap" }), chip, cancel, h("span", { role: "tablist", class: "segments" }, tabs)), field, measured, time, mode);
   let geometry = null;
@@ -92,7 +93,7 @@ export function panelPane(oncancel) {
     actuators = actuatorList(geometry.reference_names);
     const [x0, y0, x1, y1] = geometry.box;
     size.textContent = `${Math.round(1e3 * (x1 - x0))} × ${Math.round(1e3 * (y1 - y0))} mm`;
-    const bar = h("div", { class: "row legend-row" }, levelBar({ hot: work.limen, cold: -work.limen }, levelMap()), h("span", { class: "muted" }, "▲ hot  • cold  ✕ missed  stripes: not judged"));
+    const bar = h("div", { class: "row legend-row" }, legend, h("span", { class: "muted" }, "▲ hot  • cold  ✕ missed  stripes: not judged"));
     const drive = h("div", { class: "row" }, numbers[0].element, profile.element, h("label", { class: "file", title: "Threshold table, CSV" }, "Table…", file), numbers[1].element, numbers[2].element, actuators.element);
     field.replaceChildren(view.editor.tools, zoneRow, h("div", { class: "board-holder" }, view.editor.element), bar, sweep.element, drive, result);
     showZone(null);
@@ -101,6 +102,7 @@ export function panelPane(oncancel) {
 
   function showWork() {
     [...numbers, ...durations].forEach((one) => one.show());
+    redraw(legend, levelBar({ hot: work.limen, cold: -work.limen }, levelMap()));
     if (!work.burst) showTime(null);
     else if (!inTime.dataset.burst) showTime({ error: "Computing the drive over time …" });
     profile.select.value = work.profile;
