@@ -7,8 +7,10 @@
 
 /// Limits of 95 % of real errors, in error bars: to both sides, and to one side.
 pub(super) const REAL_95: [f64; 2] = [1.9600, 1.6449];
-/// The same of complex errors without a preferred direction; to one side along any line.
-pub(super) const COMPLEX_95: [f64; 2] = [1.7308, 1.1631];
+/// The same of complex errors: without a preferred direction, and to one side where nobody knows the
+/// direction. There it holds 97 % of errors without one, and 92 % of those along the shift. With 1.1631,
+/// 95 % and 88 %: shapes of bursts under a Hann window then held in 0.88.
+pub(super) const COMPLEX_95: [f64; 2] = [1.7308, 1.4];
 
 // filled.rs
 

@@ -1,6 +1,6 @@
 //! From poles to the model file: residues of every FRF, shapes, scaling, error bars.
 
-use crate::damping::bars::{in_either_law, turned_in_either_law};
+use crate::damping::bars::{in_either_case, turned_in_either_case};
 use crate::damping::law::is_rational;
 use crate::damping::synthesis::synthesis;
 use crate::damping::verdict::{shifts, without_decay};
@@ -195,8 +195,8 @@ impl Shaped {
     fn widen_by_other_law(&mut self, decay: f64) {
         for pole in &mut self.poles {
             let [omega, loss, _] = shifts(without_decay(pole.loss_factor, pole.omega, decay));
-            pole.omega_std = in_either_law(pole.omega_std, omega * pole.omega);
-            pole.loss_factor_std = in_either_law(pole.loss_factor_std, loss);
+            pole.omega_std = in_either_case(pole.omega_std, omega * pole.omega);
+            pole.loss_factor_std = in_either_case(pole.loss_factor_std, loss);
         }
     }
 
@@ -217,7 +217,7 @@ impl Shaped {
             let omega = TAU * mode.frequency_hz;
             let [.., turn] = shifts(without_decay(mode.loss_factor, omega, decay));
             widen_scale(mode, |std, size| {
-                let in_both_laws = turned_in_either_law(std, turn * size);
+                let in_both_laws = turned_in_either_case(std, turn * size);
                 in_both_laws.max(std.hypot(unexplained * size))
             });
         }

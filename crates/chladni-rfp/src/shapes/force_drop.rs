@@ -25,8 +25,8 @@ use std::ops::Range;
 pub(crate) struct ForceDrop {
     /// Forces that may be, and their probabilities.
     forces: Vec<(Force, f64)>,
-    /// d of the likeliest.
-    ratio: f64,
+    /// The likeliest one.
+    likeliest: Force,
     /// Its log-likelihood over an even force.
     gain: f64,
     /// Frequencies of the modes that were asked, over ω_max.
@@ -39,14 +39,16 @@ impl ForceDrop {
         !self.forces.is_empty()
     }
 
+    /// The likeliest force, where the residual decides that it drops.
+    pub fn decided(&self) -> Option<Force> {
+        (self.gain >= limits::DROP_DECIDES).then_some(self.likeliest)
+    }
+
     /// The finding, in words; `None` where the force may be even.
     ///
     /// * `hz`: ω_max/2π
     pub fn finding(&self, hz: f64) -> Option<Finding> {
-        if self.gain.is_nan() || self.gain < limits::DROP_DECIDES {
-            return None;
-        }
-        let drop_db = 20.0 * self.ratio.log10();
+        let drop_db = 20.0 * self.decided()?.drop.log10();
         let words = format!(
             "the force drops at resonances, by about {drop_db:.0} dB: the lines of {} mode(s) say \
              so (10^{:.0} times as likely as under an even force); the line shape of the window \
@@ -122,7 +124,7 @@ impl Influence<'_> {
             .filter(|(force, part)| force.drop > 1.0 && *part > limits::FORCE_LEAST);
         Some(ForceDrop {
             forces: probable.collect(),
-            ratio: likeliest.drop,
+            likeliest,
             gain: most,
             asked: modes.iter().map(|(n, _)| self.middle(*n)).collect(),
         })
@@ -174,7 +176,7 @@ impl Influence<'_> {
         if near.len() < 2 * limits::DROP_UNKNOWNS {
             return None;
         }
-        let leaking = self.leaking(n, &[n], &lines)?;
+        let leaking = self.leaking(n, &[n], &lines, None)?;
         let first = lines.iter().position(|k| *k == near[0])?;
         let about = first..first + near.len();
         let residues = matmul(self.rows.slice(s![.., n..=n]).t(), work.b.view());
@@ -188,21 +190,58 @@ impl Influence<'_> {
             let variance = share * self.leaked_on(&leaking, place) + weight * noise;
             (matched.sum::<Complex64>() / power, variance)
         };
-        let outside = self.rows.column(self.lambda.len() + n);
-        let scale = square(outside.iter()).sqrt();
-        let derivative = lines.iter().map(|&k| outside[k].conj() / scale);
-        let derivative = Array2::from_shape_vec((lines.len(), 1), derivative.collect());
-        let q = self.projection.q.select(Axis(0), &lines);
         let seen: Vec<(Complex64, f64)> = about.clone().map(seen).collect();
         let usable = |(seen, variance): &(Complex64, f64)| seen.is_finite() && *variance > 0.0;
         let sound = seen.iter().all(usable) && seen.iter().any(|own| own.0.norm_sqr() > 0.0);
         sound.then(|| Left {
             seen,
-            taken: concatenate![Axis(1), q, derivative.expect("one column")],
+            taken: self.taken(n, &lines),
             unit: leaking.units[0].clone(),
             about,
             lines,
         })
+    }
+
+    /// Part of a column on `lines` that poles and the residue of n take over: its rows.
+    fn taken(&self, n: usize, lines: &[usize]) -> Array2<Complex64> {
+        let outside = self.rows.column(self.lambda.len() + n);
+        let scale = square(outside.iter()).sqrt();
+        let derivative = lines.iter().map(|&k| outside[k].conj() / scale).collect();
+        let derivative = Array1::from_vec(derivative).insert_axis(Axis(1));
+        let q = self.projection.q.select(Axis(0), lines);
+        concatenate![Axis(1), q, derivative]
+    }
+
+    /// The change of a column by a force of which poles and residue take over the part `taken`: what
+    /// stays in the residual.
+    fn stays(
+        &self,
+        leakage: &Leakage,
+        n: usize,
+        (lines, taken): (&Lines, &Array2<Complex64>),
+        force: &Force,
+    ) -> Array1<Complex64> {
+        let by_force = |s: Complex64, y: f64| leakage.by_force(s, y, force);
+        let change = Array1::from(self.changed(n, lines, &by_force)).insert_axis(Axis(1));
+        let part = matmul_h(taken.view(), change.view());
+        (&change - &matmul(taken.view(), part.view())).remove_axis(Axis(1))
+    }
+
+    /// What a drop of the force leaves of the column of the mode n on `lines`, where it is `unit` over
+    /// 1/(jω − s).
+    pub fn left_by_drop(
+        &self,
+        n: usize,
+        lines: &[usize],
+        unit: &[Complex64],
+        force: &Force,
+    ) -> Option<Array1<Complex64>> {
+        let taken = self.taken(n, lines);
+        let lines = Lines {
+            places: lines,
+            unit,
+        };
+        Some(self.stays(self.continuous()?, n, (&lines, &taken), force))
     }
 
     /// Log-likelihood of a force over an even one; the level of errors is free.
@@ -211,13 +250,10 @@ impl Influence<'_> {
             places: &left.lines,
             unit: &left.unit,
         };
-        let by_force = |s: Complex64, y: f64| leakage.by_force(s, y, force);
-        let change = Array1::from(self.changed(n, &lines, &by_force)).insert_axis(Axis(1));
-        let part = matmul_h(left.taken.view(), change.view());
-        let stays = &change - &matmul(left.taken.view(), part.view());
+        let stays = self.stays(leakage, n, (&lines, &left.taken), force);
         let (mut before, mut after) = (0.0, f64::MIN_POSITIVE);
-        let stays = stays.slice(s![left.about.clone(), 0]);
-        for (&(seen, variance), stays) in left.seen.iter().zip(stays) {
+        for (&(seen, variance), stays) in left.seen.iter().zip(stays.slice(s![left.about.clone()]))
+        {
             before += seen.norm_sqr() / variance;
             after += (seen - stays).norm_sqr() / variance;
         }

@@ -2,6 +2,7 @@
 
 use crate::damping::columns::{leaking_pole, resonance};
 use crate::data::window::band::{Band, Leak};
+use crate::data::window::kernel::Force;
 use crate::shapes::influence::Influence;
 use num_complex::Complex64;
 
@@ -16,11 +17,14 @@ pub(super) struct LeakageIntoLines<'a> {
 
 impl Influence<'_> {
     /// Leakage of `poles` into `lines` about the mode n; `None` where nothing leaks.
+    ///
+    /// * `drop`: the force, where it drops at the resonance of n
     pub fn leaking(
         &self,
         n: usize,
         poles: &[usize],
         lines: &[usize],
+        drop: Option<Force>,
     ) -> Option<LeakageIntoLines<'_>> {
         let (work, middle) = (self.found.work, self.middle(n));
         let y: Vec<f64> = lines.iter().map(|&k| work.x[k].sqrt()).collect();
@@ -30,8 +34,10 @@ impl Influence<'_> {
             .collect();
         let slowest = s.iter().map(|s| -s.re).fold(f64::MAX, f64::min);
         let cycles = y.iter().map(|y| self.errors.cycles(y - middle)).collect();
-        let band = self.errors.band(cycles, slowest)?;
         let offset = |s: &Complex64| s - Complex64::new(0.0, middle);
+        let own = leaking_pole(work.law, self.lambda[n]).s;
+        let drop = drop.map(|force| self.errors.dropping(force, offset(&own)));
+        let band = self.errors.band(cycles, slowest, drop)?;
         let leaks = s.iter().map(|s| band.leak(offset(s))).collect();
         // the column of a pole over 1/(jω − s), with the weight of the line
         let unit = |(&m, s): (&usize, &Complex64)| -> Vec<Complex64> {

@@ -24,6 +24,8 @@ pub(super) struct Moments {
     pub leaked: Vec<Array2<Complex64>>,
     /// Variances of Re λ and Im λ of the mode's own pole.
     pub pole: [f64; 2],
+    /// Mean squares of the shifts of Re λ and Im λ by a force that drops.
+    pub pole_shift: [f64; 2],
 }
 
 /// Variance of leakage over that in one block.
@@ -35,6 +37,11 @@ pub(super) struct LeakageShare {
     pub own: f64,
 }
 
+/// Mean squares of real and imaginary part, from E|δ|² and E δ².
+fn sides((whole, twice): (f64, Complex64)) -> [f64; 2] {
+    [whole + twice.re, whole - twice.re].map(|v| (0.5 * v).max(0.0))
+}
+
 impl Influence<'_> {
     /// 1/M by the residual about modes: without the noise of the force, and with it. The fit
     /// absorbs an unknown part of that noise, so the first is too small.
@@ -43,13 +50,16 @@ impl Influence<'_> {
     pub fn share_of_leakage(&self, drop: Option<&ForceDrop>) -> [f64; 2] {
         let work = self.found.work;
         let products = self.of_all();
+        let force = drop.and_then(ForceDrop::decided);
         let (mut seen, mut noise, mut foretold) = (0.0, 0.0, 0.0);
         for n in (0..self.lambda.len()).filter(|&n| work.in_band(self.lambda[n])) {
             let width = self.errors.cycles(self.lambda[n].im / self.middle(n));
             let lines = self.lines_about(n, width.max(limits::LEAK_SEEN));
-            let Some(leaking) = self.leaking(n, &[n], &lines) else {
+            let Some(leaking) = self.leaking(n, &[n], &lines, force) else {
                 continue;
             };
+            let of_drop =
+                force.and_then(|force| self.left_by_drop(n, &lines, &leaking.units[0], &force));
             let shared = match self.shared.over_lines {
                 true => self.shared_near(n, drop),
                 false => Vec::new(),
@@ -57,6 +67,9 @@ impl Influence<'_> {
             for (place, &k) in lines.iter().enumerate() {
                 foretold += self.leaked_on(&leaking, place) * products[[n, n]].re;
                 seen += self.left[k];
+                if let Some(of_drop) = &of_drop {
+                    seen -= of_drop[place].norm_sqr() * products[[n, n]].re;
+                }
                 if let Some(shared) = shared.get(k) {
                     noise += shared * self.power(k);
                 }
@@ -84,7 +97,7 @@ impl Influence<'_> {
             let lines = self.lines_about(n, limits::LEAK_CYCLES).into_iter();
             let beside = lines.filter(|&k| apart(k) >= limits::BESIDE_CYCLES);
             let line = beside.min_by(|&a, &b| apart(a).total_cmp(&apart(b)))?;
-            let leaking = self.leaking(n, &[n], &[line])?;
+            let leaking = self.leaking(n, &[n], &[line], None)?;
             let s = leaking_pole(work.law, self.lambda[n]).s;
             let column = leaking.units[0][0] / (Complex64::new(0.0, work.x[line].sqrt()) - s);
             Some(self.leaked_on(&leaking, 0) / (blocks * column.norm_sqr()))
@@ -125,12 +138,20 @@ impl Influence<'_> {
         let mut leaked = vec![Array2::zeros((2 * size, 2 * size)); self.forces];
         leaked[0].slice_mut(s![size.., size..]).assign(&of_poles);
         let Some(place) = near.iter().position(|&m| m == n) else {
-            let pole = [f64::INFINITY; 2];
-            return Moments { near, leaked, pole };
+            return Moments {
+                near,
+                leaked,
+                pole: [f64::INFINITY; 2],
+                pole_shift: [0.0; 2],
+            };
         };
-        let (mut whole, mut twice) = (of_poles[[place, place]].re, Complex64::ZERO);
+        // E|δ|² and E δ² of errors, and of what a drop shifts
+        let mut errors = (of_poles[[place, place]].re, Complex64::ZERO);
+        let mut shift = (0.0, Complex64::ZERO);
         let lines = self.lines_about(n, limits::LEAK_CYCLES);
-        let leaking = self.leaking(n, &near, &lines).filter(|_| share.all > 0.0);
+        let force = drop.and_then(ForceDrop::decided);
+        let leaking = self.leaking(n, &near, &lines, force);
+        let leaking = leaking.filter(|_| share.all > 0.0);
         let of_drop = match (&leaking, drop) {
             (Some(leaking), Some(drop)) => {
                 self.moments_of_drop((n, &near), (&lines, leaking), drop)
@@ -141,23 +162,27 @@ impl Influence<'_> {
             let products = &self.of_forces[force];
             if !shared.is_empty() {
                 let of_shared = self.of_shared((n, &near), shared, products);
-                whole += of_shared[[size + place, size + place]].re;
+                errors.0 += of_shared[[size + place, size + place]].re;
                 *leaked += &of_shared;
             }
             let Some(leaking) = &leaking else { continue };
             let forms = self.forms((n, &near), &lines, leaking, products);
             let straight = leaking.band.covariance(&forms);
-            whole += share.all * straight[[size + place, size + place]].re;
-            twice += share.own * leaking.band.mean_square(&forms[size + place]);
+            errors.0 += share.all * straight[[size + place, size + place]].re;
+            errors.1 += share.own * leaking.band.mean_square(&forms[size + place]);
             leaked.scaled_add(share.all.into(), &straight);
             if let Some((of_drop, of_pole)) = of_drop.get(force) {
-                whole += of_drop[[size + place, size + place]].re;
-                twice += of_pole;
+                shift.0 += of_drop[[size + place, size + place]].re;
+                shift.1 += of_pole;
                 *leaked += of_drop;
             }
         }
-        let pole = [0.5 * (whole + twice.re), 0.5 * (whole - twice.re)].map(|v| v.max(0.0));
-        Moments { near, leaked, pole }
+        Moments {
+            near,
+            leaked,
+            pole: sides(errors),
+            pole_shift: sides(shift),
+        }
     }
 
     /// Moments of the same sums by errors that are FRFs times a number of each line, the same

@@ -1,6 +1,7 @@
 //! Error bars from errors that neighbouring lines, and FRFs measured at once, share
 //! (theory.md, eq. F4e).
 
+use crate::damping::bars::in_either_case;
 use crate::data::window::block_errors::BlockErrors;
 use crate::poles::pole::Pole;
 use crate::shapes::error_bars::ShapeBars;
@@ -17,7 +18,7 @@ use rayon::prelude::*;
 
 /// The error bars of one term from one model of the errors.
 struct LineBars {
-    /// Variances of Re λ and Im λ.
+    /// Error bars of Re λ and Im λ.
     pole: [f64; 2],
     /// Standard deviation of each response.
     shape: Vec<f64>,
@@ -63,7 +64,7 @@ impl TermBars {
         let per_unit = [0.5 / pole.omega, pole.omega.powi(-2)];
         let sizes = [&mut pole.omega_std, &mut pole.loss_factor_std];
         for (side, size) in sizes.into_iter().enumerate() {
-            let of = |bars: &LineBars| bars.pole[side].sqrt() * per_unit[side];
+            let of = |bars: &LineBars| bars.pole[side] * per_unit[side];
             keep.replace(size, of(&new), white.map(of));
         }
         for (i, &of_response) in new.shape.iter().enumerate() {
@@ -166,11 +167,17 @@ impl Influence<'_> {
             None => whole,
         };
         let force_drop = self.force_drop(believed(self.share_of_leakage(None)));
-        // noise of a force that drops is loudest where leakage is
-        let all = believed(self.share_of_leakage(force_drop.as_ref()));
-        let own = match self.found.data.references.len() {
-            1 => all,
-            _ => of_blocks.map_or(all, |share| all.min(share)),
+        let only_force = self.found.data.references.len() == 1;
+        let drops = force_drop.as_ref().and_then(ForceDrop::decided).is_some();
+        let all = match of_blocks {
+            // the residual holds what the likeliest drop misses of the true one, too
+            Some(share) if only_force && drops && !self.shared.over_lines => share,
+            // noise of a force that drops is loudest where leakage is
+            _ => believed(self.share_of_leakage(force_drop.as_ref())),
+        };
+        let own = match only_force {
+            true => all,
+            false => of_blocks.map_or(all, |share| all.min(share)),
         };
         (LeakageShare { all, own }, force_drop)
     }
@@ -281,7 +288,10 @@ impl Influence<'_> {
             scale.factor.norm() * all.max(0.0).sqrt()
         };
         LineBars {
-            pole: moments.pole,
+            pole: [0, 1].map(|side| {
+                let [std, shift] = [moments.pole, moments.pole_shift].map(|v| v[side].sqrt());
+                in_either_case(std, shift)
+            }),
             shape: (0..x.len()).map(of_response).collect(),
             scale: scale_variance.sqrt(),
         }

@@ -10,23 +10,71 @@
 //! E|δ|² = (1/M) Σ_d (1 − |d|/M) Σ K(t, t′)·K*(t − dh, t′ − dh)
 //! E δ²  = (1/M) Σ_d (1 − |d|/M) Σ K(t, t′)·K(t′ − dh, t − dh)
 //!
-//! The second is not zero, because the errors of real and imaginary part differ. Force and poles are
-//! taken in a band about one frequency, on [`limits::RECORD_POINTS`] places of a record.
+//! The second is not zero, because the errors of real and imaginary part differ. A force that drops at a
+//! resonance follows a white one e; the forms are then those of e. Force and poles are taken in a band about one frequency, on [`limits::RECORD_POINTS`] places of a record.
 
 use crate::data::limits;
 use crate::data::window::block_errors::BlockErrors;
+use crate::data::window::kernel::Force;
 use chladni_linalg::matmul;
-use ndarray::{s, Array2, ArrayView1};
+use ndarray::{s, Array1, Array2, ArrayView1};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+/// A force that drops at one resonance, made of one of even spectrum e (theory.md, after eq. F4d):
+/// f_t = p·f_{t−1} + gain·(e_t − q·e_{t−1}).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DroppingForce {
+    p: Complex64,
+    q: Complex64,
+    gain: f64,
+    /// Power of the noise with which it is read, over that of the force beside resonances.
+    noise: f64,
+}
+
+impl DroppingForce {
+    /// Weights of e that sum up to what these weights of f do, on all lines.
+    fn in_even_force(&self, mut weights: Array2<Complex64>) -> Array2<Complex64> {
+        let mut later = Array1::<Complex64>::zeros(weights.ncols());
+        for mut row in weights.rows_mut().into_iter().rev() {
+            for (weight, later) in row.iter_mut().zip(&mut later) {
+                let own = *weight;
+                *weight = self.gain * (own + (self.p - self.q) * *later);
+                *later = own + self.p * *later;
+            }
+        }
+        weights
+    }
+}
+
 impl BlockErrors {
+    /// The `force` that drops at the resonance of s.
+    ///
+    /// * `offset`: s less the middle of the band, over ω_max
+    pub fn dropping(&self, force: Force, offset: Complex64) -> DroppingForce {
+        let step = self.record / limits::RECORD_POINTS as f64;
+        let [p, q] = [force.drop, 1.0]
+            .map(|drop| (Complex64::new(drop * offset.re, offset.im) * step).exp());
+        DroppingForce {
+            p,
+            q,
+            gain: (1.0 - p.norm()) / (1.0 - q.norm()) / force.drop,
+            noise: force.noise,
+        }
+    }
+
     /// A band of lines; `None` without a force that leaks.
     ///
     /// * `cycles`: per record, from the middle of the band to each line
     /// * `decay`: −Re s over ω_max of the slowest pole
-    pub fn band(&self, cycles: Vec<f64>, decay: f64) -> Option<Band<'_>> {
+    /// * `drop`: the force, where it is not even
+    pub fn band(
+        &self,
+        cycles: Vec<f64>,
+        decay: f64,
+        drop: Option<DroppingForce>,
+    ) -> Option<Band<'_>> {
         let force = self.force.as_ref()?;
         let points = limits::RECORD_POINTS;
         let memory = limits::MEMORY_NEPERS / (decay * self.record).max(limits::DECAY_LEAST_NEPERS);
@@ -34,17 +82,34 @@ impl BlockErrors {
             true => 0,
             false => (memory.min(limits::MEMORY_RECORDS) * points as f64).ceil() as usize,
         };
+        let followed = match drop {
+            Some(drop) => (-limits::MEMORY_NEPERS / drop.p.norm().ln()).ceil() as usize,
+            None => 0,
+        };
+        let before = followed.min(remembered);
         let turns = Array2::from_shape_fn((points, cycles.len()), |(t, k)| {
             Complex64::from_polar(1.0, TAU * cycles[k] * t as f64 / points as f64)
         });
-        let power = force.iter().map(|w| w * w).sum();
+        let mut spectra = Array2::zeros((before + points, cycles.len()));
+        for ((t, k), turn) in turns.indexed_iter() {
+            spectra[[before + t, k]] = force[t] * turn.conj();
+        }
+        let mut noise = 0.0;
+        if let Some(drop) = drop {
+            noise = drop.noise * force.iter().map(|w| w * w).sum::<f64>();
+            spectra = drop.in_even_force(spectra);
+        }
+        let power = |column: ArrayView1<Complex64>| -> f64 {
+            column.iter().map(|x| x.norm_sqr()).sum::<f64>() + noise
+        };
         Some(Band {
             errors: self,
-            force,
-            cycles,
+            powers: spectra.columns().into_iter().map(power).collect(),
+            spectra,
             turns,
+            drop,
+            before,
             remembered,
-            power,
         })
     }
 }
@@ -52,22 +117,26 @@ impl BlockErrors {
 /// Lines in a band about one frequency.
 pub(crate) struct Band<'a> {
     errors: &'a BlockErrors,
-    force: &'a [f64],
-    /// Cycles per record from the middle of the band to each line.
-    cycles: Vec<f64>,
     /// e^{jω_k t}, (place, line).
     turns: Array2<Complex64>,
-    /// Number of places before a record whose force the response remembers.
+    /// What the even force at each place adds to the spectrum of a record, (place, line). Places
+    /// before the record come first.
+    spectra: Array2<Complex64>,
+    /// Mean square of the spectrum on each line.
+    powers: Vec<f64>,
+    /// The force, where it is not even.
+    drop: Option<DroppingForce>,
+    /// Number of places before a record from which the force depends on the even one.
+    before: usize,
+    /// The same for the response.
     remembered: usize,
-    /// Σ w_x².
-    power: f64,
 }
 
-/// Unexplained response on each line to the force at each place: (place, line). Places before the
-/// record come first.
+/// Unexplained response on each line to the even force at each place: (place, line). Places before
+/// the record come first.
 pub(crate) struct Leak(Array2<Complex64>);
 
-/// A quadratic form K of the force: (place of f*, place of f).
+/// A quadratic form K of the even force: (place of f*, place of f).
 pub(crate) struct Form(Array2<Complex64>);
 
 impl Band<'_> {
@@ -75,41 +144,33 @@ impl Band<'_> {
     ///
     /// * `offset`: s less the middle of the band, over ω_max
     pub fn leak(&self, offset: Complex64) -> Leak {
-        let points = self.force.len();
-        let rate = offset * self.errors.record / points as f64;
-        let (step, unit) = (rate.exp(), self.errors.record / points as f64);
-        let response = &self.errors.response;
-        // correlation of both windows
-        let correlation: Vec<f64> = (0..points)
-            .map(|lag| {
-                let both = (lag..points).map(|t| response[t] * self.force[t - lag]);
-                both.sum::<f64>() / self.power
-            })
-            .collect();
-        let mut all = Array2::zeros((self.remembered + points, self.cycles.len()));
-        for (k, &cycles) in self.cycles.iter().enumerate() {
-            let turn = Complex64::from_polar(1.0, -TAU * cycles / points as f64);
-            let mut mean = Complex64::from(-0.5 * correlation[0]);
-            let mut factor = Complex64::ONE;
-            for value in &correlation {
-                mean += value * factor;
-                factor *= step * turn;
-            }
+        let points = limits::RECORD_POINTS;
+        let unit = self.errors.record / points as f64;
+        let step = (offset * unit).exp();
+        let mut all = Array2::zeros((self.remembered + points, self.powers.len()));
+        for (k, mut line) in all.columns_mut().into_iter().enumerate() {
             // response to a force at this place, over the rest of the record
             let mut later = Complex64::default();
             for place in (0..points).rev() {
-                let back = self.turns[[place, k]].conj();
-                let here = response[place] * back;
+                let here = self.errors.response[place] * self.turns[[place, k]].conj();
                 later = here + step * later;
                 if place < self.errors.driven {
-                    let unexplained = later - 0.5 * here - mean * self.force[place] * back;
-                    all[[self.remembered + place, k]] = unit * unexplained;
+                    line[self.remembered + place] = unit * (later - 0.5 * here);
                 }
             }
             for place in (0..self.remembered).rev() {
                 later *= step;
-                all[[place, k]] = unit * later;
+                line[place] = unit * later;
             }
+        }
+        if let Some(drop) = &self.drop {
+            all = drop.in_even_force(all);
+        }
+        let mut with_force = all.slice_mut(s![self.remembered - self.before.., ..]);
+        for (k, spectrum) in self.spectra.columns().into_iter().enumerate() {
+            let mut line = with_force.column_mut(k);
+            let mean = dot_conjugate(line.view(), spectrum) / self.powers[k];
+            line.zip_mut_with(&spectrum, |leak, x| *leak -= mean * x);
         }
         Leak(all)
     }
@@ -117,7 +178,7 @@ impl Band<'_> {
     /// The form of the error Σ_k Σ weight(k)·leak(k), summed over `parts` (weights of lines, leak).
     pub fn form<'b>(&self, parts: impl Iterator<Item = (Vec<Complex64>, &'b Leak)>) -> Form {
         let mut weighted_leaks: Array2<Complex64> =
-            Array2::zeros((self.cycles.len(), self.remembered + self.force.len()));
+            Array2::zeros((self.powers.len(), self.remembered + limits::RECORD_POINTS));
         for (weights, Leak(leak)) in parts {
             for ((mut row, weight), column) in
                 (weighted_leaks.rows_mut().into_iter().zip(weights)).zip(leak.columns())
@@ -125,20 +186,21 @@ impl Band<'_> {
                 row.zip_mut_with(&column, |sum, value| *sum += weight * value);
             }
         }
-        let mut form = matmul(self.turns.view(), weighted_leaks.view());
-        for (mut row, w) in form.rows_mut().into_iter().zip(self.force) {
-            row.mapv_inplace(|v| v * (w / self.power));
+        for (mut row, power) in weighted_leaks.rows_mut().into_iter().zip(&self.powers) {
+            row.mapv_inplace(|v| v / power);
         }
+        let conjugate = self.spectra.mapv(|x| x.conj());
+        let form = matmul(conjugate.view(), weighted_leaks.view());
         // rows contiguous in memory, whatever the layout of the product
         Form(form.as_standard_layout().to_owned())
     }
 
     /// E δ_a·δ_b* of the errors with these forms, per block.
     pub fn covariance(&self, forms: &[Form]) -> Array2<Complex64> {
-        let (points, columns) = (self.force.len(), self.remembered + self.force.len());
+        let [rows, columns] = [self.before, self.remembered].map(|n| n + limits::RECORD_POINTS);
         let mut all = Array2::<Complex64>::zeros((forms.len(), forms.len()));
         for (shift, weight) in self.errors.shifts() {
-            let (rows, range) = (overlap(points, shift), overlap(columns, shift));
+            let (rows, range) = (overlap(rows, shift), overlap(columns, shift));
             for (a, Form(form)) in forms.iter().enumerate() {
                 for (b, Form(other)) in forms[..=a].iter().enumerate() {
                     let each = rows.clone().map(|t| {
@@ -160,16 +222,19 @@ impl Band<'_> {
 
     /// E δ² of the error with this form, per block.
     pub fn mean_square(&self, Form(form): &Form) -> Complex64 {
-        let (points, before) = (self.force.len() as isize, self.remembered as isize);
+        let points = limits::RECORD_POINTS as isize;
+        let [before, remembered] = [self.before, self.remembered].map(|n| n as isize);
         let of_shift = |(shift, weight): (isize, f64)| -> Complex64 {
             // K(t, t′)·K(t′ − shift, t − shift): the places change roles
-            let rows = (shift - before).max(0)..points.min(points + shift);
-            let columns = shift.max(-before)..points.min(points + shift);
+            let end = points.min(points + shift);
+            let rows = (shift - remembered).max(-before)..end;
+            let columns = (shift - before).max(-remembered)..end;
             let each = rows.map(|t| {
-                let row = form.slice(s![t, columns.start + before..columns.end + before]);
+                let from_first = columns.start + remembered..columns.end + remembered;
+                let row = form.slice(s![t + before, from_first]);
                 let transposed = s![
-                    columns.start - shift..columns.end - shift,
-                    t - shift + before
+                    columns.start - shift + before..columns.end - shift + before,
+                    t - shift + remembered
                 ];
                 dot(row, form.slice(transposed))
             });
@@ -210,12 +275,13 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// E δ² and E|δ|² of the error of a pole, foretold and found in records of `blocks` blocks.
-    fn moments(errors: &BlockErrors, blocks: usize) -> [(Complex64, Complex64); 2] {
-        const DRAWS: usize = 1500;
-        let points = limits::RECORD_POINTS;
-        let weights_of_force = errors.force.as_ref().unwrap();
-        let power: f64 = weights_of_force.iter().map(|w| w * w).sum();
+    /// E δ² and E|δ|² of the error of a pole, foretold and found in records of `blocks` blocks
+    /// under a force that drops by `drop`.
+    fn moments(
+        errors: &BlockErrors,
+        blocks: usize,
+        drop: Option<f64>,
+    ) -> [(Complex64, Complex64); 2] {
         // one and a half lines per half-power bandwidth, between two lines
         let offset = Complex64::new(-1.5 * std::f64::consts::PI, 0.3 * TAU) / RECORD;
         let cycles: Vec<f64> = (-4..=4).map(f64::from).collect();
@@ -225,68 +291,93 @@ mod tests {
             place.powi(-2).conj()
         };
         let weights: Vec<Complex64> = cycles.iter().map(weight).collect();
-        let band = errors.band(cycles.clone(), -offset.re).unwrap();
+        let force = drop.map(|drop| errors.dropping(Force { drop, noise: 0.0 }, offset));
+        let band = errors.band(cycles.clone(), -offset.re, force).unwrap();
         let leak = band.leak(offset);
         let form = band.form(std::iter::once((weights.clone(), &leak)));
         let foretold = [band.mean_square(&form), band.covariance(&[form])[[0, 0]]];
 
-        let (step, unit) = (
-            (offset * RECORD / points as f64).exp(),
-            RECORD / points as f64,
-        );
-        let mean = |cycles: f64| -> Complex64 {
-            let lag = |lag: usize| {
-                let both = |t: usize| errors.response[t] * weights_of_force[t - lag];
-                let rho: f64 = (lag..points).map(both).sum();
-                let half = if lag == 0 { 0.5 } else { 1.0 };
-                let turn = -TAU * cycles * lag as f64 / points as f64;
-                half * unit * rho / power * step.powi(lag as i32) * Complex64::from_polar(1.0, turn)
-            };
-            (0..points).map(lag).sum()
-        };
-        let means: Vec<Complex64> = cycles.iter().map(|c| mean(*c)).collect();
         let mut random = ChaCha8Rng::seed_from_u64(3);
+        let spectra: Vec<Vec<[Complex64; 2]>> = (0..DRAWS)
+            .map(|_| simulated(errors, blocks, offset, force, &cycles, &mut random))
+            .collect();
+        // both sums over all tests, of each line
+        let sum = |k: usize, of: fn(&[Complex64; 2]) -> Complex64| -> Complex64 {
+            let each = spectra.iter().flatten().skip(k).step_by(cycles.len());
+            each.map(of).sum()
+        };
+        let power: Vec<Complex64> = (0..cycles.len())
+            .map(|k| sum(k, |[x, _]| x * x.conj()))
+            .collect();
+        let column: Vec<Complex64> = (0..cycles.len())
+            .map(|k| sum(k, |[x, y]| x.conj() * y) / power[k])
+            .collect();
         let mut found = [Complex64::default(); 2];
-        // records at rest have a force at the first places alone
-        let settled = if errors.rest { 0 } else { 4 * points };
-        for _ in 0..DRAWS {
-            let mut normal = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
-            let samples = settled + (blocks - 1) * errors.hop + points;
-            let force: Vec<Complex64> = (0..samples)
-                .map(|t| match t % points < errors.driven {
-                    true => Complex64::new(normal(), normal()) / 2f64.sqrt(),
-                    false => Complex64::ZERO,
-                })
-                .collect();
-            let mut state = Complex64::default();
-            let next = |(t, f): (usize, &Complex64)| {
-                if errors.rest && t % points == 0 {
-                    state = Complex64::ZERO;
-                }
-                let before = step * state;
-                state = before + f;
-                unit * (before + 0.5 * f)
+        for spectra in &spectra {
+            let of = |(n, [x, y]): (usize, &[Complex64; 2])| {
+                let k = n % cycles.len();
+                weights[k] * x.conj() * (y - column[k] * x) / power[k]
             };
-            let response: Vec<Complex64> = force.iter().enumerate().map(next).collect();
-            let mut error = Complex64::default();
-            for block in 0..blocks {
-                let first = settled + block * errors.hop;
-                for ((cycles, mean), weight) in cycles.iter().zip(&means).zip(&weights) {
-                    let of = |samples: &[Complex64], window: &[f64]| -> Complex64 {
-                        let turn = -TAU * cycles / points as f64;
-                        let each = samples[first..].iter().zip(window).enumerate();
-                        each.map(|(t, (v, w))| v * Complex64::from_polar(*w, turn * t as f64))
-                            .sum()
-                    };
-                    let x = of(&force, weights_of_force);
-                    let y = of(&response, &errors.response);
-                    error += weight * x.conj() * (y - mean * x) / (power * blocks as f64);
-                }
-            }
+            let error = DRAWS as f64 * spectra.iter().enumerate().map(of).sum::<Complex64>();
             found[0] += error * error / DRAWS as f64;
             found[1] += error.norm_sqr() / DRAWS as f64;
         }
         [0, 1].map(|k| (foretold[k] / blocks as f64, found[k]))
+    }
+
+    const DRAWS: usize = 1500;
+
+    /// Windowed spectra of force and response: the lines of each block.
+    fn simulated(
+        errors: &BlockErrors,
+        blocks: usize,
+        offset: Complex64,
+        drop: Option<DroppingForce>,
+        cycles: &[f64],
+        random: &mut ChaCha8Rng,
+    ) -> Vec<[Complex64; 2]> {
+        let points = limits::RECORD_POINTS;
+        let unit = RECORD / points as f64;
+        let step = (offset * unit).exp();
+        // records at rest have a force at the first places alone
+        let settled = if errors.rest { 0 } else { 4 * points };
+        let samples = settled + (blocks - 1) * errors.hop + points;
+        let mut normal = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
+        let mut even = Complex64::ZERO;
+        let [mut force, mut state] = [Complex64::ZERO; 2];
+        let next = |t: usize| -> [Complex64; 2] {
+            let before = match errors.rest && t.is_multiple_of(points) {
+                true => Complex64::ZERO,
+                false => step * state,
+            };
+            let last = even;
+            even = match t % points < errors.driven || !errors.rest {
+                true => Complex64::new(normal(), normal()) / 2f64.sqrt(),
+                false => Complex64::ZERO,
+            };
+            force = match drop {
+                Some(DroppingForce { p, q, gain, .. }) => p * force + gain * (even - q * last),
+                None => even,
+            };
+            state = before + force;
+            [force, unit * (before + 0.5 * force)]
+        };
+        let all: Vec<[Complex64; 2]> = (0..samples).map(next).collect();
+        let windows = [errors.force.as_ref().unwrap(), &errors.response];
+        let line = |block: usize, cycles: f64| {
+            let record = &all[settled + block * errors.hop..][..points];
+            let turn =
+                |t: usize| Complex64::from_polar(1.0, -TAU * cycles * t as f64 / points as f64);
+            [0, 1].map(|channel| -> Complex64 {
+                let each = record.iter().zip(windows[channel]).enumerate();
+                each.map(|(t, (values, w))| values[channel] * turn(t) * *w)
+                    .sum()
+            })
+        };
+        (0..blocks)
+            .flat_map(|block| cycles.iter().map(move |cycles| (block, *cycles)))
+            .map(|(block, cycles)| line(block, cycles))
+            .collect()
     }
 
     #[test]
@@ -298,20 +389,24 @@ mod tests {
         };
         let bursts_in_hann = Window::HannBurst { part: 0.75 };
         let cases = [
-            (Window::Hann, overlapped, 12),
-            (Window::Burst { part: 0.75 }, bursts, 4),
-            (bursts_in_hann, bursts, 4),
+            (Window::Hann, overlapped, 12, None),
+            (Window::Hann, overlapped, 12, Some(4.0)),
+            (Window::Burst { part: 0.75 }, bursts, 4, None),
+            (bursts_in_hann, bursts, 4, None),
         ];
-        for (window, made, blocks) in cases {
+        for (window, made, blocks, drop) in cases {
             let errors = BlockErrors::new(Some(window), Some(&made), 0.0, RECORD).unwrap();
-            let all = moments(&errors, blocks);
+            let all = moments(&errors, blocks, drop);
             let [twice, whole] = all;
-            assert!(twice.0.norm() > 0.2 * whole.0.re, "{window}: {all:?}");
+            assert!(
+                twice.0.norm() > 0.2 * whole.0.re,
+                "{window}, {drop:?}: {all:?}"
+            );
             for (foretold, found) in all {
                 let off = (found - foretold).norm();
                 assert!(
                     off < 0.1 * foretold.norm(),
-                    "{window}: {found} for {foretold}"
+                    "{window}, {drop:?}: {found} for {foretold}"
                 );
             }
         }
