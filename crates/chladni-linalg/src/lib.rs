@@ -28,8 +28,8 @@
 //!
 //! Real or complex ([`Scalar`]). Errors are [`LinalgError`].
 //!
-//! Every function runs on one thread; parallel work belongs outside, where it is
-//! deterministic.
+//! Functions of this page run on one thread. Those of `blocked`, for the other crates, run
+//! on all threads of rayon, in blocks whose size does not depend on the number of threads.
 
 mod back_ends;
 #[cfg(not(feature = "system"))]
@@ -89,6 +89,18 @@ pub enum LinalgError {
         /// Rows and columns of the second.
         right: (usize, usize),
     },
+    /// A matrix of the wrong shape.
+    #[error("{operation}: a matrix of {rows} × {columns} {wrong}")]
+    WrongShape {
+        /// Kernel.
+        operation: &'static str,
+        /// Rows.
+        rows: usize,
+        /// Columns.
+        columns: usize,
+        /// The part of a sentence that says what is wrong.
+        wrong: &'static str,
+    },
     /// Cholesky met a pivot that is not positive.
     #[error("the matrix of size {size} is not positive definite")]
     NotPositiveDefinite {
@@ -128,14 +140,28 @@ fn finite<T: Scalar>(operation: &'static str, a: &ArrayView2<T>) -> Result<()> {
 }
 
 fn square<T>(operation: &'static str, a: &ArrayView2<T>) -> Result<()> {
-    if a.nrows() == a.ncols() {
-        Ok(())
-    } else {
-        Err(LinalgError::Shape {
+    shaped(operation, a, a.nrows() == a.ncols(), "is not square")
+}
+
+fn tall<T>(operation: &'static str, a: &ArrayView2<T>) -> Result<()> {
+    let holds = a.nrows() >= a.ncols();
+    shaped(operation, a, holds, "has fewer rows than columns")
+}
+
+fn shaped<T>(
+    operation: &'static str,
+    a: &ArrayView2<T>,
+    holds: bool,
+    wrong: &'static str,
+) -> Result<()> {
+    match holds {
+        true => Ok(()),
+        false => Err(LinalgError::WrongShape {
             operation,
-            left: a.dim(),
-            right: a.dim(),
-        })
+            rows: a.nrows(),
+            columns: a.ncols(),
+            wrong,
+        }),
     }
 }
 
@@ -219,13 +245,7 @@ pub fn set_matmul_h<T: Scalar>(mut c: ArrayViewMut2<T>, a: ArrayView2<T>, b: Arr
 /// Non-finite input; fewer rows than columns.
 pub fn qr_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<T>)> {
     finite("QR", &a)?;
-    if a.nrows() < a.ncols() {
-        return Err(LinalgError::Shape {
-            operation: "QR",
-            left: a.dim(),
-            right: a.dim(),
-        });
-    }
+    tall("QR", &a)?;
     if a.ncols() == 0 {
         return Ok((Array2::zeros((a.nrows(), 0)), Array2::zeros((0, 0))));
     }
@@ -238,13 +258,7 @@ pub fn qr_thin<T: Scalar>(a: ArrayView2<T>) -> Result<(Array2<T>, Array2<T>)> {
 /// As [`qr_thin`].
 pub fn qr_r<T: Scalar>(a: ArrayView2<T>) -> Result<Array2<T>> {
     finite("QR", &a)?;
-    if a.nrows() < a.ncols() {
-        return Err(LinalgError::Shape {
-            operation: "QR",
-            left: a.dim(),
-            right: a.dim(),
-        });
-    }
+    tall("QR", &a)?;
     if a.ncols() == 0 {
         return Ok(Array2::zeros((0, 0)));
     }

@@ -8,7 +8,7 @@ use chladni_linalg::LinalgError;
 /// they lie too far apart for arithmetic of sixteen digits. Sizes that do not fit are a
 /// broken promise of our own.
 pub(crate) fn unsolvable(error: LinalgError) -> Error {
-    if let LinalgError::Shape { .. } = error {
+    if let LinalgError::Shape { .. } | LinalgError::WrongShape { .. } = error {
         return Error::new(ErrorKind::Internal, error.to_string());
     }
     Error::bad_data("model and scene hold numbers that lie too far apart to compute with")
