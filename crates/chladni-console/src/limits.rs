@@ -1,5 +1,4 @@
-//! Every constant of this room: meaning, unit, and where it comes from. Facts of a format
-//! stand beside its parser.
+//! Constants that decide something, under the file that uses them: meaning, unit, origin.
 
 use std::time::Duration;
 

@@ -3,7 +3,7 @@
 use crate::common::{skipped, Folder};
 use std::env::consts::EXE_EXTENSION;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 const FORMATS: &str = include_str!("../../../../docs/formats.md");
@@ -13,6 +13,10 @@ const FIRST_HOUR: &str = include_str!("../../../../docs/first-hour.md");
 const ACCURACY: &str = include_str!("../../../../docs/accuracy.md");
 const PAPER: &str = include_str!("../../../../docs/paper.md");
 const README: &str = include_str!("../../../../README.md");
+const ARCHITECTURE: &str = include_str!("../../../../docs/architecture.md");
+const THEORY: &str = include_str!("../../../../docs/theory.md");
+const CONTRIBUTING: &str = include_str!("../../../../CONTRIBUTING.md");
+const FIXTURES: &str = include_str!("../../../../fixtures/README.md");
 
 #[test]
 fn the_examples_of_the_page_are_read() {
@@ -351,7 +355,6 @@ fn the_first_hour_is_the_tutorials_second_part() {
 
 #[test]
 fn equations_of_the_theory_are_numbered_in_order() {
-    let theory = include_str!("../../../../docs/theory.md");
     let label = |line: &str| -> Option<usize> {
         line.trim_end()
             .strip_suffix(')')?
@@ -360,13 +363,47 @@ fn equations_of_the_theory_are_numbered_in_order() {
             .parse()
             .ok()
     };
-    let labels: Vec<usize> = theory
+    let labels: Vec<usize> = THEORY
         .lines()
         .filter(|line| line.starts_with("    "))
         .filter_map(label)
         .collect();
     assert!(labels.len() > 30, "{labels:?}");
     assert_eq!(labels, (1..=labels.len()).collect::<Vec<_>>());
+}
+
+/// Folders and files below `folder`.
+fn places(folder: &Path, out: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            places(&path, out);
+        }
+        out.push(path);
+    }
+}
+
+#[test]
+fn sources_that_pages_name_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut known = Vec::new();
+    ["crates", "benches", "fixtures"]
+        .iter()
+        .for_each(|folder| places(&root.join(folder), &mut known));
+    for page in [ARCHITECTURE, THEORY, CONTRIBUTING, FIXTURES] {
+        // every other part is a block of code
+        let words = page.split("```").step_by(2).flat_map(|text| {
+            let quoted = text.split('`').skip(1).step_by(2);
+            quoted.filter(|word| {
+                let is_place = [".rs", ".js", "/"].iter().any(|end| word.ends_with(end));
+                is_place && !word.contains(['*', ' ', '\n'])
+            })
+        });
+        for word in words {
+            let is_there = known.iter().any(|path| path.ends_with(word));
+            assert!(is_there || root.join(word).exists(), "{word}");
+        }
+    }
 }
 
 #[test]
