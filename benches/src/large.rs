@@ -2,7 +2,7 @@
 //! own.
 
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Result};
-use chladni_plate::{add_noise_of_variance, mean_square, synthesise, Synthetic};
+use chladni_plate::{add_noise_of_variance, noise_variance, synthesise_by_products, Synthetic};
 use ndarray::{s, Array1, Array3, ArrayViewMut3, Axis};
 use num_complex::{Complex32, Complex64};
 
@@ -74,12 +74,11 @@ fn fill<T>(
 ) {
     let mut variance = None;
     for (number, block) in values.axis_chunks_iter_mut(Axis(0), BLOCK).enumerate() {
-        let mut frf = synthesise(
+        let mut frf = synthesise_by_products(
             &of_responses(truth, number * BLOCK, block.len_of(Axis(0))),
             axis,
         );
-        let variance =
-            *variance.get_or_insert_with(|| mean_square(&frf) * 10f64.powf(-SNR_DB / 10.0));
+        let variance = *variance.get_or_insert_with(|| noise_variance(&frf, SNR_DB));
         add_noise_of_variance(&mut frf, variance, number as u64);
         assign(block, &frf, &narrow);
     }

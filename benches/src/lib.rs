@@ -31,6 +31,7 @@ mod kernels;
 mod knobs;
 mod large;
 mod measured;
+mod mode_columns;
 mod mode_errors;
 mod own_data;
 mod pareto;

@@ -4,7 +4,7 @@
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Result};
 use chladni_plate::{
     add_noise_of_variance, cramer_rao, cramer_rao_rank_one, cramer_rao_real, gain_noise,
-    mean_square, simulate, CramerRao, Panel, Synthetic,
+    noise_variance, simulate, CramerRao, Panel, Synthetic,
 };
 
 /// Powers of ω of the residual terms that any fit of a band must leave free
@@ -73,7 +73,7 @@ impl Problem {
             common_gain: 0.0,
         };
         if let FrfValues::F64(values) = &problem.clean.values {
-            problem.noise_variance = mean_square(values) * 10f64.powf(-snr_db / 10.0);
+            problem.noise_variance = noise_variance(values, snr_db);
         }
         problem
     }

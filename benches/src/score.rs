@@ -3,7 +3,7 @@
 use crate::journal::nan;
 use crate::problem::Problem;
 use chladni_frf::{FrfValues, ModalModel, Mode, Scaling, Trust};
-use chladni_plate::synthesise;
+use chladni_plate::synthesise_by_products;
 use chladni_rfp::mac;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -223,7 +223,7 @@ fn frf_error(model: &ModalModel, problem: &Problem) -> f64 {
     let FrfValues::F64(clean) = &problem.clean.values else {
         return f64::NAN;
     };
-    let fitted = synthesise(model, &problem.clean.frequency_hz);
+    let fitted = synthesise_by_products(model, &problem.clean.frequency_hz);
     let energy = |pairs: &mut dyn Iterator<Item = Complex64>| {
         pairs.map(|value| value.norm_sqr()).sum::<f64>()
     };

@@ -3,7 +3,7 @@
 use crate::error::{raised, wrong_option, wrong_word};
 use crate::model::Model;
 use crate::rendering::{method_of, scene_of, Rendering};
-use chladni_io::{write_atomically, write_npz, NamedArray};
+use chladni_io::{extension_of, write_atomically, write_npz, NamedArray};
 use chladni_render::{
     ChannelMap, PlayOptions, Ramps, RenderOptions, SampleFormat, Signal, SignalOptions,
 };
@@ -170,14 +170,10 @@ impl Playing {
     ) -> PyResult<()> {
         let asked = (rate_hz, format.to_owned(), full_scale, channel_map);
         let (signal, format) = self.made(py, asked)?;
-        let extension = path
-            .extension()
-            .map(|extension| extension.to_string_lossy().to_lowercase())
-            .unwrap_or_default();
         let write = |path: &PathBuf, bytes: &[u8]| {
             write_atomically(path, force, |out| out.write_all(bytes))
         };
-        let written = match extension.as_str() {
+        let written = match extension_of(&path).as_str() {
             "csv" => write(&path, signal.csv().as_bytes()),
             "npz" => {
                 let drive = signal.driven();

@@ -3,10 +3,10 @@
 
 use super::trial::Measured;
 use crate::problem::Problem;
-use chladni_frf::{Damping, FrfSet, FrfValues, ModalModel, Result};
+use chladni_frf::{BlockWindow, Damping, FrfSet, FrfValues, ModalModel, Result};
 use chladni_plate::{
-    add_noise_of_variance, mean_square, outliers, synthesise, Excitation, Synthetic, TimeTest,
-    Window as TimeWindow,
+    add_noise_of_variance, noise_variance, outliers, synthesise_by_products, Excitation, Synthetic,
+    TimeTest,
 };
 use chladni_rfp::{FitOptions, Window};
 use ndarray::{s, Array1};
@@ -267,18 +267,18 @@ pub(super) fn window_lines(lines: f64, which: f64, seed: u64) -> Result<Measured
     let rate_per_s = 100f64.ln() / record_s;
     // three samples: the blow excites the whole band
     let hammer = Excitation::Hammer { contact_s: 6e-3 };
-    let exponential = TimeWindow::Exponential { rate_per_s };
+    let exponential = BlockWindow::Exponential { rate_per_s };
     let (excitation, window, averages) = [
-        (hammer, TimeWindow::Rectangular, 5),
+        (hammer, BlockWindow::Rectangular, 5),
         (hammer, exponential, 5),
         (hammer, exponential, 5),
         (
             Excitation::BurstRandom { part: 0.5 },
-            TimeWindow::Rectangular,
+            BlockWindow::Rectangular,
             50,
         ),
-        (Excitation::Random, TimeWindow::Hann, 50),
-        (Excitation::Random, TimeWindow::Hann, 50),
+        (Excitation::Random, BlockWindow::Hann, 50),
+        (Excitation::Random, BlockWindow::Hann, 50),
     ][which as usize];
     let options = match which as usize {
         2 => FitOptions {
@@ -321,7 +321,7 @@ fn in_time(test: &TimeTest, options: FitOptions) -> Result<Measured> {
         ..set.truth
     };
     let clean = FrfSet {
-        values: FrfValues::F64(synthesise(&truth, &set.frf.frequency_hz)),
+        values: FrfValues::F64(synthesise_by_products(&truth, &set.frf.frequency_hz)),
         ..set.frf.clone()
     };
     let problem = Problem {
@@ -373,9 +373,9 @@ pub(super) fn scatter_frfs(scatter: f64, frfs: f64, seed: u64) -> Result<Measure
     let mut frf = problem.clean.clone();
     if let FrfValues::F64(values) = &mut frf.values {
         for (i, model) in moved.iter().enumerate() {
-            values
-                .slice_mut(s![i, .., ..])
-                .assign(&synthesise(model, &problem.clean.frequency_hz).slice(s![i, .., ..]));
+            values.slice_mut(s![i, .., ..]).assign(
+                &synthesise_by_products(model, &problem.clean.frequency_hz).slice(s![i, .., ..]),
+            );
         }
         add_noise_of_variance(values, problem.noise_variance, seed);
     }
@@ -390,8 +390,8 @@ pub(super) fn scatter_frfs(scatter: f64, frfs: f64, seed: u64) -> Result<Measure
 impl Problem {
     /// The same structure as its truth says now, `snr_db` above white noise.
     fn of_truth(&self, snr_db: f64) -> Self {
-        let values = synthesise(&self.truth, &self.clean.frequency_hz);
-        let noise_variance = mean_square(&values) * 10f64.powf(-snr_db / 10.0);
+        let values = synthesise_by_products(&self.truth, &self.clean.frequency_hz);
+        let noise_variance = noise_variance(&values, snr_db);
         let clean = FrfSet {
             values: FrfValues::F64(values),
             ..self.clean.clone()

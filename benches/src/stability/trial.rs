@@ -1,13 +1,14 @@
 //! One fit or one drive against its truth, and whether it knew that it failed.
 
 use crate::journal::nan;
+use crate::mode_columns::{columns_of_unit_length, residue_factor};
 use crate::problem::{Bounds, Problem};
 use crate::score::Score;
 use crate::statistics::root_mean_square;
-use chladni_frf::{Damping, FrfSet, ModalModel, Mode, Trust};
+use chladni_frf::{FrfSet, ModalModel, Mode, Trust};
 use chladni_linalg::{matmul, matmul_h, qr_thin, svd_thin};
 use chladni_rfp::{fit, FitOptions};
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -220,7 +221,7 @@ fn evidence(problem: &Problem, mode: &Mode) -> f64 {
     let factor = |mode: &Mode| {
         omega
             .iter()
-            .map(|&w| factor(mode, problem.truth.damping, w))
+            .map(|&w| residue_factor(mode, problem.truth.damping, w))
             .collect::<Vec<_>>()
     };
     let column = |values: &dyn Fn(usize) -> Complex64| {
@@ -239,7 +240,7 @@ fn evidence(problem: &Problem, mode: &Mode) -> f64 {
     }));
     let own = factor(mode);
     let wanted = column(&|k| own[k]).insert_axis(Axis(1));
-    let Ok((q, _)) = qr_thin(of_unit_length(&columns).view()) else {
+    let Ok((q, _)) = qr_thin(columns_of_unit_length(&columns).view()) else {
         return f64::NAN;
     };
     let left = &wanted - &matmul(q.view(), matmul_h(q.view(), wanted.view()).view());
@@ -248,29 +249,6 @@ fn evidence(problem: &Problem, mode: &Mode) -> f64 {
     (2.0 * residues * left.iter().map(|value| value.norm_sqr()).sum::<f64>()
         / problem.noise_variance)
         .sqrt()
-}
-
-/// The factor of a mode's residue in the receptance.
-fn factor(mode: &Mode, damping: Damping, omega: f64) -> Complex64 {
-    let omega_n = TAU * mode.frequency_hz;
-    match damping {
-        Damping::Structural => mode.structural_factor(omega),
-        Damping::Viscous => Complex64::new(
-            omega_n * omega_n - omega * omega,
-            mode.loss_factor * omega_n * omega,
-        )
-        .inv(),
-    }
-}
-
-/// The columns side by side, each of unit length.
-fn of_unit_length(columns: &[Array1<Complex64>]) -> Array2<Complex64> {
-    let mut matrix = Array2::zeros((columns.first().map_or(0, Array1::len), columns.len()));
-    for (mut target, column) in matrix.columns_mut().into_iter().zip(columns) {
-        let size = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
-        target.assign(&column.mapv(|v| v / size));
-    }
-    matrix
 }
 
 /// Condition number of the columns 1/(λ_n − x) of all true poles and the powers of x on
@@ -297,7 +275,7 @@ fn condition(truth: &ModalModel, frequency_hz: &Array1<f64>) -> f64 {
             .map(|&x| Complex64::from(x.powi(power)))
             .collect::<Array1<_>>()
     }));
-    let values = svd_thin(of_unit_length(&columns).view()).map(|(_, values, _)| values);
+    let values = svd_thin(columns_of_unit_length(&columns).view()).map(|(_, values, _)| values);
     values
         .ok()
         .and_then(|values| Some(values.first()? / values.last()?))

@@ -215,7 +215,8 @@ impl Draw {
 
     /// True where noise alone stands between data and model, so that bars can be held
     /// against errors.
-    pub fn unspoilt(&self) -> bool {
+    #[cfg(test)]
+    fn unspoilt(&self) -> bool {
         let faults = [self.delay_deg, self.phase_deg, self.roving_mass, self.tones];
         self.spoilt_values == 0 && faults.iter().all(|fault| *fault == 0.0)
     }

@@ -1,9 +1,10 @@
 //! Evidence of one mode in a measurement: what a fit without it would leave.
 
 use super::measurement::Measurement;
-use chladni_frf::{Damping, Mode};
+use crate::mode_columns::{columns_of_unit_length, residue_factor};
+use chladni_frf::Mode;
 use chladni_linalg::{matmul, matmul_h, qr_thin};
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Axis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -31,7 +32,7 @@ pub(super) fn evidence(measured: &Measurement, k: usize) -> f64 {
     let factor = |mode: &Mode| -> Vec<Complex64> {
         omega
             .iter()
-            .map(|&w| factor(mode, truth.damping, w))
+            .map(|&w| residue_factor(mode, truth.damping, w))
             .collect()
     };
     let column = |values: &dyn Fn(usize) -> Complex64| -> Array1<Complex64> {
@@ -56,7 +57,7 @@ pub(super) fn evidence(measured: &Measurement, k: usize) -> f64 {
     columns.extend(POWERS.map(|power| column(&|l| (omega[l] / top).powi(power).into())));
     let own = factor(wanted);
     let own = column(&|l| own[l]).insert_axis(Axis(1));
-    let Ok((q, _)) = qr_thin(of_unit_length(&columns).view()) else {
+    let Ok((q, _)) = qr_thin(columns_of_unit_length(&columns).view()) else {
         return f64::NAN;
     };
     let left = &own - &matmul(q.view(), matmul_h(q.view(), own.view()).view());
@@ -73,24 +74,4 @@ pub(super) fn evidence(measured: &Measurement, k: usize) -> f64 {
     let frfs = noise_variance.len() as f64;
     let looks = (4.0 * omega.len() as f64).ln();
     left * signal / (CERTAINTY * 1.5 * (2.0 * (frfs * looks).sqrt() + 2.0 * looks))
-}
-
-/// The factor of a mode's residue in the receptance.
-fn factor(mode: &Mode, damping: Damping, omega: f64) -> Complex64 {
-    let own = TAU * mode.frequency_hz;
-    let loss = match damping {
-        Damping::Structural => own,
-        Damping::Viscous => omega,
-    };
-    Complex64::new(own * own - omega * omega, mode.loss_factor * own * loss).inv()
-}
-
-/// The columns side by side, each of unit length.
-fn of_unit_length(columns: &[Array1<Complex64>]) -> Array2<Complex64> {
-    let mut matrix = Array2::zeros((columns.first().map_or(0, Array1::len), columns.len()));
-    for (mut target, column) in matrix.columns_mut().into_iter().zip(columns) {
-        let size = column.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
-        target.assign(&column.mapv(|v| v / size));
-    }
-    matrix
 }

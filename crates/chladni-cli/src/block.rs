@@ -1,7 +1,7 @@
 //! `chladni block`: the fit in pieces.
 
 use crate::asked_model::AskedModel;
-use crate::fit::{distrust, echo_of, parse_band, summary, text};
+use crate::fit::{echo_of, parse_band, written_model};
 use crate::plan::Plan;
 use crate::streaming::{explain_piece, Resume, Stream};
 use chladni_console::input::{expand, model_of, read_frf, Reading};
@@ -9,8 +9,8 @@ use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::output::{Output, MODEL, PARTIAL, POLES_OR_MODEL};
 use chladni_console::table::{counted, significant, table};
 use chladni_console::{Console, Outcome};
-use chladni_frf::{Error, ErrorKind, Finding, ModalModel, Result, Severity};
-use chladni_io::{sha256_of, write_model, FrfParts};
+use chladni_frf::{Error, ErrorKind, Finding, Result, Severity};
+use chladni_io::{extension_of, sha256_of, FrfParts};
 use chladni_rfp::pieces::{residues, solve, Partial, Poles, Reducer, Solved};
 use chladni_rfp::{FitOptions, Window};
 use chladni_text::door::read_bytes;
@@ -278,10 +278,7 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
     let inputs = std::slice::from_ref(&args.file);
     let output = Output::new(&args.output, POLES_OR_MODEL, inputs, console)?;
     let partial = partial_of(&args.file)?;
-    let wants_poles = args
-        .output
-        .extension()
-        .is_some_and(|extension| extension == "poles");
+    let wants_poles = extension_of(&args.output) == "poles";
     if wants_poles == partial.poles().is_some() {
         return Err(other_pass(args, wants_poles));
     }
@@ -315,7 +312,7 @@ fn solved(args: &Solve, console: &Console) -> Result<Outcome> {
                 let value = serde_json::from_str(&json).unwrap_or_else(|_| json.as_str().into());
                 model.options.insert(name, value);
             }
-            written(&model, &args.output, &output, console)
+            written_model(&model, &args.output, &output, console)
         }
     }
 }
@@ -404,16 +401,7 @@ fn residues_of(args: &Residues, console: &Console) -> Result<Outcome> {
     sources.push(chladni_console::input::source(&args.model)?);
     model.source = sources;
     args.reading.echo(&mut model.options);
-    written(&model, &args.output, &output, console)
-}
-
-/// Writes a model to `path`, and describes it.
-fn written(model: &ModalModel, path: &Path, output: &Output, console: &Console) -> Result<Outcome> {
-    console.find_all(&model.quality.findings);
-    output.write(|path, force| write_model(path, model, force))?;
-    let doubt = (!model.quality.trusted).then(|| distrust(model));
-    let words = text(model, console.verbose);
-    Ok(Outcome::written(path, summary(model, path)?, words).doubted(doubt))
+    written_model(&model, &args.output, &output, console)
 }
 
 fn partial_of(path: &Path) -> Result<Partial> {

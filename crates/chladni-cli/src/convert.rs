@@ -1,13 +1,13 @@
 //! `chladni convert`: measured data and models from any format to any other.
 
 use chladni_console::input::{expand, model_of, read_weights, source, warn_of_files, Reading};
-use chladni_console::output::{extension_of, Output, DATA, MODEL_OR_SHAPES, SHAPES};
+use chladni_console::output::{Output, DATA, MODEL_OR_SHAPES, SHAPES};
 use chladni_console::table::counted;
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Dof, Error, Finding, ModalModel, Result};
 use chladni_io::{
-    detect_format, field_shape, model_shapes, read_contents, read_model, write_contents,
-    write_model, Contents, FileFormat, Shape, ShapeForm,
+    detect_format, extension_of, field_shape, model_shapes, read_contents, read_model,
+    write_contents, write_model, Contents, FileFormat, Shape, ShapeForm,
 };
 use chladni_render::Weights;
 use num_complex::Complex64;

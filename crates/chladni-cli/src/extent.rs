@@ -30,6 +30,16 @@ impl Extent {
             axis_hz: [frf.frequency_hz[0], frf.frequency_hz[lines - 1]],
         }
     }
+
+    /// Number of lines, the first and the last, in words.
+    pub fn axis(&self) -> String {
+        format!(
+            "{} from {} to {} Hz",
+            counted(self.lines, "line"),
+            significant(self.axis_hz[0], 6),
+            significant(self.axis_hz[1], 6)
+        )
+    }
 }
 
 impl fmt::Display for Extent {
@@ -40,12 +50,10 @@ impl fmt::Display for Extent {
         }
         write!(
             out,
-            " of {} at {}, {} from {} to {} Hz",
+            " of {} at {}, {}",
             counted(self.responses, "response"),
             counted(self.references, "reference"),
-            counted(self.lines, "line"),
-            significant(self.axis_hz[0], 6),
-            significant(self.axis_hz[1], 6)
+            self.axis()
         )
     }
 }

@@ -213,28 +213,49 @@ fn fitted(
     Ok(model)
 }
 
-/// Writes the model, and says what came of it.
+/// Writes the model where a file is given, and says what came of it and what is next.
 fn written(
     args: &Args,
     model: ModalModel,
     output: Option<&Output>,
     console: &Console,
 ) -> Result<Outcome> {
-    console.find_all(&model.quality.findings);
-    if let Some(output) = output {
-        console.stage("writing");
-        output.write(|path, force| write_model(path, &model, force))?;
-    }
-    let doubt = (!model.quality.trusted).then(|| distrust(&model));
-    let text = text(&model, console.verbose);
-    let outcome = match &args.output {
-        Some(path) => Outcome::written(path, summary(&model, path)?, text),
-        None => Outcome::shown(whole(&model)?, text),
+    let outcome = match (&args.output, output) {
+        (Some(path), Some(output)) => {
+            console.stage("writing");
+            written_model(&model, path, output, console)?
+        }
+        _ => {
+            console.find_all(&model.quality.findings);
+            let text = text(&model, console.verbose);
+            Outcome::shown(whole(&model)?, text).doubted(doubt_of(&model))
+        }
     };
     Ok(Outcome {
         next: next_step(args, &model),
-        ..outcome.doubted(doubt)
+        ..outcome
     })
+}
+
+/// Writes a model to `path`, and describes it.
+///
+/// # Errors
+/// Those of writing.
+pub fn written_model(
+    model: &ModalModel,
+    path: &Path,
+    output: &Output,
+    console: &Console,
+) -> Result<Outcome> {
+    console.find_all(&model.quality.findings);
+    output.write(|path, force| write_model(path, model, force))?;
+    let text = text(model, console.verbose);
+    Ok(Outcome::written(path, summary(model, path)?, text).doubted(doubt_of(model)))
+}
+
+/// The doubt of a model that cannot be trusted.
+fn doubt_of(model: &ModalModel) -> Option<String> {
+    (!model.quality.trusted).then(|| distrust(model))
 }
 
 /// The next command: a fit of a better band where one is known, else the report.

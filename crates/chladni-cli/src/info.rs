@@ -1,12 +1,13 @@
 //! `chladni info`: what is inside files, and what is wrong with it.
 
+use crate::extent::Extent;
 use crate::limits::SHOWN_ALIKE;
 use chladni_console::input::{expand, read_weights, Reading};
 use chladni_console::oddities;
 use chladni_console::settings::{error_with_options, finding_with_options};
 use chladni_console::table::{counted, shortened, significant, table};
 use chladni_console::{Console, Outcome};
-use chladni_frf::{warnings, Checksum, Dof, Error, Finding, FrfKind, FrfSet, Result};
+use chladni_frf::{warnings, Checksum, Dof, Error, Finding, FrfKind, Result};
 use chladni_io::{
     assemble, checksum_of, list_document, read_field, read_model, DatasetInfo, Document,
     FileFormat, ReadOptions,
@@ -151,17 +152,13 @@ impl Listing {
             .iter_mut()
             .for_each(|shape| shape.warnings.clear());
         let mut listing = Self {
-            file: document.file.clone(),
             format: Some(document.format),
             checksum: document.checksum.clone(),
-            frf_kind: None,
             nodes: document.geometry.nodes.len(),
-            responses: Vec::new(),
-            references: Vec::new(),
-            axis: None,
             findings,
             datasets: std::mem::take(&mut document.datasets),
             damaged: !errors.is_empty(),
+            ..Self::empty(&document.file)
         };
         let holds_model = document.format == FileFormat::Model
             || listing
@@ -261,7 +258,7 @@ impl Listing {
         }
         self.findings.extend(oddities::of_set(&frf));
         self.findings.extend(oddities::of_listing(&frf));
-        self.axis = axis(&frf);
+        self.axis = (!frf.frequency_hz.is_empty()).then(|| Extent::of(&frf).axis());
         (self.frf_kind, self.responses, self.references) =
             (frf.kind, frf.responses, frf.references);
     }
@@ -380,16 +377,6 @@ impl Listing {
                 &rows.iter().map(kept).collect::<Vec<Vec<String>>>(),
             )
     }
-}
-
-fn axis(frf: &FrfSet) -> Option<String> {
-    let (first, last) = (frf.frequency_hz.first()?, frf.frequency_hz.last()?);
-    Some(format!(
-        "{} from {} to {} Hz",
-        counted(frf.frequency_hz.len(), "line"),
-        significant(*first, 6),
-        significant(*last, 6)
-    ))
 }
 
 /// An error as a finding of the file, in one line.

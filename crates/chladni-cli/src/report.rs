@@ -3,12 +3,12 @@
 use crate::curves::curves;
 use crate::in_time::in_time;
 use chladni_console::input::{expand, read_frf, read_weights, source, Reading};
-use chladni_console::output::{extension_of, make_folder, Output, HTML, PICTURE, TABLE};
+use chladni_console::output::{make_folder, Output, HTML, PICTURE, TABLE};
 use chladni_console::quoting::shell_path;
 use chladni_console::table::{counted, shortened};
 use chladni_console::{unbroken, Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
-use chladni_io::{detect_format, try_place, FileFormat};
+use chladni_io::{detect_format, extension_of, try_place, FileFormat};
 use chladni_render::{evaluate, Evaluation, On, Played, Scene, Weights};
 use chladni_report::{
     charts, html, unlike, ChartFormats, Curves, RenderedScene, ReportInput, Table,

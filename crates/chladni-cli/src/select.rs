@@ -1,7 +1,7 @@
 //! `chladni select`: keep or drop modes by hand, reproducibly.
 
 use crate::explain::explain;
-use crate::fit::{distrust, summary, text};
+use crate::fit::written_model;
 use crate::limits::AS_SEEN;
 use crate::report::{measured_beside, measured_by_user};
 use chladni_console::input::source;
@@ -10,7 +10,7 @@ use chladni_console::table::{counted, significant};
 use chladni_console::Console;
 use chladni_console::Outcome;
 use chladni_frf::{Error, ModalModel, Result, Selected, Source, Trust};
-use chladni_io::{read_model, write_model};
+use chladni_io::read_model;
 use chladni_rfp::{fit_watched, CancelToken, FitOptions, Method};
 use std::path::PathBuf;
 
@@ -72,10 +72,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .map(|file| source(file))
         .collect::<Result<_>>()?;
     model.source.extend(inputs);
-    console.find_all(&model.quality.findings);
 
     console.stage("writing");
-    output.write(|path, force| write_model(path, &model, force))?;
+    let outcome = written_model(&model, &args.output, &output, console)?;
     let gone: Vec<String> = dropped
         .iter()
         .map(|(number, hz)| format!("{number} ({} Hz)", significant(*hz, 6)))
@@ -93,11 +92,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .collect();
     let text = format!(
         "{}\n{added}{}: {kept} kept, {dropped}\n",
-        text(&model, console.verbose),
+        outcome.text,
         args.output.display()
     );
-    let doubt = (!model.quality.trusted).then(|| distrust(&model));
-    Ok(Outcome::written(&args.output, summary(&model, &args.output)?, text).doubted(doubt))
+    Ok(Outcome { text, ..outcome })
 }
 
 impl Args {

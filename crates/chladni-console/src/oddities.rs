@@ -43,9 +43,8 @@ fn kilohertz(frf: &FrfSet) -> Option<Finding> {
 }
 
 fn clipped(frf: &FrfSet) -> Option<Finding> {
-    let pairs =
-        (0..frf.responses.len()).flat_map(|i| (0..frf.references.len()).map(move |j| (i, j)));
-    let found: Vec<(usize, usize)> = pairs
+    let found: Vec<(usize, usize)> = frf
+        .all_pairs()
         .filter(|&(i, j)| is_clipped(frf.values.frf(i, j).as_slice().unwrap_or(&[])))
         .collect();
     let &(i, j) = found.first()?;

@@ -4,7 +4,7 @@ use crate::console::Console;
 use crate::interrupt::unbroken;
 use crate::stdout::{bytes_to_stdout, claim, is_standard_output};
 use chladni_frf::{Error, ErrorKind, Result};
-use chladni_io::{refuse_output_among_inputs, try_place, write_atomically};
+use chladni_io::{extension_of, refuse_output_among_inputs, try_place, write_atomically};
 use chladni_text::door::Claim;
 use std::fs;
 use std::io::{self, IsTerminal};
@@ -51,13 +51,6 @@ pub const HTML: &[&str] = &["html", "htm"];
 pub const TABLE: &[&str] = &["csv"];
 /// Extensions of pictures.
 pub const PICTURE: &[&str] = &["svg", "png", "gif"];
-
-/// Extension of a file in lower case; empty where it has none.
-pub fn extension_of(path: &Path) -> String {
-    path.extension()
-        .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
-        .unwrap_or_default()
-}
 
 /// Makes `folder`, named by `option`, where it does not exist.
 ///

@@ -62,7 +62,8 @@ fn widen(value: Complex32) -> Complex64 {
 /// Measured FRFs of one structure on one frequency axis.
 ///
 /// A pair (response, reference) that was not measured, and a line that was masked, hold
-/// NaN in both parts; readers name them in their warnings. All other values are finite.
+/// NaN in both parts; readers name them in their warnings. Readers mask or refuse values that
+/// are not finite, and fits leave them out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrfSet {
     /// Frequency axis, Hz, strictly rising, finite, ≥ 0.
@@ -91,7 +92,8 @@ pub struct FrfSet {
 
 impl FrfSet {
     /// Checks what the fields promise: sizes that agree, a rising finite axis, unique
-    /// DOFs, no infinite value.
+    /// DOFs, variances that are finite and not negative (or NaN). The values themselves
+    /// are not looked at.
     ///
     /// # Errors
     /// [`crate::ErrorKind::BadData`] naming the field.
@@ -187,16 +189,10 @@ impl FrfSet {
 
     /// Pairs (response index, reference index) that were not measured: NaN on every line.
     pub fn missing_pairs(&self) -> Vec<(usize, usize)> {
-        let (responses, references, lines) = self.values.dim();
-        let mut missing = Vec::new();
-        for i in 0..responses {
-            for j in 0..references {
-                if (0..lines).all(|k| self.values.get(i, j, k).re.is_nan()) {
-                    missing.push((i, j));
-                }
-            }
-        }
-        missing
+        let lines = self.frequency_hz.len();
+        let is_missing = |i, j| (0..lines).all(|k| self.values.get(i, j, k).re.is_nan());
+        let pairs = self.all_pairs();
+        pairs.filter(|&(i, j)| is_missing(i, j)).collect()
     }
 
     /// The same set on some of its lines (indices, rising).

@@ -8,6 +8,7 @@
 mod peak;
 mod remarks;
 
+use crate::csv::numbered_lines;
 use crate::limits::{DRIFT_OF_LEVEL, FASTEST_M_PER_S, REPEATS_APART, STILL_M_PER_S};
 use chladni_frf::{Dof, Error, FieldPoint, MeasuredField, Result};
 use chladni_text::read_text;
@@ -38,7 +39,8 @@ pub fn parse_field(text: &str) -> Result<MeasuredField> {
     let to_m_per_s = remarks.unit.as_ref().map_or(1.0, |unit| unit.value);
     let mut columns: Option<Columns> = None;
     let mut rows: Vec<(Dof, Vec<Row>)> = Vec::new();
-    for (number, line) in numbered(text) {
+    for (number, line) in numbered_lines(text) {
+        let line = line.trim();
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
@@ -93,11 +95,6 @@ pub fn parse_field(text: &str) -> Result<MeasuredField> {
         magnitudes_only: !columns.complex,
         points,
     })
-}
-
-/// The lines of a text with their numbers, without blanks around them.
-fn numbered(text: &str) -> impl Iterator<Item = (u64, &str)> {
-    (1u64..).zip(text.lines().map(str::trim))
 }
 
 /// The error of a field in which every value is zero.
@@ -326,6 +323,21 @@ mod tests {
             let field = parse_field(&text).unwrap();
             assert_eq!(field.weights_sha256.as_deref(), Some(sha256.as_str()));
             assert_eq!(parse_field(&field_csv(&field)).unwrap(), field);
+        }
+    }
+
+    #[test]
+    fn lines_end_as_in_every_table() {
+        let text = format!("{HEAD}response,re,im\n1:+Z,0.5,-2\n\n7:-Z,1,1\n");
+        let field = parse_field(&text).unwrap();
+        for end in ["\r\n", "\r"] {
+            assert_eq!(
+                parse_field(&text.replace('\n', end)).unwrap(),
+                field,
+                "{end:?}"
+            );
+            let wrong = text.replace("7:-Z,1", "7:-Z,x").replace('\n', end);
+            assert_eq!(refused(&wrong).line, Some(6), "{end:?}");
         }
     }
 

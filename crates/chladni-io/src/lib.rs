@@ -87,10 +87,10 @@ pub use paths::{expand_paths, Inputs};
 pub use phase_unit::PhaseUnit;
 pub use read::{list_document, read_contents, read_document, read_documents, read_frf};
 pub use runs::{runs_of, ChannelOverride};
-pub use save::{write_contents, write_frf};
+pub use save::{extension_of, write_contents, write_frf};
 pub use selection::{read_selection, selection_from_toml};
 pub use shape::{Analysis, Shape, ShapeForm, ShapeNumbers, TRANSLATION};
 pub use shape_set::{read_shape_set, shape_set};
 
 use contents::{function_name, not_carried};
-use save::{extension, unknown_extension};
+use save::unknown_extension;

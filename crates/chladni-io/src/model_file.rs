@@ -36,7 +36,7 @@ pub fn not_a_model(path: &Path, format: FileFormat) -> Error {
     let (what, help) = match format {
         FileFormat::Weights => ("weights", "give the model that the weights were made from"),
         FileFormat::Wav => ("a sound", "give the model that the sound was made with"),
-        _ if super::extension(path) == "toml" => (
+        _ if super::extension_of(path) == "toml" => (
             "TOML, as of a scene or a panel",
             "give the model here, and the TOML file in its own place",
         ),
@@ -63,7 +63,7 @@ pub fn write_model(path: &Path, model: &ModalModel, force: bool) -> Result<()> {
         }
         .file(path)
     })?;
-    match super::extension(path).as_str() {
+    match super::extension_of(path).as_str() {
         "json" => write_atomically(path, force, |out| write_json(out, model)),
         "h5" | "hdf5" => hdf5::write_model(path, model, force),
         "mat" => {

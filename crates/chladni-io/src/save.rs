@@ -45,7 +45,7 @@ fn write(
     contents: &Contents,
     force: bool,
 ) -> Result<Vec<Finding>> {
-    match extension(path).as_str() {
+    match extension_of(path).as_str() {
         "h5" | "hdf5" => hdf5::write(path, frf, contents, force).map(|()| Vec::new()),
         "csv" | "txt" => write_table(path, frf, contents, force),
         "npz" => write_arrays(path, frf, contents, force),
@@ -238,8 +238,8 @@ fn write_universal(
         .collect())
 }
 
-/// Extension of a path in lower case, without the dot.
-pub(super) fn extension(path: &Path) -> String {
+/// Extension of a path in lower case, without the dot; empty where it has none.
+pub fn extension_of(path: &Path) -> String {
     path.extension()
         .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
         .unwrap_or_default()

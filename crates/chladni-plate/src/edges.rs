@@ -75,6 +75,12 @@ impl fmt::Display for Edges {
     }
 }
 
+impl From<Edges> for String {
+    fn from(edges: Edges) -> Self {
+        edges.to_string()
+    }
+}
+
 impl Edges {
     /// All four free.
     pub const FREE: Self = Self {

@@ -71,13 +71,15 @@ pub use cramer_rao_structured::{cramer_rao_rank_one, cramer_rao_real};
 pub use edges::{Edge, Edges};
 pub use layout::Layout;
 pub use modes::PlateModes;
-pub use noise::{add_noise_of_variance, add_white_noise, gain_noise, mean_square, outliers};
+pub use noise::{
+    add_noise_of_variance, add_white_noise, gain_noise, mean_square, noise_variance, outliers,
+};
 pub use panel::{Measurement, NewtonsPerVolt, Panel, ReferenceFrame, ResponseGrid};
 pub use plate::{LossFactor, Plate};
 pub use point_mass::PointMass;
 pub use point_spring::PointSpring;
-pub use response::{synthesise, DampedPlate};
+pub use response::{synthesise_by_products, DampedPlate};
 pub use scaling::{scale_by_panel, PanelScale, RigidBody, ScaleRoute};
 pub use simulate::{simulate, Simulation};
 pub use synthetic::{Synthetic, SyntheticSet, SyntheticShapes};
-pub use time::{Excitation, TimeSet, TimeTest, Window};
+pub use time::{Excitation, TimeSet, TimeTest};

@@ -74,38 +74,11 @@ impl PlateModes {
             .help("lower stop_hz, or check thickness, stiffness and units of the plate"));
         }
         let terms = [x as usize, y as usize];
-        Self::solved(plate, masses, springs, terms, frequency_hz, least)
-    }
-
-    /// The same with a given number of polynomials along x and y, for studies of
-    /// convergence.
-    ///
-    /// # Errors
-    /// As [`Self::up_to`].
-    pub fn with_terms(
-        plate: &Plate,
-        masses: &[PointMass],
-        terms: [usize; 2],
-        frequency_hz: f64,
-        least: usize,
-    ) -> Result<Self> {
-        Self::solved(plate, masses, &[], terms, frequency_hz, least)
-    }
-
-    fn solved(
-        plate: &Plate,
-        masses: &[PointMass],
-        springs: &[PointSpring],
-        terms: [usize; 2],
-        frequency_hz: f64,
-        least: usize,
-    ) -> Result<Self> {
-        plate.check()?;
+        let sides_m = [plate.length_m, plate.width_m];
         for spring in springs {
-            natural_coordinates(spring.position_m, [plate.length_m, plate.width_m])?;
+            natural_coordinates(spring.position_m, sides_m)?;
             not_negative("stiffness_n_per_m", spring.stiffness_n_per_m)?;
         }
-        let (omega_max, sides_m) = (TAU * frequency_hz, [plate.length_m, plate.width_m]);
         for mass in masses {
             natural_coordinates(mass.position_m, sides_m)?;
             if !(mass.mass_kg >= 0.0 && mass.mass_kg.is_finite()) {

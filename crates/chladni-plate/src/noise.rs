@@ -52,6 +52,11 @@ pub fn mean_square(values: &Array3<Complex64>) -> f64 {
     sum / count.max(1) as f64
 }
 
+/// Variance E|n|² of noise that lies `snr_db` below the mean square of all values.
+pub fn noise_variance(values: &Array3<Complex64>, snr_db: f64) -> f64 {
+    mean_square(values) * 10f64.powf(-snr_db / 10.0)
+}
+
 /// Checks that noise leaves something of what it is added to.
 pub(crate) fn check_snr(field: &str, snr_db: f64) -> Result<()> {
     match snr_db >= LEAST_SNR_DB {
@@ -72,7 +77,7 @@ pub(crate) fn check_snr(field: &str, snr_db: f64) -> Result<()> {
 /// A level that is no number, or leaves nothing of the values.
 pub fn add_white_noise(values: &mut Array3<Complex64>, snr_db: f64, seed: u64) -> Result<f64> {
     check_snr("snr_db", snr_db)?;
-    let variance = mean_square(values) * 10f64.powf(-snr_db / 10.0);
+    let variance = noise_variance(values, snr_db);
     add_noise_of_variance(values, variance, seed);
     Ok(variance)
 }

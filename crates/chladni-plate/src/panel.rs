@@ -148,6 +148,14 @@ impl Default for ReferenceFrame {
     }
 }
 
+impl ReferenceFrame {
+    /// Number of references, as a float so that no number of a file can overflow it.
+    fn count(&self) -> f64 {
+        let [long, short] = self.edge_count.map(|count| count as f64);
+        2.0 * (long + short)
+    }
+}
+
 /// Kind, frequency axis and noise of the FRFs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -227,8 +235,7 @@ impl Panel {
                 .expected("points along each long and each short edge, one of them at least 1"));
         }
         if let Some(force) = &references.newtons_per_volt {
-            let [long, short] = references.edge_count;
-            force.check(long.saturating_add(short).saturating_mul(2))?;
+            force.check(references.count() as usize)?;
         }
         let shorter = self.plate.length_m.min(self.plate.width_m);
         if references.inset_m > shorter / 2.0 {
@@ -294,8 +301,7 @@ impl Panel {
 
     /// Bytes that [`crate::simulate`] needs at most, estimated from the sizes alone.
     pub fn memory_bytes(&self) -> f64 {
-        let frame =
-            2.0 * (self.references.edge_count[0] as f64 + self.references.edge_count[1] as f64);
+        let frame = self.references.count();
         let grid = self.responses.grid[0] as f64 * self.responses.grid[1] as f64;
         let responses = grid
             + if self.responses.at_references {
@@ -332,7 +338,7 @@ impl Panel {
                 gib(needed),
                 self.responses.grid[0],
                 self.responses.grid[1],
-                2.0 * (self.references.edge_count[0] as f64 + self.references.edge_count[1] as f64),
+                self.references.count(),
                 self.frf.line_count(),
                 self.frf.stop_hz
             ))

@@ -7,12 +7,6 @@ use chladni_frf::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-impl From<Edges> for String {
-    fn from(edges: Edges) -> Self {
-        edges.to_string()
-    }
-}
-
 /// Structural loss factor η: one for all modes, or one per elastic mode in rising order
 /// of frequency.
 ///
@@ -105,10 +99,6 @@ impl Plate {
     /// Bending wavenumber k = (ρh ω²/D)^¼ of the infinite plate, rad/m.
     pub fn wavenumber(&self, omega: f64) -> f64 {
         (self.mass_per_area() / self.bending_stiffness()).powf(0.25) * omega.sqrt()
-    }
-    /// ω = k² √(D/ρh), rad/s: inverse of [`Self::wavenumber`].
-    pub fn omega_of_wavenumber(&self, wavenumber: f64) -> f64 {
-        wavenumber * wavenumber * (self.bending_stiffness() / self.mass_per_area()).sqrt()
     }
     /// Half-wave count of Weyl's law, k² S/4π: how many modes lie below `omega`, edges
     /// left out.
@@ -207,7 +197,6 @@ mod tests {
         assert!((plate.mass() - 0.0778).abs() < 5e-5);
         let wavelength = 2.0 * PI / plate.wavenumber(2.0 * PI * 300.0);
         assert!((wavelength - 0.153).abs() < 5e-4, "{wavelength}");
-        assert!((plate.omega_of_wavenumber(plate.wavenumber(77.0)) - 77.0).abs() < 1e-10);
     }
 
     #[test]

@@ -168,7 +168,7 @@ impl DampedPlate {
 
 /// FRFs of a modal model on a frequency axis: the same numbers as
 /// [`ModalModel::synthesise`] by matrix products, many times faster.
-pub fn synthesise(model: &ModalModel, frequency_hz: &Array1<f64>) -> Array3<Complex64> {
+pub fn synthesise_by_products(model: &ModalModel, frequency_hz: &Array1<f64>) -> Array3<Complex64> {
     let modes: Vec<&Mode> = model
         .modes
         .iter()
@@ -184,35 +184,18 @@ pub fn synthesise(model: &ModalModel, frequency_hz: &Array1<f64>) -> Array3<Comp
     };
     let left = columns(&|mode| mode.shape.0.clone(), model.responses.len());
     let right = columns(&|mode| mode.participation.0.clone(), model.references.len());
-    let factors = |value: &dyn Fn(&Mode, f64) -> Complex64| {
+    let factors = |half: usize| {
         Array2::from_shape_fn((modes.len(), frequency_hz.len()), |(n, k)| {
-            kind(frequency_hz[k]) * value(modes[n], TAU * frequency_hz[k])
+            let factors = modes[n].receptance_factors(model.damping, TAU * frequency_hz[k]);
+            kind(frequency_hz[k]) * factors[half]
         })
     };
-    let mut frf = match model.damping {
-        Damping::Structural => superpose(
-            left.view(),
-            right.view(),
-            factors(&|mode, omega| mode.structural_factor(omega)).view(),
-        ),
-        Damping::Viscous => {
-            // r/(jω − s) + r*/(jω − s*), r = ψ ψ/(2jω_d): each half is a superposition of
-            // its own
-            let scale = |mode: &Mode| Complex64::new(0.0, 2.0 * mode.viscous_pole().im).inv();
-            let near = factors(&|mode, omega| {
-                scale(mode) / (Complex64::new(0.0, omega) - mode.viscous_pole())
-            });
-            let far = factors(&|mode, omega| {
-                scale(mode).conj() / (Complex64::new(0.0, omega) - mode.viscous_pole().conj())
-            });
-            superpose(left.view(), right.view(), near.view())
-                + superpose(
-                    left.mapv(|v| v.conj()).view(),
-                    right.mapv(|v| v.conj()).view(),
-                    far.view(),
-                )
-        }
-    };
+    let mut frf = superpose(left.view(), right.view(), factors(0).view());
+    if model.damping == Damping::Viscous {
+        // the half of conjugates is a superposition of its own
+        let [left, right] = [left, right].map(|columns| columns.mapv(|v| v.conj()));
+        frf = frf + superpose(left.view(), right.view(), factors(1).view());
+    }
     for term in &model.residual_terms.terms {
         for (k, &f) in frequency_hz.iter().enumerate() {
             let scale =

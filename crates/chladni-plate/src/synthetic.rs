@@ -5,7 +5,7 @@
 //! j), so that the truth is mass-normalised.
 
 use crate::noise::{add_white_noise, circular, generator, mean_square};
-use crate::response::synthesise;
+use crate::response::synthesise_by_products;
 use chladni_frf::{
     ComplexMatrix, ComplexVector, Damping, Direction, Dof, Error, FrfKind, FrfSet, FrfValues,
     Geometry, ModalModel, Mode, Quality, ReferenceUnit, ResidualTerm, ResidualTerms, Result,
@@ -111,7 +111,7 @@ impl Synthetic {
     pub fn build(&self) -> Result<SyntheticSet> {
         self.check()?;
         let truth = self.truth();
-        let mut values = synthesise(&truth, &self.frequency_hz);
+        let mut values = synthesise_by_products(&truth, &self.frequency_hz);
         let noise_variance = add_white_noise(&mut values, self.snr_db, self.seed)?;
         let relative_error = (noise_variance / mean_square(&values)).sqrt();
         let frf = FrfSet {
@@ -274,8 +274,8 @@ impl Synthetic {
             frf_kind: FrfKind::Receptance,
             ..modal.clone()
         };
-        let level =
-            self.residual_level * mean_square(&synthesise(&receptance, &self.frequency_hz)).sqrt();
+        let level = self.residual_level
+            * mean_square(&synthesise_by_products(&receptance, &self.frequency_hz)).sqrt();
         let mut random = generator(self.seed, RESIDUAL_STREAM);
         let nodes = self.responses.max(self.references);
         let terms = self.residual_powers.iter().map(|&power| {

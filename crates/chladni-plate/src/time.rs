@@ -19,8 +19,10 @@
 use crate::noise::generator;
 use crate::synthetic::Synthetic;
 use crate::tolerances::SETTLING_RECORDS;
-use chladni_frf::{Channel, Run, SignalUnit};
-use chladni_frf::{Damping, Error, FrfSet, FrfValues, Geometry, ModalModel, ReferenceUnit, Result};
+use chladni_frf::{
+    BlockWindow, Channel, Damping, Error, FrfSet, FrfValues, Geometry, ModalModel, ReferenceUnit,
+    Result, Run, SignalUnit,
+};
 use chladni_linalg::fft;
 use ndarray::{s, Array1, Array2, Array3};
 use num_complex::Complex64;
@@ -50,20 +52,6 @@ pub enum Excitation {
     Random,
 }
 
-/// The factor on force and response before the transform.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Window {
-    /// Nothing.
-    Rectangular,
-    /// sin²(πt/T).
-    Hann,
-    /// e^{−αt}: moves every pole from s to s − α.
-    Exponential {
-        /// α, 1/s.
-        rate_per_s: f64,
-    },
-}
-
 /// A test to simulate: one reference, velocities over force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeTest {
@@ -86,7 +74,7 @@ pub struct TimeTest {
     /// Excitation.
     pub excitation: Excitation,
     /// Window, on force and response.
-    pub window: Window,
+    pub window: BlockWindow,
     /// Noise on the velocities, below their mean square over all records, dB.
     pub snr_db: f64,
     /// Seed of shapes, forces and noise.
@@ -149,7 +137,7 @@ impl TimeTest {
     pub fn runs(&self) -> Result<Vec<Run>> {
         let (truth, _) = self.truth_and_lines()?;
         let records = Self {
-            window: Window::Rectangular,
+            window: BlockWindow::Rectangular,
             ..self.clone()
         }
         .records(&truth, self.samples());
@@ -348,9 +336,9 @@ impl TimeTest {
     /// The window at t/T.
     fn window_at(&self, t: f64) -> f64 {
         match self.window {
-            Window::Rectangular => 1.0,
-            Window::Hann => (PI * t).sin().powi(2),
-            Window::Exponential { rate_per_s } => (-rate_per_s * t * self.record_s).exp(),
+            BlockWindow::Rectangular => 1.0,
+            BlockWindow::Hann => (PI * t).sin().powi(2),
+            BlockWindow::Exponential { rate_per_s } => (-rate_per_s * t * self.record_s).exp(),
         }
     }
 

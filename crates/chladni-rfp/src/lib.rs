@@ -63,4 +63,3 @@ pub use validation::compare::{
 pub use validation::complexity::{mean_phase_deviation_deg, modal_complexity_factor, mpc};
 pub use validation::mac::{auto_mac, mac, mac_matrix};
 pub use validation::reciprocity::{reciprocity, ReciprocalPair};
-pub use validation::reconstruction::reconstruction_error;

@@ -154,18 +154,35 @@ impl<'a> Value<'a> {
 
     /// A finite number greater than zero.
     pub fn positive(&self) -> Result<f64> {
-        self.number()?.check(
-            |&n| n > 0.0,
-            || self.error("must be greater than zero", "a number greater than 0"),
+        self.number_that(
+            |n| n > 0.0,
+            "must be greater than zero",
+            "a number greater than 0",
         )
     }
 
     /// A finite number, zero or more.
     pub fn not_negative(&self) -> Result<f64> {
-        self.number()?.check(
-            |&n| n >= 0.0,
-            || self.error("must not be negative", "a number of 0 or more"),
+        self.number_that(
+            |n| n >= 0.0,
+            "must not be negative",
+            "a number of 0 or more",
         )
+    }
+
+    /// A finite number for which a condition holds; else the error says `message` and what
+    /// was `expected`.
+    fn number_that(
+        &self,
+        holds: impl Fn(f64) -> bool,
+        message: &str,
+        expected: &str,
+    ) -> Result<f64> {
+        let number = self.number()?;
+        match holds(number) {
+            true => Ok(number),
+            false => Err(self.error(message, expected)),
+        }
     }
 
     /// A counting number, 1 or more.
@@ -242,14 +259,3 @@ impl<'a> Value<'a> {
         })
     }
 }
-
-trait Check: Sized {
-    fn check(self, holds: impl Fn(&Self) -> bool, error: impl Fn() -> Error) -> Result<Self> {
-        if holds(&self) {
-            Ok(self)
-        } else {
-            Err(error())
-        }
-    }
-}
-impl Check for f64 {}

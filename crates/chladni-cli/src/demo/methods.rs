@@ -5,7 +5,7 @@ use crate::limits::RESIDUAL_POWERS;
 use crate::truth::Comparison;
 use chladni_console::Console;
 use chladni_frf::{FrfSet, FrfValues, ModalModel, Mode, Result};
-use chladni_plate::{cramer_rao, mean_square};
+use chladni_plate::{cramer_rao, noise_variance};
 use chladni_report::Table;
 use chladni_rfp::{fit, FitOptions, Method};
 use std::time::Instant;
@@ -46,7 +46,7 @@ pub fn speed_against_accuracy(
     let FrfValues::F64(values) = &frf.values else {
         return Ok(Table::default());
     };
-    let variance = mean_square(values) * 10f64.powf(-snr_db / 10.0);
+    let variance = noise_variance(values, snr_db);
     let bounds_hz =
         cramer_rao(truth, &frf.frequency_hz, variance, &RESIDUAL_POWERS)?.frequency_std_hz;
     let known: Vec<&Mode> = truth.in_band_modes().collect();

@@ -1,4 +1,5 @@
-//! `chladni fit --scale`: mass-scaled shapes from driving points or from the panel itself.
+//! `chladni fit --scale`: mass-scaled shapes from driving points or from the panel itself
+//! (continuity of shapes, or their modal mass).
 
 use chladni_console::input::source;
 use chladni_frf::{Error, ErrorKind, Finding, ModalModel, Result, Scaling, Source};

@@ -4,7 +4,7 @@
 use crate::common::Folder;
 use chladni_frf::{BlockWindow, Estimation, Estimator, Forcing, FrfSet, FrfValues};
 use chladni_io::{read_frf, write_frf, ReadOptions};
-use chladni_plate::{Excitation, TimeSet, TimeTest, Window};
+use chladni_plate::{Excitation, TimeSet, TimeTest};
 use num_complex::{Complex32, Complex64};
 use serde_json::Value;
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ fn simulated() -> TimeSet {
         band_hz: [10.0, 400.0],
         averages: BLOWS,
         excitation: Excitation::Hammer { contact_s: 0.002 },
-        window: Window::Exponential {
+        window: BlockWindow::Exponential {
             rate_per_s: RATE_PER_S,
         },
         snr_db: 45.0,

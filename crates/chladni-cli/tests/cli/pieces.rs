@@ -59,6 +59,10 @@ fn verbs_lead_from_blocks_to_the_model_that_fit_finds() {
         "{}",
         refused.stderr
     );
+    // the extension counts in capitals too
+    folder
+        .run("block solve first.part -o capitals.POLES")
+        .exits(0);
     let poles = folder
         .run("block solve first.part -o found.poles --json")
         .exits(0)

@@ -38,6 +38,7 @@ use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, ReferenceUnit, Result
 use facts::{differ, TableFacts};
 use num_complex::Complex64;
 use remarks::lines_and_remarks;
+pub(crate) use remarks::numbered_lines;
 use std::path::Path;
 pub(super) use text::decode;
 use text::{refuse_complex_lists, Dialect};

@@ -104,7 +104,7 @@ pub(super) fn lines_and_remarks(text: &str) -> (Vec<Line<'_>>, Vec<Remark>) {
 }
 
 /// The lines of a text, numbered as editors do: LF, CRLF and lone CR each end one line.
-fn numbered_lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
+pub(crate) fn numbered_lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
     let lines = text.split('\n').flat_map(|line| {
         let line = line.strip_suffix('\r').unwrap_or(line);
         line.split('\r')

@@ -1,8 +1,8 @@
 //! The lines with `#` of a field: frequency, unit, and the weights that were played. Lines
 //! with other keys are ignored.
 
-use super::numbered;
 use super::peak::factor_to_peak;
+use crate::csv::numbered_lines;
 use crate::limits::VELOCITY;
 use crate::unit_label;
 use chladni_frf::{Error, Result};
@@ -54,8 +54,8 @@ impl Remarks {
     /// A line that is not understood, or that contradicts an earlier one.
     pub(super) fn of(text: &str) -> Result<Self> {
         let mut remarks = Self::default();
-        for (number, line) in numbered(text) {
-            if let Some(remark) = line.strip_prefix('#') {
+        for (number, line) in numbered_lines(text) {
+            if let Some(remark) = line.trim().strip_prefix('#') {
                 remarks.take(remark, number)?;
             }
         }

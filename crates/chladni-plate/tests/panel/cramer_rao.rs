@@ -3,7 +3,8 @@
 
 use chladni_frf::{Damping, FrfKind};
 use chladni_plate::{
-    cramer_rao, cramer_rao_rank_one, cramer_rao_real, synthesise, Synthetic, SyntheticShapes,
+    cramer_rao, cramer_rao_rank_one, cramer_rao_real, synthesise_by_products, Synthetic,
+    SyntheticShapes,
 };
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -143,7 +144,7 @@ fn one_newton_step_from_the_truth_scatters_as_the_bound_says() {
     let mut bound = None;
     for seed in 0..runs {
         let set = spec.build().unwrap();
-        let clean = synthesise(&set.truth, &spec.frequency_hz);
+        let clean = synthesise_by_products(&set.truth, &spec.frequency_hz);
         let mut noisy = clean.clone();
         chladni_plate::add_noise_of_variance(&mut noisy, set.noise_variance, 100 + seed);
         bound.get_or_insert_with(|| {

@@ -6,7 +6,7 @@
 
 use chladni_frf::{BlockWindow, Estimator, FrfSet, ModalModel, Mode};
 use chladni_linalg::{inverse_hermitian, lstsq};
-use chladni_plate::{Excitation, TimeTest, Window};
+use chladni_plate::{Excitation, TimeTest};
 use chladni_signal::{estimate, EstimateOptions};
 use ndarray::{Array1, Array2, Axis};
 use num_complex::Complex64;
@@ -36,7 +36,7 @@ fn test(lines_per_bandwidth: f64, seed: u64) -> TimeTest {
         band_hz: BAND_HZ,
         averages: 1,
         excitation: Excitation::Random,
-        window: Window::Rectangular,
+        window: BlockWindow::Rectangular,
         snr_db: SNR_DB,
         seed,
     }

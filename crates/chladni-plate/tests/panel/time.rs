@@ -1,7 +1,7 @@
 //! Measurements simulated in time, judged by the modal sum they must come to.
 
-use chladni_frf::ModalModel;
-use chladni_plate::{Excitation, TimeSet, TimeTest, Window};
+use chladni_frf::{BlockWindow, ModalModel};
+use chladni_plate::{Excitation, TimeSet, TimeTest};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ fn test() -> TimeTest {
         band_hz: [10.0, 150.0],
         averages: 1,
         excitation: Excitation::Hammer { contact_s: 0.002 },
-        window: Window::Rectangular,
+        window: BlockWindow::Rectangular,
         snr_db: f64::INFINITY,
         seed: 3,
     }
@@ -60,7 +60,7 @@ fn an_exponential_window_moves_the_poles() {
     let rate_per_s = 1.5;
     let set = TimeTest {
         sample_rate_hz: 16384.0,
-        window: Window::Exponential { rate_per_s },
+        window: BlockWindow::Exponential { rate_per_s },
         ..test()
     }
     .build()
@@ -93,7 +93,7 @@ fn an_exponential_window_moves_the_poles() {
 fn continuous_noise_leaks_and_averages() {
     let few = TimeTest {
         excitation: Excitation::Random,
-        window: Window::Hann,
+        window: BlockWindow::Hann,
         averages: 8,
         ..test()
     }
@@ -101,7 +101,7 @@ fn continuous_noise_leaks_and_averages() {
     .unwrap();
     let many = TimeTest {
         excitation: Excitation::Random,
-        window: Window::Hann,
+        window: BlockWindow::Hann,
         averages: 128,
         ..test()
     }

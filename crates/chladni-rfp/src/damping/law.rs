@@ -3,7 +3,7 @@
 use crate::damping::limits;
 use crate::damping::places::in_plane_of;
 use crate::tolerances as tol;
-use chladni_frf::{Damping, FrfKind, Mode};
+use chladni_frf::{Damping, FrfKind};
 use num_complex::Complex64;
 
 /// The law whose columns are rational in x.
@@ -74,19 +74,5 @@ pub(crate) fn constant_power(law: Damping, kind: FrfKind) -> i32 {
     match law {
         Damping::Viscous => -kind.omega_power(),
         Damping::Structural => 1 - kind.omega_power(),
-    }
-}
-
-/// Receptance of a mode at `omega`, rad/s, per unit of shape · participation, and per its
-/// conjugate.
-pub(crate) fn per_residue(law: Damping, mode: &Mode, omega: f64) -> [Complex64; 2] {
-    match law {
-        Damping::Structural => [mode.structural_factor(omega), Complex64::ZERO],
-        Damping::Viscous => {
-            let pole = mode.viscous_pole();
-            let scale = Complex64::new(0.0, 2.0 * pole.im).inv();
-            let at = Complex64::new(0.0, omega);
-            [scale / (at - pole), scale.conj() / (at - pole.conj())]
-        }
     }
 }

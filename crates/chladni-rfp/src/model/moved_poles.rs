@@ -6,7 +6,6 @@
 //! start from the common shift that explains the FRFs best. Six FRFs are enough for 1e-5 at 40 dB.
 
 use super::limits;
-use crate::damping::law::per_residue;
 use chladni_frf::{
     Damping, Dof, Error, Finding, FrfSet, FrfValues, ModalModel, Mode, Result, Severity,
 };
@@ -322,7 +321,7 @@ impl ReceptanceSlopes {
             other.frequency_hz *= 1.0 + frequency;
             other.loss_factor *= 1.0 + loss;
             other.damping_ratio = 0.5 * other.loss_factor;
-            per_residue(damping, &other, omega)
+            other.receptance_factors(damping, omega)
         };
         let slope = |low: [Complex64; 2], high: [Complex64; 2]| {
             Slope([0, 1].map(|k| (high[k] - low[k]) / (2.0 * step)))

@@ -1,6 +1,6 @@
-//! Enters: shapes, models, FRF sets; leaves: yardsticks of modal testing, of shapes (MAC, phase collinearity and deviation,
-//! complexity), of FRFs (mode indicator, reciprocity), and of a model against its data
-//! (reconstruction error); two models side by side.
+//! Enters: shapes, models, FRF sets; leaves: yardsticks of modal testing, of shapes (MAC, phase
+//! collinearity and deviation, complexity) and of FRFs (mode indicator, reciprocity); two models
+//! side by side.
 
 pub(crate) mod cmif;
 pub(crate) mod compare;
@@ -8,4 +8,3 @@ pub(crate) mod complexity;
 mod limits;
 pub(crate) mod mac;
 pub(crate) mod reciprocity;
-pub(crate) mod reconstruction;

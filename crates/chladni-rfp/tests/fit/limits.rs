@@ -2,7 +2,7 @@
 //! all error bars.
 
 use chladni_frf::{Damping, FrfValues, ModalModel, Mode};
-use chladni_plate::{add_white_noise, synthesise, Synthetic, SyntheticSet};
+use chladni_plate::{add_white_noise, synthesise_by_products, Synthetic, SyntheticSet};
 use chladni_rfp::FitOptions;
 use ndarray::Array1;
 
@@ -118,7 +118,7 @@ fn a_driving_point_at_a_node_is_named_and_its_error_bars_hold_all_the_same() {
         at_node.shape.0[0] *= 0.002;
         at_node.participation.0[0] *= 0.002;
         let mut frf = synthetic.build().expect("a set").frf;
-        let mut values = synthesise(&truth, &synthetic.frequency_hz);
+        let mut values = synthesise_by_products(&truth, &synthetic.frequency_hz);
         add_white_noise(&mut values, 60.0, seed).expect("noise");
         frf.values = FrfValues::F64(values);
         let model = crate::common::fitted(

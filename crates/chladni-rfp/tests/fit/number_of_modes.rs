@@ -2,7 +2,9 @@
 //! never before a mode, and what is left out is listed.
 
 use chladni_frf::{ModalModel, Trust};
-use chladni_plate::{add_white_noise, gain_noise, simulate, synthesise, Panel, Synthetic};
+use chladni_plate::{
+    add_white_noise, gain_noise, simulate, synthesise_by_products, Panel, Synthetic,
+};
 use chladni_rfp::{fit, FitOptions, Method};
 use ndarray::Array1;
 
@@ -33,7 +35,7 @@ fn model(modes: Option<usize>) -> ModalModel {
         .find(|mode| (mode.frequency_hz - FAINT_HZ).abs() < 1.0)
         .unwrap();
     faint.participation.0.iter_mut().for_each(|l| *l *= 0.05);
-    let mut values = synthesise(&set.truth, &specification.frequency_hz);
+    let mut values = synthesise_by_products(&set.truth, &specification.frequency_hz);
     add_white_noise(&mut values, 50.0, 11).unwrap();
     set.frf.values = chladni_frf::FrfValues::F64(values);
     gain_noise(&mut set.frf, 0.02, false, 5);

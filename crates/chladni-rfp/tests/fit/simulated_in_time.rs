@@ -2,8 +2,8 @@
 //! windowed, averaged (H₁). The truth is that of the simulator (chladni-plate,
 //! `time.rs`), which knows nothing of the identification.
 
-use chladni_frf::{ComplexVector, ModalModel, Mode, Trust};
-use chladni_plate::{Excitation, TimeSet, TimeTest, Window};
+use chladni_frf::{BlockWindow, ComplexVector, ModalModel, Mode, Trust};
+use chladni_plate::{Excitation, TimeSet, TimeTest};
 use chladni_rfp::{fit, FitOptions};
 
 /// Record length, s: lines 0.5 Hz apart.
@@ -14,7 +14,7 @@ const MODES: [f64; 6] = [41.3, 87.7, 140.2, 203.9, 281.4, 352.6];
 /// One row of the table.
 struct Case {
     excitation: Excitation,
-    window: Window,
+    window: BlockWindow,
     responses: usize,
     /// Half-power bandwidth of every mode in lines.
     lines_per_bandwidth: f64,
@@ -75,19 +75,19 @@ impl Case {
 const HAMMER: Excitation = Excitation::Hammer { contact_s: 0.002 };
 const BURST: Excitation = Excitation::BurstRandom { part: 0.5 };
 /// e^{−3} at the end of the record.
-const EXPONENTIAL: Window = Window::Exponential { rate_per_s: 1.5 };
+const EXPONENTIAL: BlockWindow = BlockWindow::Exponential { rate_per_s: 1.5 };
 
 /// Four cases for each way to measure: FRFs, lines per bandwidth and noise turn in a
 /// Latin square.
 fn cases() -> Vec<Case> {
     let ways = [
-        (HAMMER, Window::Rectangular),
+        (HAMMER, BlockWindow::Rectangular),
         (HAMMER, EXPONENTIAL),
-        (BURST, Window::Rectangular),
+        (BURST, BlockWindow::Rectangular),
         // wrong: the window weighs the start of the response, where most of it is, least
-        (BURST, Window::Hann),
-        (Excitation::Random, Window::Hann),
-        (Excitation::Random, Window::Rectangular),
+        (BURST, BlockWindow::Hann),
+        (Excitation::Random, BlockWindow::Hann),
+        (Excitation::Random, BlockWindow::Rectangular),
     ];
     let squares = [
         (1, 3.0, 40.0),
@@ -277,7 +277,7 @@ fn every_mode_is_found_and_no_false_one_is_sure() {
 fn a_hann_window_on_bursts_is_named() {
     let case = Case {
         excitation: BURST,
-        window: Window::Hann,
+        window: BlockWindow::Hann,
         responses: 3,
         lines_per_bandwidth: 1.5,
         snr_db: 40.0,
@@ -299,7 +299,7 @@ fn a_hann_window_on_bursts_is_named() {
         assert!(off < 2.0 * mode.loss_factor_std, "{mode:?}");
     }
     let right = Case {
-        window: Window::Rectangular,
+        window: BlockWindow::Rectangular,
         ..case
     };
     let model = fit(&right.build(0).frf, &FitOptions::default())
@@ -320,7 +320,7 @@ fn a_hann_window_on_bursts_is_named() {
 fn a_padded_record_is_thinned_to_the_lines_that_are_measured() {
     let case = Case {
         excitation: HAMMER,
-        window: Window::Rectangular,
+        window: BlockWindow::Rectangular,
         responses: 3,
         lines_per_bandwidth: 1.0,
         snr_db: 40.0,

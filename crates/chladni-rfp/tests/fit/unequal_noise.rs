@@ -4,8 +4,8 @@
 use crate::common::{easy, fitted, resynthesis_error};
 use chladni_frf::{Damping, Finding, FrfSet, FrfValues, ModalModel};
 use chladni_plate::{
-    add_noise_of_variance, cramer_rao_real, gain_noise, outliers, synthesise, CramerRao, Synthetic,
-    SyntheticSet,
+    add_noise_of_variance, cramer_rao_real, gain_noise, outliers, synthesise_by_products,
+    CramerRao, Synthetic, SyntheticSet,
 };
 use chladni_rfp::FitOptions;
 use ndarray::{Array1, Array3};
@@ -264,7 +264,7 @@ fn beyond_weights(seed: u64) -> SyntheticSet {
         mode.shape.0 = values.collect();
         mode.participation.0 = mode.shape.0[..2].to_vec();
     }
-    let mut values = synthesise(&set.truth, &synthetic.frequency_hz);
+    let mut values = synthesise_by_products(&set.truth, &synthetic.frequency_hz);
     let mean = values.iter().map(|v| v.norm_sqr()).sum::<f64>() / values.len() as f64;
     let mut noise = Array3::zeros(values.dim());
     add_noise_of_variance(&mut noise, 1e-6 * mean, 200 + seed);
