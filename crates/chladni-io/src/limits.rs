@@ -55,14 +55,26 @@ pub(crate) const BLOCK: usize = 1 << 17;
 /// of the processor time of a fit (`chladni bench profile`), and BLAKE3 is used.
 pub(crate) const SHA256_UP_TO_BYTES: u64 = 1 << 30;
 
+// csv/cut.rs
+
+/// Rows from which equal digits of their last numbers tell that one below them was cut. Numbers
+/// without their trailing zeros have equal decimals in 10 rows in a third of all cases; the
+/// eleventh is then shorter in a tenth of them.
+pub(crate) const CUT_ROWS_LEAST: usize = 10;
+/// Times fewer digits that a cut number has than any above it, where those vary.
+pub(crate) const CUT_DIGITS: usize = 3;
+/// Last rows that are compared with the last number.
+pub(crate) const CUT_ROWS_MOST: usize = 1000;
+
 // csv/groups.rs
 
 /// Larger than any measured magnitude in decibels: a factor of 10²⁰ above 0 dB.
 pub(crate) const LARGEST_DECIBELS: f64 = 400.0;
 
-// csv/header.rs
+// csv/header.rs, csv/complex_cells.rs
 
-/// Rows in which decimal commas are told from commas between numbers.
+/// Rows in which decimal commas are told from commas between numbers, and in which complex
+/// numbers are looked for.
 pub(crate) const ROWS_TRIED: usize = 50;
 
 // csv/facts.rs, arrays/foreign/frequency.rs
@@ -84,6 +96,8 @@ pub(crate) const SAME_LINE: f64 = 1e-3;
 
 /// Lines in which the header of a long table is looked for.
 pub(crate) const HEADER_LINES: usize = 100;
+/// Columns of a long table, at least: a DOF, a frequency, two parts of a value.
+pub(crate) const LONG_COLUMNS_LEAST: usize = 4;
 
 // csv/table.rs
 

@@ -118,7 +118,8 @@ pub(super) fn group_columns(
     if groups.is_empty() {
         return Err(Error::bad_data("no FRF beside the frequency column")
             .found(format!("{} columns", table.columns))
-            .expected("f,re,im or f,mag,phase"));
+            .expected("f,re,im or f,mag,phase")
+            .help("export the values beside the frequencies"));
     }
     refuse_two_forms(table, heads, &groups)?;
     attach_coherence(table, heads, &mut groups)?;

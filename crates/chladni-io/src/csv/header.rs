@@ -3,6 +3,7 @@
 use super::column_header::{looks_like_unit, without_brackets, ColumnHeader};
 use super::table::Table;
 use super::text::{both_commas, Dialect, Line};
+use super::time;
 use super::vocabulary::{known_words, part_of, role_of, words, Part};
 use crate::limits::ROWS_TRIED;
 use crate::unit_label::frequency_unit;
@@ -47,6 +48,8 @@ impl Table {
                 let is_header = line.text.contains([',', ';'])
                     || known_words(line.text) > 0
                     || cells.iter().all(|cell| looks_like_unit(cell))
+                    || time::is_header(&cells)
+                    || time::is_unit_row(&cells)
                     || cells
                         .iter()
                         .any(|cell| !ColumnHeader::parse(cell, "").dofs.is_empty());
@@ -115,7 +118,7 @@ impl Table {
     /// last of the others.
     fn take_units(&mut self, candidates: &mut Vec<Vec<String>>) -> Option<Vec<String>> {
         let is_unit_row = |cells: &Vec<String>| {
-            let all = cells.iter().all(|cell| looks_like_unit(cell));
+            let all = is_all_units(cells);
             let names_parts = cells
                 .iter()
                 .flat_map(|cell| words(cell))
@@ -127,7 +130,7 @@ impl Table {
         let at = candidates.iter().rposition(is_unit_row);
         // a row that can only be units, or one that stands beside names
         if let Some(at) = at.filter(|at| at + 2 >= candidates.len()) {
-            let all = candidates[at].iter().all(|cell| looks_like_unit(cell));
+            let all = is_all_units(&candidates[at]);
             if all || candidates.len() > 1 {
                 self.units = candidates.remove(at);
             }
@@ -140,6 +143,19 @@ impl Table {
 
     /// Refuses a header whose number of names is not that of the columns.
     fn refuse_header_that_does_not_fit(&self, header: &[Line<'_>]) -> Result<()> {
+        let last = header.last().filter(|_| self.keywords.is_empty());
+        if let Some(line) = last.filter(|line| time::is_named_first(line.text)) {
+            return Err(Error::bad_data(
+                "the header begins with a time and does not fit the columns",
+            )
+            .at_line(line.number)
+            .found(line.text.trim())
+            .expected(format!("{} names, one for each column", self.columns))
+            .help(
+                "write the names between the delimiters of the numbers, as \
+                         t [s],101:+Z [N],1:+Z [m/s] for a time record",
+            ));
+        }
         let Some(line) = header
             .iter()
             .rev()
@@ -192,6 +208,11 @@ impl Table {
                 .help("name the column in the header line, or leave it out")),
         }
     }
+}
+
+/// True for a row that can only be units, of FRFs or of a time record.
+fn is_all_units(cells: &[String]) -> bool {
+    cells.iter().all(|cell| looks_like_unit(cell)) || time::is_unit_row(cells)
 }
 
 /// True where a name contains the text as a whole: `101:+Z` does not contain `1:+Z`.

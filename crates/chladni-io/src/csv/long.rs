@@ -62,18 +62,22 @@ impl LongTable<'_> {
         }) else {
             return Err(Error::bad_data("a header, but no rows")
                 .found("no row")
-                .expected("rows of numbers under node,dir,ref_node,ref_dir,f,re,im"));
+                .expected("rows of numbers under node,dir,ref_node,ref_dir,f,re,im")
+                .help("export the table again, with its rows"));
         };
         let axis: Vec<f64> = longest.rows.iter().map(|row| row.1).collect();
         let cells = pairs.len().saturating_mul(axis.len());
         let rows: usize = pairs.iter().map(|pair| pair.rows.len()).sum();
         if cells > SPARSE_CELLS && cells / LONG_SPARSE_FACTOR > rows {
             return Err(
-                Error::bad_data("almost all (pair, frequency) rows are missing").found(format!(
-                    "{rows} rows for {} pairs on {} lines",
-                    pairs.len(),
-                    axis.len()
-                )),
+                Error::bad_data("almost all (pair, frequency) rows are missing")
+                    .found(format!(
+                        "{rows} rows for {} pairs on {} lines",
+                        pairs.len(),
+                        axis.len()
+                    ))
+                    .expected("a row for each pair and frequency")
+                    .help("put FRFs of other pairs or axes into files of their own"),
             );
         }
         let mut absent = 0;
@@ -195,7 +199,9 @@ impl LongTable<'_> {
         Err(if commas && !row.text.contains('.') {
             both_commas(error)
         } else {
-            error.expected(format!("{names}, as in the header"))
+            error
+                .expected(format!("{names}, as in the header"))
+                .help("correct the row, or leave it out")
         })
     }
 
@@ -229,10 +235,16 @@ impl LongTable<'_> {
                 pairs.len() - 1
             });
             if let Some(before) = pairs[at].rows.last().filter(|before| f <= before.1) {
-                let what = if f == before.1 {
-                    "a frequency occurs twice for one pair"
+                let (what, help) = if f == before.1 {
+                    (
+                        "a frequency occurs twice for one pair",
+                        "leave one of the two rows out, or correct its DOFs",
+                    )
                 } else {
-                    "the frequency axis falls"
+                    (
+                        "the frequency axis falls",
+                        "sort the rows of each pair by their frequency, and leave doubled ones out",
+                    )
                 };
                 return Err(Error::bad_data(what)
                     .at_line(row.number)
@@ -241,7 +253,8 @@ impl LongTable<'_> {
                         "{f} after {} in line {} for ({response}, {reference})",
                         before.1, before.0
                     ))
-                    .expected("strictly rising frequencies of each pair"));
+                    .expected("strictly rising frequencies of each pair")
+                    .help(help));
             }
             pairs[at].rows.push((row.number, f, [a, b], coherence));
         }

@@ -5,9 +5,10 @@ use super::frequency::factor_to_hz;
 use super::header::outside_brackets;
 use super::remarks::key_of;
 use super::text::{Cell, Dialect, Line};
-use super::vocabulary::{is_frequency, words, Part, ANGULAR};
-use crate::limits::HEADER_LINES;
-use chladni_frf::Finding;
+use super::time;
+use super::vocabulary::{is_beside_dof, is_frequency, words, Part, ANGULAR};
+use crate::limits::{HEADER_LINES, LONG_COLUMNS_LEAST};
+use chladni_frf::{Error, Finding, Result};
 use std::borrow::Cow;
 
 /// The columns of a long table, by their meaning; numbers of columns count from 0.
@@ -85,6 +86,113 @@ pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
         })
 }
 
+/// Refuses a header of a long table that lacks a column of a DOF: the frequency is not in the
+/// first column, both parts of a value are there, and some name belongs to a DOF.
+pub(super) fn refuse_incomplete(lines: &[Line<'_>]) -> Result<()> {
+    let any = Dialect {
+        delimiter: Some('\t'),
+        decimal_comma: false,
+    };
+    for line in lines.iter().take(HEADER_LINES) {
+        let cuts = any.and_others().map(|dialect| names_of(line.text, dialect));
+        if let Some(cells) = cuts.into_iter().find(|cells| is_incomplete(cells)) {
+            return Err(incomplete(&cells)
+                .at_line(line.number)
+                .found(line.text.trim()));
+        }
+    }
+    Ok(())
+}
+
+fn is_incomplete(cells: &[String]) -> bool {
+    // a wide header is one long cell in other dialects
+    if cells.len() < LONG_COLUMNS_LEAST || frequency_column(cells).is_none_or(|column| column == 0)
+    {
+        return false;
+    }
+    let has_first = !cells[0].trim().is_empty() && !time::is_header(cells);
+    let heads = heads_of(cells);
+    // `Ref 101:+Z Re` is a column of a wide table
+    let is_of_dof = |(name, head): (&String, &ColumnHeader)| {
+        let lower = name.to_lowercase();
+        let first = lower.split('_').flat_map(words).next();
+        let is_named = first.is_some_and(is_beside_dof) || is_dof_name(&column_name(name));
+        is_named && head.part == Part::Unknown && head.dofs.is_empty()
+    };
+    has_first && parts(&heads).is_some() && cells.iter().zip(&heads).any(is_of_dof)
+}
+
+/// The error of a header without all columns of its DOFs, which names those that are missing and
+/// those that are not understood.
+fn incomplete(cells: &[String]) -> Error {
+    let names: Vec<String> = cells.iter().map(|cell| column_name(cell)).collect();
+    let has = |known: &[&str]| names.iter().any(|name| known.contains(&name.as_str()));
+    let missing = |dof: &DofNames| match (has(dof.dof), has(dof.node), has(dof.direction)) {
+        (_, true, true) | (true, false, _) => None,
+        (_, true, false) => Some(dof.direction[0]),
+        (_, false, true) => Some(dof.node[0]),
+        (false, false, false) => Some(dof.dof[0]),
+    };
+    let missing: Vec<&str> = [&RESPONSE, &REFERENCE]
+        .into_iter()
+        .filter_map(missing)
+        .collect();
+    let frequency = frequency_column(cells);
+    let heads = heads_of(cells);
+    let is_unknown = |column: usize| {
+        let is_meant = heads[column].part != Part::Unknown || Some(column) == frequency;
+        !is_meant && !is_dof_name(&names[column]) && key_of(&names[column]) != "unit"
+    };
+    let unknown: Vec<&str> = (0..cells.len())
+        .filter(|&column| is_unknown(column))
+        .map(|column| cells[column].trim())
+        .collect();
+    let columns = match missing.as_slice() {
+        [_] => "column",
+        _ => "columns",
+    };
+    let mut message = format!(
+        "a long table without the {columns} {}",
+        missing.join(" and ")
+    );
+    if !unknown.is_empty() {
+        message += &format!("; not understood: {}", unknown.join(", "));
+    }
+    Error::bad_data(message)
+        .expected("response,reference,f,re,im or node,dir,ref_node,ref_dir,f,re,im")
+        .help(
+            "name the columns so; DOFs are written as 12:+Z, or as node and direction code (±1 X, \
+             ±2 Y, ±3 Z) in columns of their own",
+        )
+}
+
+/// True for a name of a column of DOFs, nodes or directions.
+fn is_dof_name(name: &str) -> bool {
+    [&RESPONSE, &REFERENCE]
+        .iter()
+        .flat_map(|dof| [dof.dof, dof.node, dof.direction])
+        .any(|known| known.contains(&name))
+}
+
+/// A name as the lists of known names have it.
+fn column_name(cell: &str) -> String {
+    cell.trim().to_lowercase().replace([' ', '-'], "_")
+}
+
+fn heads_of(cells: &[String]) -> Vec<ColumnHeader> {
+    let heads = cells.iter().map(|cell| ColumnHeader::parse(cell, ""));
+    heads.collect()
+}
+
+/// The two columns of a value, and whether they are magnitude and phase.
+fn parts(heads: &[ColumnHeader]) -> Option<(usize, usize, bool)> {
+    let part = |part: Part| heads.iter().position(|head| head.part == part);
+    match (part(Part::Re), part(Part::Im)) {
+        (Some(re), Some(im)) => Some((re, im, false)),
+        _ => Some((part(Part::Magnitude)?, part(Part::Phase)?, true)),
+    }
+}
+
 /// The names of a header line; blanks before a unit in brackets do not cut.
 fn names_of(line: &str, dialect: Dialect) -> Vec<String> {
     match dialect.delimiter {
@@ -137,10 +245,7 @@ const REFERENCE: DofNames = DofNames {
 };
 
 fn header(cells: &[String], dialect: Dialect) -> Option<Columns> {
-    let names: Vec<String> = cells
-        .iter()
-        .map(|cell| cell.trim().to_lowercase().replace([' ', '-'], "_"))
-        .collect();
+    let names: Vec<String> = cells.iter().map(|cell| column_name(cell)).collect();
     let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
     let dof = |names: &DofNames| match (find(names.dof), find(names.node), find(names.direction)) {
         (_, Some(node), Some(direction)) => Some(DofColumns::NodeAndDirection(node, direction)),
@@ -149,15 +254,8 @@ fn header(cells: &[String], dialect: Dialect) -> Option<Columns> {
     };
     let response = dof(&RESPONSE)?;
     let reference = dof(&REFERENCE)?;
-    let heads: Vec<ColumnHeader> = cells
-        .iter()
-        .map(|cell| ColumnHeader::parse(cell, ""))
-        .collect();
-    let part = |part: Part| heads.iter().position(|head| head.part == part);
-    let (first, second, is_polar) = match (part(Part::Re), part(Part::Im)) {
-        (Some(re), Some(im)) => (re, im, false),
-        _ => (part(Part::Magnitude)?, part(Part::Phase)?, true),
-    };
+    let heads = heads_of(cells);
+    let (first, second, is_polar) = parts(&heads)?;
     Some(Columns {
         response,
         reference,
@@ -165,7 +263,7 @@ fn header(cells: &[String], dialect: Dialect) -> Option<Columns> {
         first,
         second,
         is_polar,
-        coherence: part(Part::Coherence),
+        coherence: (heads.iter()).position(|head| head.part == Part::Coherence),
         unit: names.iter().position(|name| key_of(name) == "unit"),
         names: cells.iter().map(|cell| cell.trim().to_owned()).collect(),
         heads,

@@ -14,6 +14,8 @@
 //! message says what to write or which option to give.
 
 mod column_header;
+mod complex_cells;
+mod cut;
 mod dofs;
 mod facts;
 mod form;
@@ -35,13 +37,14 @@ use super::limits::{COHERENCE_SLIPS, FIRST_NODE, SIX_DIGITS};
 use super::unit_label::{frf_unit, FrfUnit};
 use super::{DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, ReferenceUnit, Result};
+use complex_cells::refuse_complex_lists;
 use facts::{differ, TableFacts};
 use num_complex::Complex64;
 use remarks::lines_and_remarks;
 pub(crate) use remarks::numbered_lines;
 use std::path::Path;
 pub(super) use text::decode;
-use text::{refuse_complex_lists, Dialect};
+use text::Dialect;
 use vocabulary::known_words;
 pub(super) use write::write;
 
@@ -102,10 +105,15 @@ fn read_text(
                 facts.add_unit(label)?;
             }
             let traces = table.traces(&facts, options.lenient, &mut warnings)?;
+            warnings.extend(cut::last_number(&text, &lines, table.columns.dialect));
             (table.first_line(), traces)
         }
         None => {
+            if options.sample_rate_hz.is_none() {
+                long_header::refuse_incomplete(&lines)?;
+            }
             let table = table::Table::read(&lines, options.lenient, &mut warnings)?;
+            warnings.extend(cut::last_number(&text, &lines, table.dialect));
             if let Some(times) = time::axis(&table, options.sample_rate_hz) {
                 return time::document(&table, &times, warnings, file);
             }

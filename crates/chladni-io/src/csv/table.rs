@@ -1,12 +1,16 @@
 //! A table of numbers with its header: names, units, keywords.
 
-use super::text::{both_commas, has_thousands, refuse_decimal_comma, Cell, Dialect, Line};
+use super::text::{
+    both_commas, both_signs, has_thousands, refuse_decimal_comma, Cell, Dialect, Line,
+};
 use crate::limits::TABLE_ROWS_TRIED;
 use chladni_frf::{Error, Finding, Result};
+use std::collections::BTreeMap;
 
 /// Rows of numbers, NaN where a cell is empty or masked.
 #[derive(Debug)]
 pub(super) struct Table {
+    pub(super) dialect: Dialect,
     /// Names of the columns; empty texts where the file has none.
     pub(super) names: Vec<String>,
     /// Units of the columns in a row of their own; empty texts where there is none.
@@ -36,6 +40,7 @@ impl Table {
         let (header, rows, columns) = split(lines, dialect);
         let filled = filled_columns(&rows, dialect);
         let mut table = Self {
+            dialect,
             names: vec![String::new(); columns],
             units: vec![String::new(); columns],
             keywords: Vec::new(),
@@ -56,7 +61,8 @@ impl Table {
         for line in &rows {
             table.read_row(line, dialect, lenient, &mut masked)?;
         }
-        masked.report(warnings);
+        table.drop_empty_columns();
+        masked.report(table.columns, warnings);
         let commented: Vec<_> = lines
             .iter()
             .filter(|line| line.is_comment && dialect.is_row(line.text))
@@ -71,7 +77,6 @@ impl Table {
                 ),
             ));
         }
-        table.drop_empty_columns();
         table.refuse_nameless_column()?;
         Ok(table)
     }
@@ -99,7 +104,8 @@ impl Table {
             let value = match dialect.number(cell) {
                 Cell::Value(value) => value,
                 Cell::Empty if column > 0 => {
-                    masked.empty(line.number);
+                    // a column of words for NaN is no mere delimiter: the first is always kept
+                    masked.empty(line.number, if cell.is_empty() { column } else { 0 });
                     f64::NAN
                 }
                 Cell::Overflow | Cell::Text if lenient && column > 0 => {
@@ -228,6 +234,9 @@ fn no_numbers(lines: &[Line<'_>]) -> Error {
     if Dialect::commas_everywhere(lines) {
         return both_commas(error);
     }
+    if let Some(error) = both_signs(lines) {
+        return error;
+    }
     error
         .expected("columns of numbers, frequency first")
         .help("tables need rows like 10.5,0.1,-0.2 under a header like f,re,im")
@@ -255,7 +264,8 @@ pub(super) fn not_finite(line: u64, name: String, cell: &str, is_axis: bool) -> 
 /// Numbers of rows left out and of values masked, each with the first line.
 #[derive(Default)]
 struct Masked {
-    empty: Option<(u64, usize)>,
+    /// By column: one that is dropped as a whole masks nothing.
+    empty: BTreeMap<usize, (u64, usize)>,
     bad: Option<(u64, usize)>,
     skipped: Option<(u64, usize)>,
 }
@@ -264,8 +274,8 @@ impl Masked {
     fn count(slot: &mut Option<(u64, usize)>, line: u64) {
         slot.get_or_insert((line, 0)).1 += 1;
     }
-    fn empty(&mut self, line: u64) {
-        Self::count(&mut self.empty, line);
+    fn empty(&mut self, line: u64, column: usize) {
+        self.empty.entry(column).or_insert((line, 0)).1 += 1;
     }
     fn bad(&mut self, line: u64) {
         Self::count(&mut self.bad, line);
@@ -273,9 +283,12 @@ impl Masked {
     fn skip(&mut self, line: u64) {
         Self::count(&mut self.skipped, line);
     }
-    fn report(self, warnings: &mut Vec<Finding>) {
+    /// Adds the findings about a table that kept its first `columns` columns.
+    fn report(self, columns: usize, warnings: &mut Vec<Finding>) {
+        let kept = self.empty.range(..columns).map(|(_, found)| *found);
+        let empty = kept.reduce(|(line, count), (other, more)| (line.min(other), count + more));
         for (slot, what) in [
-            (self.empty, "cells are empty or NaN; masked"),
+            (empty, "cells are empty or NaN; masked"),
             (self.bad, "cells are no finite numbers; masked"),
             (self.skipped, "rows have another length; left out"),
         ] {

@@ -286,27 +286,32 @@ fn unquoted(cell: &str) -> Cow<'_, str> {
     }
 }
 
-/// Refuses lists of Python complex numbers: they have no frequency axis.
-pub(super) fn refuse_complex_lists(lines: &[Line<'_>]) -> Result<()> {
-    let Some(first) = lines.iter().find(|line| !line.is_comment) else {
-        return Ok(());
+/// The error of rows with a decimal point in some cells and a comma in others, if there are any.
+pub(super) fn both_signs(lines: &[Line<'_>]) -> Option<Error> {
+    let begins_as_number = |cell: &str| {
+        let cell = cell.trim_start_matches(['+', '-']);
+        cell.starts_with(|c: char| c.is_ascii_digit())
+            && cell
+                .chars()
+                .all(|c| c.is_ascii_digit() || ".,eE+-".contains(c))
     };
-    let text = first.text.trim();
-    let inner = text.trim_start_matches('(').trim_end_matches(')');
-    let is_complex = inner.ends_with('j')
-        && inner.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
-    if !is_complex || text.contains([',', ';', '\t']) {
-        return Ok(());
-    }
-    Err(
-        Error::bad_data("complex numbers in Python notation, without a frequency axis")
-            .at_line(first.number)
-            .found(text)
-            .expected("columns frequency,re,im")
-            .help(
-                "write the frequency beside each value: three columns f,re,im with that line as \
-               header",
-            ),
+    let is_row = |line: &&Line<'_>| {
+        let mut dialects = DIALECTS.iter().filter(|dialect| dialect.decimal_comma);
+        !line.is_comment
+            && line.text.contains('.')
+            && line.text.contains(',')
+            && dialects.any(|dialect| {
+                let cells = dialect.cells(line.text);
+                cells.len() > 1 && cells.iter().all(|cell| begins_as_number(cell))
+            })
+    };
+    let line = lines.iter().take(LINES_TRIED).find(is_row)?;
+    Some(
+        Error::bad_data("a point and a comma among the digits of one row")
+            .at_line(line.number)
+            .found(line.text.trim())
+            .expected("one decimal sign in all numbers, and no separators of thousands")
+            .help("export the numbers again with one decimal sign, point or comma"),
     )
 }
 

@@ -1,7 +1,8 @@
 //! Tables of time records: `t [s], 101:+Z [N], 1:+Z [m/s]`, one column per channel.
 
-use super::column_header::ColumnHeader;
+use super::column_header::{without_brackets, ColumnHeader};
 use super::table::Table;
+use super::vocabulary::{is_frequency, words};
 use crate::runs::signal_unit;
 use crate::unit_label::{self, Unit};
 use crate::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinate};
@@ -22,13 +23,53 @@ pub(super) enum Times {
 /// The time axis of a table: its first column where name or unit are of a time, else the
 /// `rate_hz` of the user.
 pub(super) fn axis(table: &Table, rate_hz: Option<f64>) -> Option<Times> {
-    let head = ColumnHeader::parse(table.names.first()?, table.units.first()?);
+    let factor = to_seconds(table.names.first()?, table.units.first()?);
+    factor.map(Times::FirstColumn).or(rate_hz.map(Times::Rate))
+}
+
+/// The factor to seconds of a column whose name or unit are of a time.
+fn to_seconds(name: &str, unit_row: &str) -> Option<f64> {
+    let head = ColumnHeader::parse(name, unit_row);
     let named = TIME_NAMES.contains(&head.base.trim());
-    let factor = match unit_label::parse(&head.unit).or_else(|| in_name(&table.names[0])) {
+    match unit_label::parse(&head.unit).or_else(|| in_name(name)) {
         Some(unit) => unit.to_seconds(),
         None => (named && head.unit.is_empty()).then_some(1.0),
-    };
-    factor.map(Times::FirstColumn).or(rate_hz.map(Times::Rate))
+    }
+}
+
+/// True for the cells of a header of a time record: the first is a time, and no other begins
+/// with a digit, as in `Time 10:30:00`.
+pub(super) fn is_header(cells: &[String]) -> bool {
+    let begins_with_digit = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit());
+    cells
+        .first()
+        .is_some_and(|first| to_seconds(first, "").is_some())
+        && !cells[1..].iter().any(begins_with_digit)
+}
+
+/// True for a row of units of which the first is that of a time: `s, N, m/s`.
+pub(super) fn is_unit_row(cells: &[String]) -> bool {
+    let unit = |cell: &String| unit_label::parse(&without_brackets(cell));
+    let is_time = |cell: &String| unit(cell).is_some_and(|unit| unit.to_seconds().is_some());
+    let is_unit = |cell: &String| ["", "-"].contains(&cell.trim()) || unit(cell).is_some();
+    cells.first().is_some_and(is_time) && cells.iter().all(is_unit)
+}
+
+/// True for a line that begins with the name of a time and goes on with names: none of them
+/// begins with a digit, as a time of day does, unless it is a DOF, and none is a frequency.
+pub(super) fn is_named_first(line: &str) -> bool {
+    let lower = line.to_lowercase();
+    let is_frequency = |word: &str| is_frequency(word) && word != "x";
+    let is_number =
+        |name: &str| name.starts_with(|c: char| c.is_ascii_digit()) && name.parse::<Dof>().is_err();
+    let mut names = lower
+        .split(|c: char| c.is_whitespace() || ",;\"".contains(c))
+        .filter(|name| !name.is_empty());
+    let first = names.next().and_then(|name| words(name).next());
+    first.is_some_and(|word| TIME_NAMES.contains(&word))
+        && names.clone().next().is_some()
+        && !names.any(is_number)
+        && !words(&lower).any(is_frequency)
 }
 
 /// The unit of a time at the end of a name: `time_ms`, `t (s)`.
@@ -86,7 +127,8 @@ pub(super) fn document(
         return Err(Error::bad_data("a time axis without a channel")
             .at_line(table.lines[0])
             .found("1 column")
-            .expected("a column per channel"));
+            .expected("a column per channel")
+            .help("export the channels beside the time, with units in their names"));
     }
     let mut document = Document::new(file, FileFormat::Csv);
     let mut numbered = 0;
@@ -157,7 +199,8 @@ fn samples(table: &Table, column: usize) -> Result<Vec<f64>> {
             .at_line(table.lines[row])
             .field(&table.names[column])
             .found("an empty or masked cell")
-            .expected("a number in every row of a time record")),
+            .expected("a number in every row of a time record")
+            .help("leave the column out, or keep the rows before or after the gap")),
     }
 }
 
@@ -179,6 +222,10 @@ fn refuse_falling(table: &Table, times: &[f64]) -> Result<()> {
             .at_line(table.lines[k + 1])
             .field("time")
             .found(format!("{} after {}", times[k + 1], times[k]))
-            .expected("strictly rising times")),
+            .expected("strictly rising times")
+            .help(
+                "export the times with more digits, or leave their column out and say \
+                 `sample_rate HZ`",
+            )),
     }
 }

@@ -1,7 +1,7 @@
 //! Refusals with their words, and what is masked or left out instead.
 
 use super::reading::{c, read, read_with, refusal};
-use chladni_io::{Duplicates, ReadOptions};
+use chladni_io::{read_document, Duplicates, ReadOptions};
 
 #[test]
 fn every_refusal_names_the_row_and_what_to_do() {
@@ -37,6 +37,54 @@ fn every_refusal_names_the_row_and_what_to_do() {
             &["line 1", "frf_kind", "receptance, mobility or accelerance"],
         ),
         ("(1.5+2j)\n(2-3.5e-08j)\n", &["line 1", "Python", "f,re,im"]),
+        (
+            "f,H\n10.0,(2.9e-05+1.4e-03j)\n11.0,(3e-05+1e-03j)\n",
+            &["line 2", "a complex number in one cell", "f,re,im"],
+        ),
+        (
+            "10.0\t2.9e-05-1.4e-03i\n11.0\t3e-05+1e-03i\n",
+            &["line 1", "a complex number in one cell"],
+        ),
+        (
+            "f;re;im\n1.000;1,5;2,1\n1.001;1,7;3,1\n",
+            &["line 2", "1.000;1,5;2,1", "one decimal sign"],
+        ),
+        (
+            "node,ref,f,re,im\n1,101,10,1,2\n1,101,11,1,2\n",
+            &["line 1", "without the column dir;", "node,dir,ref_node"],
+        ),
+        (
+            "ref_node,node,f,re,im\n101,1,10,1,2\n101,1,11,1,2\n",
+            &["line 1", "columns dir and ref_dir;"],
+        ),
+        (
+            "from,to,f,re,im\n101Z,1Z,10,1,2\n101Z,1Z,11,1,2\n",
+            &[
+                "line 1",
+                "columns response and reference;",
+                "not understood: from, to;",
+            ],
+        ),
+        (
+            "point,x,y,f,re,im\n1,0.1,0.2,10,1,2\n1,0.1,0.2,11,1,2\n",
+            &[
+                "line 1",
+                "response and reference;",
+                "not understood: point, x, y;",
+            ],
+        ),
+        (
+            "response,reference,f,re,im\n1Z,9Z,2,1,2\n1Z,9Z,1,1,2\n",
+            &["line 3", "falls", "sort the rows"],
+        ),
+        (
+            "response,reference,f,re,im\n1Z,9Z,2,1,2\n1Z,9Z,2,1,2\n",
+            &["line 3", "twice", "leave one of the two rows out"],
+        ),
+        (
+            "Time (s)\tForce (lbf)\n0\t1\t2\n0.1\t1\t2\n",
+            &["line 1", "begins with a time", "3 names"],
+        ),
         (
             "node,dir,ref_node,ref_dir,f,re,im\n1,3,9,3,1,1,2\n1,3,9,3,1,1,2\n",
             &["line 3", "twice for one pair"],
@@ -189,5 +237,73 @@ fn lenient_is_no_advice_for_the_frequency() {
     ] {
         let message = refusal(text);
         assert!(!message.contains("lenient"), "{message}");
+    }
+}
+
+/// The findings about a text that is no FRF, or the error.
+fn record_findings(text: &str) -> Result<(usize, Vec<String>), String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("record.csv");
+    std::fs::write(&path, text).unwrap();
+    let document = read_document(&path, &ReadOptions::default());
+    let document = document.map_err(|error| error.to_string())?;
+    assert!(document.frf.is_none(), "{text}");
+    Ok((document.functions.len(), crate::words(&document.warnings)))
+}
+
+#[test]
+fn a_header_that_begins_with_a_time_makes_a_record_between_any_delimiters() {
+    let columns = ["Time (s)", "Force (lbf)", "Velocity (in/s)"];
+    for delimiter in ["\t", ",", ";"] {
+        let rows = ["0", "1e-3", "2e-3"].map(|t| [t, "7.5e-2", "6.25e-3"].join(delimiter));
+        let header = columns.join(delimiter);
+        let (functions, findings) =
+            record_findings(&format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+        assert_eq!(functions, 2, "{header}");
+        let text = findings.join("\n");
+        assert!(!text.contains("unit"), "{header}: {text}");
+    }
+    let units = "a\tb\tc\ns\tN\tm/s\n0\t1\t2\n1e-3\t1\t3\n";
+    assert_eq!(record_findings(units).unwrap().0, 2);
+}
+
+#[test]
+fn errors_about_records_say_the_next_step() {
+    for (text, words) in [
+        ("t [s],1:+Z [N],2:+Z [m/s]\n0,1,2\n0,1,2\n", "more digits"),
+        ("t [s],1:+Z [N],2:+Z [m/s]\n0,1,2\n1,NaN,2\n", "gap"),
+    ] {
+        let error = record_findings(text).unwrap_err();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn a_delimiter_at_the_end_of_each_row_masks_nothing() {
+    let (set, findings) = read("f,re,im,\n1,2,3,\n2,4,5,\n").unwrap();
+    assert_eq!(set.values.get(0, 0, 1), c(4.0, 5.0));
+    assert!(!findings.join("\n").contains("masked"), "{findings:?}");
+    let (_, findings) = read("f,re,im,\n1,2,3,\n2,4,,\n").unwrap();
+    let text = findings.join("\n");
+    assert!(text.contains("1 cells are empty or NaN; masked"), "{text}");
+}
+
+#[test]
+fn a_table_cut_within_its_last_number_is_named() {
+    let rows: String = (10..21).map(|f| format!("{f},1.5e-3,2.5e-4\n")).collect();
+    let long = |row: &str| format!("1Z,9Z,{row}\n");
+    let long_rows: String = rows.lines().map(long).collect();
+    for whole in [
+        format!("f,re,im\n{rows}21,1.5e-3,2.5"),
+        format!("response,reference,f,re,im\n{long_rows}1Z,9Z,21,1.5e-3,2.5"),
+    ] {
+        let (_, findings) = read(&whole).unwrap();
+        let text = findings.join("\n");
+        assert!(
+            text.contains("ends with `2.5`") && text.contains("may be cut"),
+            "{text}"
+        );
+        let (_, findings) = read(whole + "e-4").unwrap();
+        assert!(!findings.join("\n").contains("cut"), "{findings:?}");
     }
 }
