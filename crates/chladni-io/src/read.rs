@@ -94,6 +94,14 @@ fn result_among(documents: &[Document]) -> Option<&'static str> {
     })
 }
 
+/// The finding about arrays that may have been meant as FRFs.
+fn unread_arrays(documents: &[Document]) -> Option<Finding> {
+    let mut findings = documents.iter().flat_map(|document| &document.warnings);
+    let is_told =
+        |finding: &&Finding| ["no-frequency-axis", "real-array"].contains(&&*finding.code);
+    findings.find(is_told).cloned()
+}
+
 /// Names of the datasets in files.
 fn listed(documents: &[Document]) -> String {
     let mut names: Vec<String> = documents
@@ -122,6 +130,7 @@ pub fn read_frf(
     let inputs = expand_paths(paths)?;
     let documents = read_documents(&inputs.files, options)?;
     let (result, listed) = (result_among(&documents), listed(&documents));
+    let unread = unread_arrays(&documents);
     let Contents {
         frf,
         sources,
@@ -132,8 +141,8 @@ pub fn read_frf(
     warnings.splice(0..0, inputs.warnings);
     let frf = frf.ok_or_else(|| {
         let error = Error::bad_data("no FRF in the input").expected(
-            "functions of type 4 (58), a \
-            complex array (HDF5) or a table f,re,im",
+            "functions of type 4 (58), a complex array beside its frequencies (HDF5, NumPy, \
+             MATLAB) or a table f,re,im",
         );
         let error = match paths {
             [one] => error.file(one),
@@ -154,10 +163,17 @@ pub fn read_frf(
                 "give the measured FRFs that it was \
                 made from",
             ),
-            (None, None) => error.found(listed).help(
-                "look at the contents of the file; in HDF5 name the arrays with \
-                 `map frf=PATH,freq=PATH`",
-            ),
+            (None, None) => match unread {
+                Some(Finding { text, help, .. }) if !help.is_empty() => {
+                    error.found(text).help(help)
+                }
+                found => error
+                    .found(found.map_or(listed, |finding| finding.text))
+                    .help(
+                        "look at the contents of the file; name arrays (HDF5, NumPy, MATLAB) \
+                         with `map frf=PATH,freq=PATH`",
+                    ),
+            },
         }
     })?;
     Ok((frf, sources, warnings))

@@ -138,7 +138,11 @@ impl<'a> Reader<'a> {
             (&[pair], _) => Ok(Some(pair)),
             (_, &[pair]) if sources.len() == 1 => Ok(Some(pair)),
             ([], _) if self.map.is_empty() => {
-                warnings.extend(self.nameless_axis(&sources));
+                let nameless = self.nameless_axis(&sources);
+                warnings.extend(nameless.or_else(|| other_lengths(&sources, &axes)));
+                if sources.is_empty() {
+                    warnings.extend(self.real_values()?);
+                }
                 Ok(None)
             }
             _ => Err(not_clear(&sources, &axes)),
@@ -268,6 +272,40 @@ impl<'a> Reader<'a> {
         Ok(all)
     }
 
+    /// The finding about real numbers beside a frequency axis, where nothing is complex.
+    fn real_values(&self) -> Result<Option<Finding>> {
+        // `x` may hold positions
+        let named =
+            self.lists(|name| frequency::is_name(name) && !name.eq_ignore_ascii_case("x"))?;
+        let mut axes = rising(&named);
+        axes.retain(|axis| length(axis) > 1);
+        let is_other = |name: &str| {
+            frequency::is_name(name)
+                || frequency::is_likely_name(name)
+                || dofs::is_name(name)
+                || name.eq_ignore_ascii_case("coherence")
+        };
+        let is_value = |entry: &&Entry| {
+            matches!(entry.element(), Some(Element::Real { .. }))
+                && (1..=3).contains(&entry.shape().len())
+                && !is_other(entry.name())
+                && axes
+                    .iter()
+                    .any(|axis| entry.shape().contains(&length(axis)))
+        };
+        let found: Vec<String> = self.datasets().filter(is_value).map(describe).collect();
+        if found.is_empty() {
+            return Ok(None);
+        }
+        let words = format!(
+            "real numbers beside a frequency axis are no FRFs: {}",
+            shortened(&found, DATASETS_LISTED)
+        );
+        let help = "save complex values, or both parts: `map re=PATH,im=PATH,freq=PATH` or `map \
+                    mag=PATH,phase=PATH,freq=PATH`";
+        Ok(Some(Finding::caution("real-array", words).help(help)))
+    }
+
     /// The finding about complex arrays for which some list may be the axis, though not by its
     /// name.
     fn nameless_axis(&self, sources: &[Source<'a>]) -> Option<Finding> {
@@ -288,6 +326,22 @@ impl<'a> Reader<'a> {
             ),
         ))
     }
+}
+
+/// The finding about complex arrays and frequency axes of another length.
+fn other_lengths(sources: &[Source<'_>], axes: &[&Entry]) -> Option<Finding> {
+    let axes = axes.iter().filter(|axis| length(axis) > 1);
+    let axes: Vec<String> = axes.map(|axis| describe(axis)).collect();
+    let source = sources.first().filter(|_| !axes.is_empty())?;
+    let words = format!(
+        "{}: no axis of it is as long as the frequency axis {}",
+        source.describe(),
+        shortened(&axes, DATASETS_LISTED)
+    );
+    Some(
+        Finding::caution("no-frequency-axis", words)
+            .help("save one frequency for each line of the FRFs"),
+    )
 }
 
 /// True for numbers along one axis.

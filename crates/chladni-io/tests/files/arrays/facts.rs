@@ -255,3 +255,37 @@ fn node_numbers_of_any_type_are_dofs_and_tell_the_axes() {
     let record = frf().reals("output", &[0.0, 1.0, 2.0]);
     assert_eq!(read(&record).responses[0].to_string(), "1:+Z");
 }
+
+#[test]
+fn arrays_that_are_no_frfs_are_named_with_the_reason() {
+    let values: Vec<Complex64> = (0..5).map(|k| value(0, 0, k)).collect();
+    let short = Npz(Vec::new())
+        .complex("H", &[1, 1, 5], &values)
+        .reals("f", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    refused(
+        &short,
+        &[
+            "no FRF in the input",
+            "/H (1 x 1 x 5)",
+            "as long as",
+            "/f (6)",
+            "one frequency for each",
+        ],
+    );
+    let text = crate::words(&short.document(&ReadOptions::default()).warnings).join("\n");
+    assert!(text.contains("/H (1 x 1 x 5)"), "{text}");
+    let real = Npz(Vec::new()).reals("H", &HZ).reals("f", &HZ);
+    refused(
+        &real,
+        &[
+            "no FRF in the input",
+            "real numbers",
+            "/H (5)",
+            "`map re=PATH,im=PATH,freq=PATH`",
+        ],
+    );
+    // positions beside heights are no measurement
+    let places = Npz(Vec::new()).reals("height", &HZ).reals("x", &HZ);
+    let found = places.document(&ReadOptions::default()).warnings;
+    assert!(found.is_empty(), "{found:?}");
+}
