@@ -4,13 +4,15 @@ use crate::extent::Extent;
 use crate::limits;
 use chladni_console::input::{expand, warn_of_files};
 use chladni_console::output::{Output, FRF};
-use chladni_console::table::counted;
+use chladni_console::table::{counted, significant};
 use chladni_console::{Console, Outcome};
 use chladni_frf::{
     BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Geometry, Result, Run,
     Source,
 };
-use chladni_io::{read_documents, runs_of, write_contents, ChannelOverride, Contents, ReadOptions};
+use chladni_io::{
+    read_documents, runs_of, write_contents, ChannelOverride, Contents, FileFormat, ReadOptions,
+};
 use chladni_signal::{estimate, EstimateOptions};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
@@ -108,7 +110,8 @@ impl Args {
             Err(Error::new(ErrorKind::Usage, message)
                 .field("--exponential-window")
                 .found(found)
-                .expected(expected))
+                .expected(expected)
+                .help("give the window's own α, ln(1/end value)/record length, or leave it out"))
         };
         match (self.window.as_deref(), self.exponential_window) {
             (None | Some("exponential"), Some(rate_per_s))
@@ -171,7 +174,11 @@ impl Args {
             self.check_rate(&runs)
                 .map_err(|error| error.file(&document.file))?;
             records.runs.extend(runs);
+            // a sound file lacks what the options say here
+            let lacks_nothing = document.format == FileFormat::Wav && said.says_all();
             let of_file = document.warnings.iter();
+            let of_file =
+                of_file.filter(|warning| !lacks_nothing || warning.code != "unit-assumed");
             warnings.extend(of_file.map(|warning| warning.about(document.file.display())));
             records.sources.extend(document.source());
             if records.geometry.nodes.is_empty() {
@@ -190,10 +197,14 @@ impl Args {
         let differs = |hz: &f64| (hz / said - 1.0).abs() > limits::SAME_RATE;
         let mut rates = runs.iter().map(|run| run.sample_rate_hz);
         rates.find(differs).map_or(Ok(()), |hz| {
-            Err(Error::bad_data("the file has a sampling rate of its own")
+            let message = "the file has a sampling rate of its own";
+            Err(Error::new(ErrorKind::Usage, message)
                 .field("--sample-rate")
                 .found(format!("{said} Hz"))
-                .expected(format!("{hz} Hz, as the file says"))
+                .expected(format!(
+                    "{} Hz, as the file says",
+                    significant(hz, limits::RATE_DIGITS)
+                ))
                 .help("leave --sample-rate out: it is for tables without a time column"))
         })
     }
@@ -215,7 +226,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("reading");
     let records = args.records(&files, console)?;
     console.stage("estimating FRFs");
-    let result = estimate(&records.runs, &options)?;
+    let result = estimate(&records.runs, &options).map_err(with_option)?;
     let made = result.estimation;
     console.find_all(&result.findings);
     let mut frf = result.frf;
@@ -259,6 +270,14 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         averaged(&made),
     );
     Ok(Outcome::written(&args.output, json, text))
+}
+
+/// The error, which names the option where the length of a block is at fault.
+fn with_option(error: Error) -> Error {
+    match error.field.as_deref() {
+        Some("block") => error.field("--block"),
+        _ => error,
+    }
 }
 
 /// The averages of an estimation in words.

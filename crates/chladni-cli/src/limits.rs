@@ -37,6 +37,8 @@ pub(crate) const SCANNER_SEED: u64 = 1;
 /// Relative difference of two sampling rates up to which they are one: that of times printed
 /// with five digits.
 pub(crate) const SAME_RATE: f64 = 1e-4;
+/// Digits of a sampling rate in messages: more than [`SAME_RATE`] tells apart.
+pub(crate) const RATE_DIGITS: i32 = 6;
 
 // evaluate/field.rs
 

@@ -295,7 +295,8 @@ fn parse_range(text: &str) -> std::result::Result<[f64; 2], String> {
         .map(|end| end.trim().parse().ok().filter(|hz: &f64| hz.is_finite()))
         .collect();
     match ends.as_deref() {
-        Some(&[low, high]) => Ok([low, high]),
+        Some(&[low, high]) if low < high => Ok([low, high]),
+        Some(&[_, _]) => Err("the range does not rise, as 250:350 does".into()),
         _ => Err("no range LO:HI, as in 250:350".into()),
     }
 }

@@ -24,6 +24,11 @@ pub struct ChannelOverride {
 }
 
 impl ChannelOverride {
+    /// True where DOFs, units and factors of the channels are all given.
+    pub fn says_all(&self) -> bool {
+        self.lists().count() == 3
+    }
+
     /// True where channel `k` of the file is left out.
     fn leaves_out(&self, k: usize) -> bool {
         !self.units.is_empty() && self.units[k % self.units.len()] == LEFT_OUT

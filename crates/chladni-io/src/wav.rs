@@ -63,7 +63,8 @@ pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Document> {
                 .file(file)
                 .field("WAV format chunk")
                 .found(format!("{count} channels at {} Hz", spec.sample_rate))
-                .expected("at least one channel and 1 Hz"),
+                .expected("at least one channel and 1 Hz")
+                .help("export it again"),
         );
     }
     let samples = samples_of(&mut reader, count).map_err(|error| error.file(file))?;

@@ -257,7 +257,8 @@ impl BlockSetting {
             return Err(Error::new(ErrorKind::Usage, "no possible overlap")
                 .field("overlap")
                 .found(overlap)
-                .expected(format!("0 to {MOST_OVERLAP}")));
+                .expected(format!("0 to {MOST_OVERLAP}"))
+                .help("write a part of the block within that: 0.5 is half of it"));
         }
         let block = options.block.unwrap_or_else(|| {
             if !cut {
@@ -295,7 +296,12 @@ impl BlockSetting {
 }
 
 fn no_block(block: usize, shortest: usize) -> Error {
-    let error = Error::bad_data("no possible block").field("block");
+    // a block that is too long may fit another record; one that is too short fits none
+    let kind = match block < LEAST_BLOCK && shortest >= LEAST_BLOCK {
+        true => ErrorKind::Usage,
+        false => ErrorKind::BadData,
+    };
+    let error = Error::new(kind, "no possible block").field("block");
     match shortest < LEAST_BLOCK {
         true => error
             .found(format!("{shortest} samples in the shortest record"))

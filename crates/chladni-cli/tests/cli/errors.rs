@@ -115,6 +115,8 @@ render truth.json scene.toml --method magic|2|usage|--method|magic|mls
 render truth.json scene.toml --actuators -5|2|usage|--actuators|found -5|above 0
 render truth.json scene.toml --frequency -5|2|usage|--frequency|found -5
 render truth.json scene.toml --sweep 40:1041|2|usage|--sweep|at most 1000 Hz wide
+render truth.json scene.toml --sweep 310:290|2|usage|--sweep|310:290|does not rise|LO:HI
+render truth.json scene.toml --sweep 290:290|2|usage|--sweep|290:290|does not rise|LO:HI
 render truth.json scene.toml --actuators auto --also deaf.toml|65|bad_data|deaf.toml|3000 Hz
 render scene.toml truth.json|65|bad_data|scene.toml|TOML|its own place
 play truth.json scene.toml --rate 0|2|usage|--rate|0 Hz

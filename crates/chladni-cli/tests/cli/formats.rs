@@ -195,6 +195,27 @@ fn continuous_noise_without_a_word_of_windows_takes_the_local_rational_method() 
 }
 
 #[test]
+fn wrong_options_of_an_estimate_are_named_with_advice() {
+    let folder = with_records();
+    for (options, code, words) in [
+        ("--block 0", 2, ["--block: ", "found 0 samples"]),
+        ("--block 99999999", 65, ["--block: ", "8192"]),
+        ("--overlap 1", 2, ["--overlap: ", "0.95"]),
+        (
+            "--sample-rate 2048",
+            2,
+            ["--sample-rate: ", "expected 1024 Hz, as"],
+        ),
+    ] {
+        let line = format!("estimate time.csv -o none.csv {options}");
+        let told = folder.run(&line).exits(code).stderr;
+        for word in words.into_iter().chain(["help: "]) {
+            assert!(told.contains(word), "{options}: no {word} in {told}");
+        }
+    }
+}
+
+#[test]
 fn a_sound_file_needs_dofs_and_units() {
     let folder = Folder::new();
     let samples = signal();
@@ -212,9 +233,14 @@ fn a_sound_file_needs_dofs_and_units() {
     }
     folder.write("take.wav", wav);
     folder.run("estimate take.wav -o frf.h5").exits(65);
+    let unscaled = "estimate take.wav -o part.csv --dofs 101:+Z,1:+Z --units V,mm/s";
+    let told = folder.run(unscaled).exits(0).said();
+    assert!(told.contains("parts of full scale"), "{told}");
     let line = "estimate take.wav -o frf.csv --dofs 101:+Z,1:+Z --units V,mm/s --scales 10,20 \
                 --block 256 --json";
-    let result = folder.run(line).exits(0).json();
+    let run = folder.run(line).exits(0);
+    assert!(!run.stderr.contains("full scale"), "{}", run.stderr);
+    let result = run.json();
     assert_eq!(result["frf_kind"], "mobility");
     let table = folder.text("frf.csv");
     assert!(table.contains("# reference_unit = V"), "{}", &table[..200]);

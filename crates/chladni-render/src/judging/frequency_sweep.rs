@@ -85,7 +85,11 @@ pub fn sweep(
                 .expected(format!(
                     "LO:HI in Hz, above 0, rising, at most {} Hz wide",
                     tolerances::MOST_SWEPT * tolerances::SWEEP_STEP_HZ
-                )),
+                ))
+                .help(
+                    "write the lower frequency first, as in `sweep 290:310`; for one frequency \
+                     alone leave `sweep` out and set `frequency_hz` of the scene",
+                ),
         );
     }
     let frequencies = (0..=steps as usize).map(|k| low_hz + tolerances::SWEEP_STEP_HZ * k as f64);

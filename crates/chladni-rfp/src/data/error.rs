@@ -131,8 +131,15 @@ impl FitError {
             } => (
                 FileError::bad_data("too few usable spectral lines in the band")
                     .field(reach)
-                    .found(format!("{lines} lines between {low_hz} and {high_hz} Hz"))
-                    .expected(format!("at least {needed} lines for {asked} modes")),
+                    .found(format!(
+                        "{} between {low_hz} and {high_hz} Hz",
+                        counted(*lines, "line")
+                    ))
+                    .expected(format!(
+                        "at least {} for {}",
+                        counted(*needed, "line"),
+                        counted(*asked, "mode")
+                    )),
                 format!("widen {band}, or ask for fewer {modes}"),
             ),
             Self::NarrowBand { low_hz, high_hz } => (
@@ -203,6 +210,11 @@ impl FitError {
         };
         error.help(help)
     }
+}
+
+/// A count with its noun: `1 mode`, `2 modes`.
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// The same text, with options by their plain names.

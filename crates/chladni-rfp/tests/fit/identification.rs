@@ -464,10 +464,15 @@ fn what_cannot_be_fitted_says_why() {
         band_hz: Some([50.0, 50.5]),
         ..Default::default()
     };
-    assert!(matches!(
-        error(&narrow, &set.frf),
-        FitError::TooFewLines { .. }
-    ));
+    let few = error(&narrow, &set.frf);
+    assert!(matches!(few, FitError::TooFewLines { .. }));
+    let words = few.to_string();
+    assert!(
+        words.contains("lines for 1 mode")
+            && !words.contains("1 modes")
+            && !words.contains(" 1 lines"),
+        "{words}"
+    );
     let unknown = FrfSet {
         kind: None,
         ..set.frf.clone()

@@ -1,7 +1,7 @@
 //! Estimators against closed forms: filters whose response is known, noise whose effect
 //! is known.
 
-use chladni_frf::{BlockWindow, Channel, Dof, Estimator, FrfKind, Run, SignalUnit};
+use chladni_frf::{BlockWindow, Channel, Dof, ErrorKind, Estimator, FrfKind, Run, SignalUnit};
 use chladni_signal::{estimate, Estimate, EstimateOptions};
 use ndarray::Array3;
 use num_complex::Complex64;
@@ -297,6 +297,15 @@ fn what_does_not_fit_together_is_refused() {
         }
     )
     .contains("no possible block"));
+    // no record has such a block: the setting is wrong, not the file
+    for (block, kind) in [(0, ErrorKind::Usage), (10_000, ErrorKind::BadData)] {
+        let options = EstimateOptions {
+            block: Some(block),
+            ..h1
+        };
+        let error = estimate(&[run(vec![force(), velocity()])], &options).unwrap_err();
+        assert_eq!(error.kind, kind, "{error}");
+    }
     assert!(message(
         &[run(vec![force(), velocity()])],
         &EstimateOptions {
