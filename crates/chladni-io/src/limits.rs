@@ -61,7 +61,8 @@ pub(crate) const SHA256_UP_TO_BYTES: u64 = 1 << 30;
 /// without their trailing zeros have equal decimals in 10 rows in a third of all cases; the
 /// eleventh is then shorter in a tenth of them.
 pub(crate) const CUT_ROWS_LEAST: usize = 10;
-/// Times fewer digits that a cut number has than any above it, where those vary.
+/// A cut number has at least this many times fewer digits than any number above it, where their
+/// decimals vary.
 pub(crate) const CUT_DIGITS: usize = 3;
 /// Last rows that are compared with the last number.
 pub(crate) const CUT_ROWS_MOST: usize = 1000;

@@ -5,55 +5,85 @@ use crate::limits::{CUT_DIGITS, CUT_ROWS_LEAST, CUT_ROWS_MOST};
 use chladni_frf::Finding;
 use std::borrow::Cow;
 
-/// The form of a printed number: decimals, and digits of its exponent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Form {
+/// A number as it is printed.
+struct Printed {
+    text: String,
+    value: f64,
     decimals: usize,
-    /// `None` without an exponent.
-    exponent: Option<usize>,
+    /// Digits of the mantissa from the first that is not zero.
+    digits: usize,
+    /// Sign and digits of the exponent; `None` without one.
+    exponent: Option<String>,
 }
 
-impl Form {
-    fn of(cell: &str) -> Self {
-        let (mantissa, exponent) = match cell.split_once(['e', 'E', 'd', 'D']) {
-            Some((mantissa, exponent)) => (mantissa, Some(exponent)),
-            None => (cell, None),
+impl Printed {
+    fn new(text: String, value: f64) -> Self {
+        let (mantissa, exponent) = match text.split_once(['e', 'E', 'd', 'D']) {
+            Some((mantissa, exponent)) => (mantissa, Some(exponent.to_owned())),
+            None => (text.as_str(), None),
         };
-        let digits = |text: &str| text.bytes().filter(u8::is_ascii_digit).count();
+        let count = |text: &str| text.bytes().filter(u8::is_ascii_digit).count();
+        let decimals = mantissa.split_once(['.', ',']);
         Self {
-            decimals: mantissa
-                .split_once(['.', ','])
-                .map_or(0, |(_, decimals)| digits(decimals)),
-            exponent: exponent.map(digits),
+            value,
+            decimals: decimals.map_or(0, |(_, decimals)| count(decimals)),
+            digits: count(mantissa.trim_start_matches(|c| !('1'..='9').contains(&c))),
+            exponent,
+            text,
         }
     }
 
-    /// True where the beginning of a number of the form `whole` has this form.
-    fn is_begin_of(self, whole: Self) -> bool {
-        match (self.exponent, whole.exponent) {
-            (None, _) if self.decimals < whole.decimals => true,
-            (None, Some(_)) => self.decimals == whole.decimals,
-            (Some(own), Some(digits)) => self.decimals == whole.decimals && own < digits,
-            _ => false,
-        }
+    /// The digits of the exponent.
+    fn exponent_digits(&self) -> Option<&str> {
+        let exponent = self.exponent.as_deref()?;
+        Some(exponent.trim_start_matches(['+', '-']))
     }
-}
 
-/// Significant digits of a number as it is printed.
-fn digits(cell: &str) -> usize {
-    let mantissa = cell.split(['e', 'E', 'd', 'D']).next().unwrap_or_default();
-    let digits = mantissa.bytes().filter(u8::is_ascii_digit);
-    digits.skip_while(|digit| *digit == b'0').count()
+    /// True where this number may be the beginning of one that is printed as those above are.
+    fn is_cut(&self, above: &[Self]) -> bool {
+        if self.value == 0.0 {
+            return false;
+        }
+        if let Some(digits) = self.exponent_digits() {
+            return self.is_cut_in_exponent(digits, above);
+        }
+        let is_whole = self.value.fract() == 0.0;
+        let decimals = above[0].decimals;
+        let is_even = above.iter().all(|other| other.decimals == decimals);
+        let have_exponents = above.iter().all(|other| other.exponent.is_some());
+        if have_exponents && (1.0..10.0).contains(&self.value.abs()) {
+            // the mantissa alone
+            return true;
+        }
+        let is_shorter = is_even && self.decimals < decimals;
+        let lacks_exponent = is_even && have_exponents && self.decimals == decimals;
+        let is_far_shorter = (above.iter()).all(|other| other.digits >= CUT_DIGITS * self.digits);
+        !is_whole && (is_shorter || lacks_exponent || is_far_shorter)
+    }
+
+    /// True where the exponent is cut: no program prints `e-0`, and one that fills exponents
+    /// with zeros (`e-05`) prints no shorter ones.
+    fn is_cut_in_exponent(&self, digits: &str, above: &[Self]) -> bool {
+        let is_zero = digits.bytes().all(|digit| digit == b'0');
+        let exponents = || above.iter().filter_map(Self::exponent_digits);
+        let is_filled = exponents().any(|other| other.len() > 1 && other.starts_with('0'));
+        let least = exponents().map(str::len).min().unwrap_or(0);
+        let is_negative = self.exponent.as_deref().is_some_and(|e| e.starts_with('-'));
+        (is_zero && is_negative) || ((is_filled || is_zero) && digits.len() < least)
+    }
 }
 
 /// The finding about a last row without a line end whose last number is shorter than those
-/// above it: they all have the same decimals and as many digits of the exponent, or several
-/// times its digits. A whole number may end a table of long ones, as a phase of 180.
+/// above it: it lacks their exponent, or digits of it; it has fewer decimals than they all
+/// have; or, where their decimals vary, several times fewer digits. A whole number may end a
+/// table of long ones, as a phase of 180 or a coherence of 1, if it lacks no exponent.
 pub(super) fn last_number(text: &str, lines: &[Line<'_>], dialect: Dialect) -> Option<Finding> {
     let last = lines.last()?;
     let ends_the_text =
         last.text.as_bytes().as_ptr_range().end == text.as_bytes().as_ptr_range().end;
-    if !ends_the_text || last.is_comment || last.text.ends_with(char::is_whitespace) {
+    // a closing quote ends the number
+    let is_ended = last.text.ends_with(|c: char| c.is_whitespace() || c == '"');
+    if !ends_the_text || last.is_comment || is_ended {
         return None;
     }
     let columns = dialect.cells(last.text).len();
@@ -62,28 +92,30 @@ pub(super) fn last_number(text: &str, lines: &[Line<'_>], dialect: Dialect) -> O
         let cell = cells.pop().filter(|_| cells.len() + 1 == columns);
         let cell = cell.map(Cow::into_owned)?;
         match dialect.number(&cell) {
-            Cell::Value(value) => Some((cell, value)),
+            Cell::Value(value) => Some(Printed::new(cell, value)),
             _ => None,
         }
     };
-    let (found, value) = number(last)?;
+    let found = number(last)?;
     let rows = lines.iter().rev().skip(1).filter(|line| !line.is_comment);
-    let above = rows.map_while(number).take(CUT_ROWS_MOST);
-    let above: Vec<String> = above.map(|(cell, _)| cell).collect();
-    let neighbour = above.first().filter(|_| above.len() >= CUT_ROWS_LEAST)?;
-    let whole = Form::of(neighbour);
-    let breaks_form =
-        Form::of(&found).is_begin_of(whole) && above.iter().all(|cell| Form::of(cell) == whole);
-    let is_far_shorter = value.fract() != 0.0
-        && (above.iter()).all(|cell| digits(cell) >= CUT_DIGITS * digits(&found));
-    (breaks_form || is_far_shorter).then(|| {
-        let words = format!(
-            "line {} ends with `{found}`, shorter than the numbers above it, as `{neighbour}`, and \
-             without a line end: the file may be cut within that number",
-            last.number
-        );
-        Finding::caution("number-cut", words).help("copy or export the file again")
-    })
+    let above: Vec<Printed> = rows.map_while(number).take(CUT_ROWS_MOST).collect();
+    if above.len() < CUT_ROWS_LEAST || !found.is_cut(&above) {
+        return None;
+    }
+    let longer = above
+        .iter()
+        .find(|other| other.text.len() > found.text.len());
+    let words = format!(
+        "line {} ends with `{}` and has no line end; the numbers above it are longer, such as \
+         `{}`. The file may be cut within that number",
+        last.number,
+        found.text,
+        longer.unwrap_or(&above[0]).text
+    );
+    Some(
+        Finding::caution("number-cut", words)
+            .help("copy or export the file again; if the number is whole, end the line"),
+    )
 }
 
 #[cfg(test)]
@@ -132,8 +164,20 @@ mod tests {
             })
             .collect();
         assert!(told(&(varied + "12,0.5,1.1")).is_some());
-        let comma = "f;re;im\n".to_owned() + &"1;0,5;0,25\n".repeat(12) + "30;0,5;0";
+        let comma = "f;re;im\n".to_owned() + &"1;0,5;0,25\n".repeat(12) + "30;0,5;0,2";
         assert!(told(&comma).is_some());
+        // numbers of any length, of which the last is cut in its exponent
+        let long = |k: usize| format!("-{}.{}", 1 + k, "3".repeat(k + 5));
+        for (above, last) in [
+            ("", "-1.4246217913e-0"),
+            ("e-08", "-1.4246217913"),
+            ("e-08", "1.4e-0"),
+        ] {
+            let rows: String = (0..12)
+                .map(|k| format!("{k},0.5,{}{above}\n", long(k % 9)))
+                .collect();
+            assert!(told(&(rows + "12,0.5," + last)).is_some(), "{above} {last}");
+        }
     }
 
     #[test]
@@ -153,6 +197,11 @@ mod tests {
         let [half_turn, exact] = ["180.0", "0"].map(|cell| format!("{long}12,0.5,{cell}"));
         let shorter = long + "12,0.5,-179.98";
         let shorter_row = table("2.25", 12) + "30,1.5";
+        let short_exponent = table("2.5432E-10", 12) + "30,1.5e-3,1.1234E-9";
+        let zero = table("2.5432e-10", 12) + "30,1.5e-3,0.0000e+0";
+        let one = table("0.998", 12) + "30,1.5e-3,1";
+        let quoted = table("\"8.442\"", 12) + "30,1.5e-3,\"2.5\"";
+        let no_exponent = table("2.5e-05", 12) + "30,1.5e-3,0.00012";
         for text in [
             uneven,
             ended,
@@ -166,6 +215,11 @@ mod tests {
             exact,
             shorter,
             shorter_row,
+            short_exponent,
+            zero,
+            one,
+            quoted,
+            no_exponent,
         ] {
             assert_eq!(told(&text), None, "{text}");
         }

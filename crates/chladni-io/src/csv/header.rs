@@ -1,6 +1,7 @@
 //! The header of a table: its lines of names and of units, and how they are cut.
 
 use super::column_header::{looks_like_unit, without_brackets, ColumnHeader};
+use super::frequency::factor_to_hz;
 use super::table::Table;
 use super::text::{both_commas, Dialect, Line};
 use super::time;
@@ -26,12 +27,14 @@ impl Table {
         header: &[Line<'_>],
         dialect: Dialect,
         filled: usize,
+        has_rate: bool,
     ) -> Result<()> {
+        let between_blanks = dialect.delimiter.is_none();
         let mut candidates: Vec<Vec<String>> = Vec::new();
         for line in header.iter().filter(|line| !dialect.is_row(line.text)) {
             let mut keyword = None;
             let mut fitting = None;
-            for mut cells in cuts(line.text, dialect) {
+            for (cut, mut cells) in cuts(line.text, dialect).enumerate() {
                 let first = cells.first().map(|cell| cell.trim_end_matches(':'));
                 let key = first.unwrap_or_default().to_lowercase();
                 if KEYWORDS.contains(&key.as_str()) {
@@ -44,12 +47,17 @@ impl Table {
                 if cells.len() != self.columns && cells.len() != filled {
                     continue;
                 }
+                // a remark below the names, such as `Time zone, local, CET`
+                if time::is_first(&cells) && candidates.iter().any(names_frequency) {
+                    break;
+                }
                 // prose may have as many words as there are columns
+                let cut_as_numbers = cut == 0 || between_blanks;
                 let is_header = line.text.contains([',', ';'])
                     || known_words(line.text) > 0
                     || cells.iter().all(|cell| looks_like_unit(cell))
-                    || time::is_header(&cells)
-                    || time::is_unit_row(&cells)
+                    || (cut_as_numbers && time::is_header(&cells, between_blanks))
+                    || (cut == 0 && time::is_unit_row(&cells))
                     || cells
                         .iter()
                         .any(|cell| !ColumnHeader::parse(cell, "").dofs.is_empty());
@@ -70,6 +78,9 @@ impl Table {
             }
         }
         let Some(names) = self.take_units(&mut candidates) else {
+            if !has_rate {
+                self.refuse_time_that_does_not_fit(header, dialect)?;
+            }
             return self.refuse_header_that_does_not_fit(header);
         };
         self.names = names;
@@ -141,21 +152,27 @@ impl Table {
         candidates.pop()
     }
 
+    /// Refuses a header of a time record whose number of names is not that of the columns: its
+    /// times would pass for frequencies.
+    fn refuse_time_that_does_not_fit(&self, header: &[Line<'_>], dialect: Dialect) -> Result<()> {
+        let last = header.last().filter(|_| self.keywords.is_empty());
+        let Some(line) = last.filter(|line| time::is_named_first(line.text, dialect)) else {
+            return Ok(());
+        };
+        Err(
+            Error::bad_data("the header begins with a time and does not fit the columns")
+                .at_line(line.number)
+                .found(line.text.trim())
+                .expected(format!("{} names, one for each column", self.columns))
+                .help(
+                    "write the names between the delimiters of the numbers, as \
+                     t [s],101:+Z [N],1:+Z [m/s] for a time record",
+                ),
+        )
+    }
+
     /// Refuses a header whose number of names is not that of the columns.
     fn refuse_header_that_does_not_fit(&self, header: &[Line<'_>]) -> Result<()> {
-        let last = header.last().filter(|_| self.keywords.is_empty());
-        if let Some(line) = last.filter(|line| time::is_named_first(line.text)) {
-            return Err(Error::bad_data(
-                "the header begins with a time and does not fit the columns",
-            )
-            .at_line(line.number)
-            .found(line.text.trim())
-            .expected(format!("{} names, one for each column", self.columns))
-            .help(
-                "write the names between the delimiters of the numbers, as \
-                         t [s],101:+Z [N],1:+Z [m/s] for a time record",
-            ));
-        }
         let Some(line) = header
             .iter()
             .rev()
@@ -208,6 +225,11 @@ impl Table {
                 .help("name the column in the header line, or leave it out")),
         }
     }
+}
+
+/// True for names of a frequency and of what stands beside it: `f,re,im`.
+fn names_frequency(cells: &Vec<String>) -> bool {
+    factor_to_hz(&cells[0], "").is_some() && cells[1..].iter().any(|cell| known_words(cell) > 0)
 }
 
 /// True for a row that can only be units, of FRFs or of a time record.

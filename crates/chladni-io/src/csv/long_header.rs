@@ -8,7 +8,7 @@ use super::text::{Cell, Dialect, Line};
 use super::time;
 use super::vocabulary::{is_beside_dof, is_frequency, words, Part, ANGULAR};
 use crate::limits::{HEADER_LINES, LONG_COLUMNS_LEAST};
-use chladni_frf::{Error, Finding, Result};
+use chladni_frf::{Error, Finding};
 use std::borrow::Cow;
 
 /// The columns of a long table, by their meaning; numbers of columns count from 0.
@@ -86,22 +86,27 @@ pub(super) fn find<'a>(lines: &'a [Line<'a>]) -> Option<LongTable<'a>> {
         })
 }
 
-/// Refuses a header of a long table that lacks a column of a DOF: the frequency is not in the
-/// first column, both parts of a value are there, and some name belongs to a DOF.
-pub(super) fn refuse_incomplete(lines: &[Line<'_>]) -> Result<()> {
+/// The error about a header of a long table that lacks a column of a DOF: the frequency is not
+/// in the first column, both parts of a value are there, and some name belongs to a DOF. The
+/// line below has as many cells, and a number for the frequency: the header is no remark.
+pub(super) fn incomplete(lines: &[Line<'_>]) -> Option<Error> {
     let any = Dialect {
         delimiter: Some('\t'),
         decimal_comma: false,
     };
-    for line in lines.iter().take(HEADER_LINES) {
-        let cuts = any.and_others().map(|dialect| names_of(line.text, dialect));
-        if let Some(cells) = cuts.into_iter().find(|cells| is_incomplete(cells)) {
-            return Err(incomplete(&cells)
-                .at_line(line.number)
-                .found(line.text.trim()));
-        }
-    }
-    Ok(())
+    let begins_as_number = |cell: &str| cell.starts_with(|c: char| c.is_ascii_digit() || c == '.');
+    let mut pairs = lines.windows(2).take(HEADER_LINES);
+    pairs.find_map(|pair| {
+        let names = any.and_others().find_map(|dialect| {
+            let names = names_of(pair[0].text, dialect);
+            let row = dialect.cells(pair[1].text);
+            let is_right_above = row.len() == names.len()
+                && frequency_column(&names).is_some_and(|f| begins_as_number(&row[f]));
+            (is_right_above && is_incomplete(&names)).then_some(names)
+        })?;
+        let error = incomplete_error(&names).at_line(pair[0].number);
+        Some(error.found(pair[0].text.trim()))
+    })
 }
 
 fn is_incomplete(cells: &[String]) -> bool {
@@ -110,7 +115,7 @@ fn is_incomplete(cells: &[String]) -> bool {
     {
         return false;
     }
-    let has_first = !cells[0].trim().is_empty() && !time::is_header(cells);
+    let has_first = !cells[0].trim().is_empty() && !time::is_header(cells, false);
     let heads = heads_of(cells);
     // `Ref 101:+Z Re` is a column of a wide table
     let is_of_dof = |(name, head): (&String, &ColumnHeader)| {
@@ -124,7 +129,7 @@ fn is_incomplete(cells: &[String]) -> bool {
 
 /// The error of a header without all columns of its DOFs, which names those that are missing and
 /// those that are not understood.
-fn incomplete(cells: &[String]) -> Error {
+fn incomplete_error(cells: &[String]) -> Error {
     let names: Vec<String> = cells.iter().map(|cell| column_name(cell)).collect();
     let has = |known: &[&str]| names.iter().any(|name| known.contains(&name.as_str()));
     let missing = |dof: &DofNames| match (has(dof.dof), has(dof.node), has(dof.direction)) {
@@ -133,9 +138,10 @@ fn incomplete(cells: &[String]) -> Error {
         (_, false, true) => Some(dof.node[0]),
         (false, false, false) => Some(dof.dof[0]),
     };
-    let missing: Vec<&str> = [&RESPONSE, &REFERENCE]
+    let missing: Vec<String> = [&RESPONSE, &REFERENCE]
         .into_iter()
         .filter_map(missing)
+        .map(|name| format!("`{name}`"))
         .collect();
     let frequency = frequency_column(cells);
     let heads = heads_of(cells);
@@ -143,9 +149,9 @@ fn incomplete(cells: &[String]) -> Error {
         let is_meant = heads[column].part != Part::Unknown || Some(column) == frequency;
         !is_meant && !is_dof_name(&names[column]) && key_of(&names[column]) != "unit"
     };
-    let unknown: Vec<&str> = (0..cells.len())
+    let unknown: Vec<String> = (0..cells.len())
         .filter(|&column| is_unknown(column))
-        .map(|column| cells[column].trim())
+        .map(|column| format!("`{}`", cells[column].trim()))
         .collect();
     let columns = match missing.as_slice() {
         [_] => "column",
@@ -158,12 +164,18 @@ fn incomplete(cells: &[String]) -> Error {
     if !unknown.is_empty() {
         message += &format!("; not understood: {}", unknown.join(", "));
     }
+    let mut help = "name the columns so; DOFs are written as 12:+Z, or as node and direction code \
+                    (±1 X, ±2 Y, ±3 Z) in columns of their own"
+        .to_owned();
+    if frequency == Some(1) {
+        help += &format!(
+            "; or leave the column `{}` out, where it only counts the rows",
+            cells[0].trim()
+        );
+    }
     Error::bad_data(message)
         .expected("response,reference,f,re,im or node,dir,ref_node,ref_dir,f,re,im")
-        .help(
-            "name the columns so; DOFs are written as 12:+Z, or as node and direction code (±1 X, \
-             ±2 Y, ±3 Z) in columns of their own",
-        )
+        .help(help)
 }
 
 /// True for a name of a column of DOFs, nodes or directions.

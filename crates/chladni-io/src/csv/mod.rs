@@ -109,16 +109,16 @@ fn read_text(
             (table.first_line(), traces)
         }
         None => {
-            if options.sample_rate_hz.is_none() {
-                long_header::refuse_incomplete(&lines)?;
-            }
-            let table = table::Table::read(&lines, options.lenient, &mut warnings)?;
+            // a header of a long table that lacks a DOF is the cause of most other errors
+            let explained = |error| long_header::incomplete(&lines).unwrap_or(error);
+            let table = table::Table::read(&lines, options, &mut warnings).map_err(explained)?;
             warnings.extend(cut::last_number(&text, &lines, table.dialect));
             if let Some(times) = time::axis(&table, options.sample_rate_hz) {
                 return time::document(&table, &times, warnings, file);
             }
             facts.header_text = table.prose.clone();
-            (table.lines[0], wide::traces(&table, &facts, &mut warnings)?)
+            let traces = wide::traces(&table, &facts, &mut warnings).map_err(explained)?;
+            (table.lines[0], traces)
         }
     };
     let units = FrfUnits::of(&facts, &traces, options.frf_kind, &mut warnings)?;

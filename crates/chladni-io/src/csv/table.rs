@@ -4,6 +4,7 @@ use super::text::{
     both_commas, both_signs, has_thousands, refuse_decimal_comma, Cell, Dialect, Line,
 };
 use crate::limits::TABLE_ROWS_TRIED;
+use crate::ReadOptions;
 use chladni_frf::{Error, Finding, Result};
 use std::collections::BTreeMap;
 
@@ -33,9 +34,10 @@ impl Table {
     /// with a warning when `lenient`.
     pub(super) fn read(
         lines: &[Line<'_>],
-        lenient: bool,
+        options: &ReadOptions,
         warnings: &mut Vec<Finding>,
     ) -> Result<Self> {
+        let lenient = options.lenient;
         let dialect = Dialect::detect(lines).ok_or_else(|| no_numbers(lines))?;
         let (header, rows, columns) = split(lines, dialect);
         let filled = filled_columns(&rows, dialect);
@@ -55,7 +57,7 @@ impl Table {
             lines: Vec::with_capacity(rows.len()),
         };
         refuse_decimal_comma(rows[0], header, dialect, filled)?;
-        table.read_header(header, dialect, filled)?;
+        table.read_header(header, dialect, filled, options.sample_rate_hz.is_some())?;
         table.refuse_whole_numbers(&rows, dialect)?;
         let mut masked = Masked::default();
         for line in &rows {

@@ -1,12 +1,15 @@
 //! Tables of time records: `t [s], 101:+Z [N], 1:+Z [m/s]`, one column per channel.
 
 use super::column_header::{without_brackets, ColumnHeader};
+use super::header::outside_brackets;
 use super::table::Table;
+use super::text::Dialect;
 use super::vocabulary::{is_frequency, words};
 use crate::runs::signal_unit;
 use crate::unit_label::{self, Unit};
 use crate::{Abscissa, Axis, DatasetInfo, Document, FileFormat, Function, Ordinate};
 use chladni_frf::{Direction, Dof, Error, Finding, Result};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Names of a time axis.
@@ -15,7 +18,11 @@ const TIME_NAMES: [&str; 4] = ["t", "time", "zeit", "temps"];
 /// The times of the samples of a table.
 pub(super) enum Times {
     /// Times in the first column, with their factor to seconds.
-    FirstColumn(f64),
+    FirstColumn {
+        to_seconds: f64,
+        /// True where the user gives a rate as well.
+        has_rate: bool,
+    },
     /// Even sampling at this rate, Hz, without a column of times.
     Rate(f64),
 }
@@ -23,8 +30,12 @@ pub(super) enum Times {
 /// The time axis of a table: its first column where name or unit are of a time, else the
 /// `rate_hz` of the user.
 pub(super) fn axis(table: &Table, rate_hz: Option<f64>) -> Option<Times> {
+    let times = |to_seconds| Times::FirstColumn {
+        to_seconds,
+        has_rate: rate_hz.is_some(),
+    };
     let factor = to_seconds(table.names.first()?, table.units.first()?);
-    factor.map(Times::FirstColumn).or(rate_hz.map(Times::Rate))
+    factor.map(times).or(rate_hz.map(Times::Rate))
 }
 
 /// The factor to seconds of a column whose name or unit are of a time.
@@ -37,14 +48,40 @@ fn to_seconds(name: &str, unit_row: &str) -> Option<f64> {
     }
 }
 
+/// True for cells of which the first is a time.
+pub(super) fn is_first(cells: &[String]) -> bool {
+    let first = cells.first();
+    first.is_some_and(|first| to_seconds(first, "").is_some())
+}
+
+/// True for the name of a time and nothing else: it may begin a sentence.
+fn is_mere_word(name: &str) -> bool {
+    let word = name.trim_matches(|c: char| !c.is_alphanumeric());
+    TIME_NAMES.contains(&word.to_lowercase().as_str())
+}
+
+/// True for a name that begins with the name of a time.
+fn is_named(name: &str) -> bool {
+    let first = words(name).next().unwrap_or_default();
+    TIME_NAMES.contains(&first.to_lowercase().as_str())
+}
+
 /// True for the cells of a header of a time record: the first is a time, and no other begins
-/// with a digit, as in `Time 10:30:00`.
-pub(super) fn is_header(cells: &[String]) -> bool {
-    let begins_with_digit = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit());
-    cells
-        .first()
-        .is_some_and(|first| to_seconds(first, "").is_some())
-        && !cells[1..].iter().any(begins_with_digit)
+/// with a digit, as in `Time 10:30:00`. Prose between blanks looks alike: there, a cell has a
+/// unit or a DOF as well.
+pub(super) fn is_header(cells: &[String], between_blanks: bool) -> bool {
+    let begins_with = |is_sign: fn(char) -> bool| cells[1..].iter().any(|c| c.starts_with(is_sign));
+    let says_more = |name: &String| {
+        let head = ColumnHeader::parse(name, "");
+        !head.dofs.is_empty() || channel_unit(name, &head).1.is_some()
+    };
+    let is_prose = || {
+        let units_alone = begins_with(|c| "([".contains(c));
+        units_alone
+            || !is_named(&cells[0])
+            || (is_mere_word(&cells[0]) && !cells[1..].iter().any(says_more))
+    };
+    is_first(cells) && !begins_with(|c| c.is_ascii_digit()) && !(between_blanks && is_prose())
 }
 
 /// True for a row of units of which the first is that of a time: `s, N, m/s`.
@@ -56,8 +93,23 @@ pub(super) fn is_unit_row(cells: &[String]) -> bool {
 }
 
 /// True for a line that begins with the name of a time and goes on with names: none of them
-/// begins with a digit, as a time of day does, unless it is a DOF, and none is a frequency.
-pub(super) fn is_named_first(line: &str) -> bool {
+/// begins with a digit, as a time of day does, unless it is a DOF, and none is a frequency. The
+/// delimiter of the numbers follows, or the time has its unit: `Time averaged` is prose.
+pub(super) fn is_named_first(line: &str, dialect: Dialect) -> bool {
+    let is_delimited = dialect.delimiter.is_some_and(|sign| line.contains(sign));
+    let cells = match is_delimited {
+        true => dialect
+            .cells(line)
+            .into_iter()
+            .map(Cow::into_owned)
+            .collect(),
+        false => outside_brackets(line),
+    };
+    // `Time:` says when it was measured
+    let is_name = is_delimited && !cells[0].ends_with(':');
+    if !is_first(&cells) || !is_named(&cells[0]) || !(is_name || !is_mere_word(&cells[0])) {
+        return false;
+    }
     let lower = line.to_lowercase();
     let is_frequency = |word: &str| is_frequency(word) && word != "x";
     let is_number =
@@ -65,11 +117,8 @@ pub(super) fn is_named_first(line: &str) -> bool {
     let mut names = lower
         .split(|c: char| c.is_whitespace() || ",;\"".contains(c))
         .filter(|name| !name.is_empty());
-    let first = names.next().and_then(|name| words(name).next());
-    first.is_some_and(|word| TIME_NAMES.contains(&word))
-        && names.clone().next().is_some()
-        && !names.any(is_number)
-        && !words(&lower).any(is_frequency)
+    names.next();
+    names.clone().next().is_some() && !names.any(is_number) && !words(&lower).any(is_frequency)
 }
 
 /// The unit of a time at the end of a name: `time_ms`, `t (s)`.
@@ -178,10 +227,13 @@ pub(super) fn document(
 /// The column of the first channel, the times, and their factor to seconds.
 fn abscissa(table: &Table, times: &Times) -> Result<(usize, Abscissa, f64)> {
     Ok(match *times {
-        Times::FirstColumn(factor) => {
+        Times::FirstColumn {
+            to_seconds,
+            has_rate,
+        } => {
             let times = table.column(0);
-            refuse_falling(table, &times)?;
-            (1, Abscissa::Uneven(times), factor)
+            refuse_falling(table, &times, has_rate)?;
+            (1, Abscissa::Uneven(times), to_seconds)
         }
         Times::Rate(rate_hz) => {
             let step = 1.0 / rate_hz;
@@ -215,7 +267,7 @@ fn dataset_info(table: &Table, response: Dof, samples: usize) -> DatasetInfo {
     }
 }
 
-fn refuse_falling(table: &Table, times: &[f64]) -> Result<()> {
+fn refuse_falling(table: &Table, times: &[f64], has_rate: bool) -> Result<()> {
     match times.windows(2).position(|pair| pair[1] <= pair[0]) {
         None => Ok(()),
         Some(k) => Err(Error::bad_data("the time axis does not rise")
@@ -223,9 +275,12 @@ fn refuse_falling(table: &Table, times: &[f64]) -> Result<()> {
             .field("time")
             .found(format!("{} after {}", times[k + 1], times[k]))
             .expected("strictly rising times")
-            .help(
-                "export the times with more digits, or leave their column out and say \
-                 `sample_rate HZ`",
-            )),
+            .help(match has_rate {
+                true => "export the times with more digits, or leave their column out",
+                false => {
+                    "export the times with more digits, or leave their column out and say \
+                     `sample_rate HZ`"
+                }
+            })),
     }
 }

@@ -51,27 +51,31 @@ fn every_refusal_names_the_row_and_what_to_do() {
         ),
         (
             "node,ref,f,re,im\n1,101,10,1,2\n1,101,11,1,2\n",
-            &["line 1", "without the column dir;", "node,dir,ref_node"],
+            &["line 1", "without the column `dir`;", "node,dir,ref_node"],
         ),
         (
             "ref_node,node,f,re,im\n101,1,10,1,2\n101,1,11,1,2\n",
-            &["line 1", "columns dir and ref_dir;"],
+            &["line 1", "columns `dir` and `ref_dir`;"],
         ),
         (
             "from,to,f,re,im\n101Z,1Z,10,1,2\n101Z,1Z,11,1,2\n",
             &[
                 "line 1",
-                "columns response and reference;",
-                "not understood: from, to;",
+                "columns `response` and `reference`;",
+                "not understood: `from`, `to`;",
             ],
         ),
         (
             "point,x,y,f,re,im\n1,0.1,0.2,10,1,2\n1,0.1,0.2,11,1,2\n",
             &[
                 "line 1",
-                "response and reference;",
-                "not understood: point, x, y;",
+                "`response` and `reference`;",
+                "not understood: `point`, `x`, `y`;",
             ],
+        ),
+        (
+            "Point,Frequency [Hz],Real,Imag\n1,10,1,2\n2,11,1,2\n",
+            &["line 1", "leave the column `Point` out", "counts the rows"],
         ),
         (
             "response,reference,f,re,im\n1Z,9Z,2,1,2\n1Z,9Z,1,1,2\n",
@@ -304,6 +308,88 @@ fn a_table_cut_within_its_last_number_is_named() {
             "{text}"
         );
         let (_, findings) = read(whole + "e-4").unwrap();
+        assert!(!findings.join("\n").contains("cut"), "{findings:?}");
+    }
+}
+
+#[test]
+fn remarks_beside_a_header_leave_a_good_table_as_it_is() {
+    let rows = "50,-40.5,8.5\n51,-38.5,3.5\n";
+    for above in [
+        "# Input: force at 101:+Z, output: velocity, freq 0-100 Hz, Re, Im\nf,re,im",
+        "# Input force, frequency axis in Hz, Real part, Imaginary part\nf,re,im",
+        "Columns: frequency, real, imag, of the input at node 3\nf,re,im",
+        "# one row per line, frequency, real part, imaginary part, input 101:+Z\nf,re,im",
+        "# reference, frequency, real, imag\nf,re,im",
+        "f,re,im\n# Time zone: CET",
+        "f,re,im\n# Time, place, name",
+        "Time window: Hann\nf,re,im",
+    ] {
+        for delimiter in [",", "\t"] {
+            let table = format!("{above}\n{}", rows.replace(',', delimiter));
+            let (set, _) = read(&table).unwrap_or_else(|error| panic!("{above}: {error}"));
+            assert_eq!(set.values.get(0, 0, 1), c(-38.5, 3.5), "{above}");
+        }
+    }
+}
+
+#[test]
+fn prose_that_begins_with_a_time_is_no_header() {
+    let rows = |delimiter: &str| {
+        let row = |k: usize| [format!("{k}"), "1327.5".into(), format!("{k}88.5")].join(delimiter);
+        (50..70).map(row).collect::<Vec<_>>().join("\n")
+    };
+    for prose in [
+        "Time averaged",
+        "Measurement\nTime: morning",
+        "Time:\tmorning",
+        "Time window Hann",
+        "Time Stamp May",
+        "Time in s",
+        "Min (s) averaged",
+    ] {
+        for delimiter in ["\t", " "] {
+            let table = format!("{prose}\n{}\n", rows(delimiter));
+            let told = match read(&table) {
+                Ok((set, _)) => {
+                    assert_eq!(set.values.get(0, 0, 0), c(1327.5, 5088.5), "{prose}");
+                    continue;
+                }
+                Err(error) => error,
+            };
+            assert!(
+                told.message.contains("magnitude and phase"),
+                "{prose}: {told}"
+            );
+        }
+    }
+}
+
+#[test]
+fn prose_above_a_record_of_a_given_rate_is_no_header() {
+    let options = ReadOptions {
+        sample_rate_hz: Some(1000.0),
+        ..ReadOptions::default()
+    };
+    for prose in ["Time domain data", "Time data", "Time (s) of the record"] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("record.txt");
+        std::fs::write(&path, format!("{prose}\n2.5\t-0.5\n0.5\t0.25\n1\t2\n")).unwrap();
+        let document = read_document(&path, &options).unwrap();
+        assert_eq!(document.functions.len(), 2, "{prose}");
+    }
+}
+
+#[test]
+fn complete_last_numbers_are_no_cut() {
+    for (above, last) in [
+        ("8.1083e-10", "0.0000e+0"),
+        ("0.998", "1"),
+        ("\"8.442\"", "\"2\""),
+        ("2.0749E-10", "1.1234E-9"),
+    ] {
+        let rows: String = (10..30).map(|f| format!("{f},1.5e-3,{above}\n")).collect();
+        let (_, findings) = read(&format!("f,re,im\n{rows}31,1.5e-3,{last}")).unwrap();
         assert!(!findings.join("\n").contains("cut"), "{findings:?}");
     }
 }
