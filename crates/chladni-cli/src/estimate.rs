@@ -106,12 +106,12 @@ fn positive(text: &str) -> std::result::Result<f64, String> {
 impl Args {
     /// The window of `--window` and `--exponential-window`; `None` where none is given.
     fn window(&self) -> Result<Option<BlockWindow>> {
-        let wrong = |message: &str, found: String, expected: &str| {
+        let wrong = |message: &str, found: String, expected: &str, help: &str| {
             Err(Error::new(ErrorKind::Usage, message)
                 .field("--exponential-window")
                 .found(found)
                 .expected(expected)
-                .help("give the window's own α, ln(1/end value)/record length, or leave it out"))
+                .help(help))
         };
         match (self.window.as_deref(), self.exponential_window) {
             (None | Some("exponential"), Some(rate_per_s))
@@ -123,14 +123,19 @@ impl Args {
                 "no possible decay",
                 rate.to_string(),
                 "a rate in 1/s above 0",
+                "the rate is ln(1/end value)/record length, in 1/s",
             ),
-            (Some(name), Some(_)) => {
-                wrong("two windows", format!("--window {name} too"), "one window")
-            }
+            (Some(name), Some(_)) => wrong(
+                "two windows",
+                format!("--window {name} too"),
+                "one window",
+                "leave one of the two out",
+            ),
             (Some("exponential"), None) => wrong(
                 "an exponential window needs its decay",
                 "none".into(),
                 "a rate in 1/s",
+                "give --exponential-window RATE, or choose another --window",
             ),
             (Some("hann"), None) => Ok(Some(BlockWindow::Hann)),
             (Some(_), None) => Ok(Some(BlockWindow::Rectangular)),

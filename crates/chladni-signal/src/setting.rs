@@ -301,13 +301,15 @@ fn no_block(block: usize, shortest: usize) -> Error {
         true => ErrorKind::Usage,
         false => ErrorKind::BadData,
     };
-    let error = Error::new(kind, "no possible block").field("block");
+    let error = Error::new(kind, "no possible block");
     match shortest < LEAST_BLOCK {
         true => error
+            .field("record")
             .found(format!("{shortest} samples in the shortest record"))
             .expected(format!("records of {LEAST_BLOCK} samples or more"))
             .help("measure a longer record"),
         false => error
+            .field("block")
             .found(format!("{block} samples"))
             .expected(format!(
                 "{LEAST_BLOCK} to {shortest}, the samples of the shortest record"

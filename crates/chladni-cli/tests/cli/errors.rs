@@ -124,7 +124,9 @@ play truth.json scene.toml --full-scale 1e-9|2|usage|--full-scale|nothing clips
 play truth.json scene.toml --seed -5|2|usage|--seed|found -5
 estimate panel.h5 -o new.h5|65|bad_data|no time record|(`chladni info FILE`)
 estimate headless.csv -o new.h5 --scales nan,1|2|usage|--scales|found nan|finite
-estimate headless.csv -o new.h5 --exponential-window 0|2|usage|--exponential-window|found 0|above 0
+estimate headless.csv -o new.h5 --exponential-window 0|2|usage|--exponential-window|found 0|above 0|the rate is ln
+estimate headless.csv -o new.h5 --window exponential|2|usage|--exponential-window|found none|choose another --window
+estimate headless.csv -o new.h5 --window hann --exponential-window 5|2|usage|--exponential-window|leave one of the two out
 evaluate truth.json --scene scene.toml --on panel.h5|65|bad_data|truth.json|weights
 evaluate binary.dat --scene scene.toml --on panel.h5|65|bad_data|binary.dat|a binary file|weights
 evaluate hollow.json --scene scene.toml --on panel.h5|65|bad_data|hollow.json|missing field|version|(`chladni render` writes one)

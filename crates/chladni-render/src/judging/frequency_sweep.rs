@@ -77,7 +77,16 @@ pub fn sweep(
         );
     }
     let steps = (high_hz - low_hz) / tolerances::SWEEP_STEP_HZ;
-    if !(low_hz > 0.0 && (0.0..=tolerances::MOST_SWEPT).contains(&steps)) {
+    let rises = high_hz > low_hz;
+    if !(low_hz > 0.0 && rises && steps <= tolerances::MOST_SWEPT) {
+        let help = match (low_hz > 0.0, rises) {
+            (false, _) => "write LO above 0",
+            (true, false) => {
+                "write the lower frequency first, as in `sweep 290:310`; for one frequency alone \
+                 leave `sweep` out and set `frequency_hz` of the scene"
+            }
+            (true, true) => "narrow the range, or sweep it in parts",
+        };
         return Err(
             Error::new(ErrorKind::Usage, "no usable range of frequencies")
                 .field("sweep")
@@ -86,10 +95,7 @@ pub fn sweep(
                     "LO:HI in Hz, above 0, rising, at most {} Hz wide",
                     tolerances::MOST_SWEPT * tolerances::SWEEP_STEP_HZ
                 ))
-                .help(
-                    "write the lower frequency first, as in `sweep 290:310`; for one frequency \
-                     alone leave `sweep` out and set `frequency_hz` of the scene",
-                ),
+                .help(help),
         );
     }
     let frequencies = (0..=steps as usize).map(|k| low_hz + tolerances::SWEEP_STEP_HZ * k as f64);

@@ -179,7 +179,12 @@ fn the_sweep_suggests_a_frequency_between_modes() {
                 .iter()
                 .any(|warning| warning.code == "mode-on-drive")
     );
-    for range in [[340.0, 290.0], [0.0, 100.0], [100.0, 1e6]] {
+    for (range, help) in [
+        ([340.0, 290.0], "the lower frequency first"),
+        ([290.0, 290.0], "the lower frequency first"),
+        ([0.0, 100.0], "above 0"),
+        ([100.0, 1e6], "narrow the range"),
+    ] {
         let error = sweep(
             &simulation().truth,
             &corner(300.0),
@@ -192,6 +197,7 @@ fn the_sweep_suggests_a_frequency_between_modes() {
             error.kind == ErrorKind::Usage && error.to_string().starts_with("sweep: "),
             "{error}"
         );
+        assert!(error.to_string().contains(help), "{help}: {error}");
     }
 }
 

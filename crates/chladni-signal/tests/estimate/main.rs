@@ -305,7 +305,16 @@ fn what_does_not_fit_together_is_refused() {
         };
         let error = estimate(&[run(vec![force(), velocity()])], &options).unwrap_err();
         assert_eq!(error.kind, kind, "{error}");
+        assert_eq!(error.field.as_deref(), Some("block"), "{error}");
     }
+    // no block fits: the record is at fault
+    let samples = |unit, place: &str| channel(place, unit, vec![0.0, 1.0, 0.5]);
+    let few = vec![
+        samples(SignalUnit::Force, "101:+Z"),
+        samples(SignalUnit::Velocity, "1:+Z"),
+    ];
+    let error = estimate(&[run(few)], &h1).unwrap_err();
+    assert_eq!(error.field.as_deref(), Some("record"), "{error}");
     assert!(message(
         &[run(vec![force(), velocity()])],
         &EstimateOptions {

@@ -37,6 +37,20 @@ const PART_NAMES: [PartNames; 2] = [
     },
 ];
 
+/// Names of real arrays beside frequencies that are no FRFs.
+const NO_FRFS: [&str; 10] = [
+    "coherence",
+    "damping",
+    "damping_ratio",
+    "damping_ratios",
+    "loss_factor",
+    "loss_factors",
+    "loss factor",
+    "shape",
+    "shapes",
+    "mode_shapes",
+];
+
 /// A list of numbers that may be the frequency axis.
 #[derive(Clone, Copy)]
 struct NumberList<'a> {
@@ -283,7 +297,7 @@ impl<'a> Reader<'a> {
             frequency::is_name(name)
                 || frequency::is_likely_name(name)
                 || dofs::is_name(name)
-                || name.eq_ignore_ascii_case("coherence")
+                || NO_FRFS.iter().any(|other| name.eq_ignore_ascii_case(other))
         };
         let is_value = |entry: &&Entry| {
             matches!(entry.element(), Some(Element::Real { .. }))
@@ -298,11 +312,11 @@ impl<'a> Reader<'a> {
             return Ok(None);
         }
         let words = format!(
-            "real numbers beside a frequency axis are no FRFs: {}",
+            "only real numbers beside a frequency axis: {}",
             shortened(&found, DATASETS_LISTED)
         );
-        let help = "save complex values, or both parts: `map re=PATH,im=PATH,freq=PATH` or `map \
-                    mag=PATH,phase=PATH,freq=PATH`";
+        let help = "if they are FRFs: save complex values, or both parts: `map \
+                    re=PATH,im=PATH,freq=PATH` or `map mag=PATH,phase=PATH,freq=PATH`";
         Ok(Some(Finding::caution("real-array", words).help(help)))
     }
 
@@ -316,15 +330,14 @@ impl<'a> Reader<'a> {
         let pairs = pairs(sources, &lists);
         let (source, _) = pairs.first().filter(|(_, axis)| length(axis) > 1)?;
         let axes: Vec<String> = pairs.iter().map(|(_, axis)| axis.path.clone()).collect();
-        Some(Finding::caution(
-            "no-frequency-axis",
-            format!(
-                "{}: no array is its frequency axis by name; if one of {} is, name both with \
-                 `map frf=PATH,freq=PATH`",
-                source.describe(),
-                shortened(&axes, DATASETS_LISTED)
-            ),
-        ))
+        let words = format!(
+            "{}: no array is its frequency axis by name; as long as one of its axes: {}",
+            source.describe(),
+            shortened(&axes, DATASETS_LISTED)
+        );
+        let help = "if one of these is the frequency axis: name both arrays with `map \
+                    frf=PATH,freq=PATH`";
+        Some(Finding::caution("no-frequency-axis", words).help(help))
     }
 }
 

@@ -279,11 +279,18 @@ fn arrays_that_are_no_frfs_are_named_with_the_reason() {
         &real,
         &[
             "no FRF in the input",
-            "real numbers",
-            "/H (5)",
+            "only real numbers beside a frequency axis: /H (5)",
+            "if they are FRFs: save complex values",
             "`map re=PATH,im=PATH,freq=PATH`",
         ],
     );
+    // neither are the results of a modal analysis
+    let modes = Npz(Vec::new())
+        .reals("damping", &HZ)
+        .reals("shapes", &HZ)
+        .reals("frequency_hz", &HZ);
+    let found = modes.document(&ReadOptions::default()).warnings;
+    assert!(found.is_empty(), "{found:?}");
     // positions beside heights are no measurement
     let places = Npz(Vec::new()).reals("height", &HZ).reals("x", &HZ);
     let found = places.document(&ReadOptions::default()).warnings;
