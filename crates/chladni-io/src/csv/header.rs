@@ -48,7 +48,7 @@ impl Table {
                     continue;
                 }
                 // a remark below the names, such as `Time zone, local, CET`
-                if time::is_first(&cells) && candidates.iter().any(names_frequency) {
+                if time::is_first(&cells) && candidates.iter().any(|cells| names_frequency(cells)) {
                     break;
                 }
                 // prose may have as many words as there are columns
@@ -228,7 +228,7 @@ impl Table {
 }
 
 /// True for names of a frequency and of what stands beside it: `f,re,im`.
-fn names_frequency(cells: &Vec<String>) -> bool {
+fn names_frequency(cells: &[String]) -> bool {
     factor_to_hz(&cells[0], "").is_some() && cells[1..].iter().any(|cell| known_words(cell) > 0)
 }
 

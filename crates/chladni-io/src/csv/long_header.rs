@@ -138,10 +138,10 @@ fn incomplete_error(cells: &[String]) -> Error {
         (_, false, true) => Some(dof.node[0]),
         (false, false, false) => Some(dof.dof[0]),
     };
-    let missing: Vec<String> = [&RESPONSE, &REFERENCE]
+    // without backticks, in which `reference` is an option
+    let missing: Vec<&str> = [&RESPONSE, &REFERENCE]
         .into_iter()
         .filter_map(missing)
-        .map(|name| format!("`{name}`"))
         .collect();
     let frequency = frequency_column(cells);
     let heads = heads_of(cells);

@@ -107,7 +107,7 @@ pub(super) fn is_named_first(line: &str, dialect: Dialect) -> bool {
     };
     // `Time:` says when it was measured
     let is_name = is_delimited && !cells[0].ends_with(':');
-    if !is_first(&cells) || !is_named(&cells[0]) || !(is_name || !is_mere_word(&cells[0])) {
+    if !is_first(&cells) || !is_named(&cells[0]) || (!is_name && is_mere_word(&cells[0])) {
         return false;
     }
     let lower = line.to_lowercase();

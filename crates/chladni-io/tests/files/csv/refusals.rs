@@ -51,17 +51,17 @@ fn every_refusal_names_the_row_and_what_to_do() {
         ),
         (
             "node,ref,f,re,im\n1,101,10,1,2\n1,101,11,1,2\n",
-            &["line 1", "without the column `dir`;", "node,dir,ref_node"],
+            &["line 1", "without the column dir;", "node,dir,ref_node"],
         ),
         (
             "ref_node,node,f,re,im\n101,1,10,1,2\n101,1,11,1,2\n",
-            &["line 1", "columns `dir` and `ref_dir`;"],
+            &["line 1", "columns dir and ref_dir;"],
         ),
         (
             "from,to,f,re,im\n101Z,1Z,10,1,2\n101Z,1Z,11,1,2\n",
             &[
                 "line 1",
-                "columns `response` and `reference`;",
+                "columns response and reference;",
                 "not understood: `from`, `to`;",
             ],
         ),
@@ -69,7 +69,7 @@ fn every_refusal_names_the_row_and_what_to_do() {
             "point,x,y,f,re,im\n1,0.1,0.2,10,1,2\n1,0.1,0.2,11,1,2\n",
             &[
                 "line 1",
-                "`response` and `reference`;",
+                "response and reference;",
                 "not understood: `point`, `x`, `y`;",
             ],
         ),
@@ -389,7 +389,7 @@ fn complete_last_numbers_are_no_cut() {
         ("2.0749E-10", "1.1234E-9"),
     ] {
         let rows: String = (10..30).map(|f| format!("{f},1.5e-3,{above}\n")).collect();
-        let (_, findings) = read(&format!("f,re,im\n{rows}31,1.5e-3,{last}")).unwrap();
+        let (_, findings) = read(format!("f,re,im\n{rows}31,1.5e-3,{last}")).unwrap();
         assert!(!findings.join("\n").contains("cut"), "{findings:?}");
     }
 }
