@@ -1,5 +1,6 @@
 //! Tables for people, and numbers with as many digits as their error bars allow.
 
+pub use chladni_frf::counted;
 use comfy_table::{presets, CellAlignment, Table};
 
 /// Standard deviations within which 95 % of a normal distribution lie.
@@ -59,11 +60,6 @@ pub fn significant(value: f64, digits: i32) -> String {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => text,
     }
-}
-
-/// A count with its noun: `1 mode`, `2 modes`.
-pub fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// The first `shown` items of a list, and the number of the others.

@@ -78,7 +78,7 @@ pub use model::{
     Scaling, Trust, MODEL_FORMAT,
 };
 pub use nearest_word::nearest_word;
-pub use printable::printable;
+pub use printable::{counted, printable};
 pub use selection::{ModeName, ModePick, Selected, Selection};
 pub use shape_set::{ShapeMode, ShapeSet};
 pub use shared_errors::shared_power;

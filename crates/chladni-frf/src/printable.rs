@@ -1,4 +1,9 @@
-//! Text that a terminal shows and does not obey.
+//! Text that a terminal shows and does not obey, and counts in words.
+
+/// A count with its noun: `1 mode`, `2 modes`.
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
 
 /// Text for a terminal: control characters, which it would obey, and marks that turn the
 /// direction of writing around are escaped, but for those in `kept`.

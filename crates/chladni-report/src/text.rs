@@ -2,6 +2,7 @@
 
 use base64::engine::general_purpose::STANDARD;
 use base64::Engine;
+pub(crate) use chladni_frf::counted;
 
 /// `text` without characters that HTML or SVG would read as markup. Control characters, and marks
 /// that reverse the direction of writing, become a visible box.
@@ -74,11 +75,6 @@ pub(crate) fn superscript(exponent: i32) -> String {
         .map(|digit| DIGITS[usize::from(digit - b'0')])
         .collect();
     format!("{}{raised}", if exponent < 0 { "⁻" } else { "" })
-}
-
-/// A count with its noun: `1 mode`, `2 modes`.
-pub(crate) fn counted(count: usize, word: &str) -> String {
-    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use crate::data::limits;
 use crate::data::options::{FitOptions, Method};
-use chladni_frf::{Error as FileError, ErrorKind};
+use chladni_frf::{counted, Error as FileError, ErrorKind};
 use chladni_linalg::LinalgError;
 use std::fmt;
 
@@ -210,11 +210,6 @@ impl FitError {
         };
         error.help(help)
     }
-}
-
-/// A count with its noun: `1 mode`, `2 modes`.
-fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// The same text, with options by their plain names.

@@ -227,8 +227,8 @@ impl Influence<'_> {
         (&change - &matmul(taken.view(), part.view())).remove_axis(Axis(1))
     }
 
-    /// What a drop of the force leaves of the column of the mode n on `lines`, where it is `unit` over
-    /// 1/(jω − s).
+    /// The change of the column of the mode n on `lines` by a force that drops: what stays in the
+    /// residual. The column is `unit` times 1/(jω − s).
     pub fn left_by_drop(
         &self,
         n: usize,

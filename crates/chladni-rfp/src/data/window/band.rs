@@ -11,7 +11,8 @@
 //! E δ²  = (1/M) Σ_d (1 − |d|/M) Σ K(t, t′)·K(t′ − dh, t − dh)
 //!
 //! The second is not zero, because the errors of real and imaginary part differ. A force that drops at a
-//! resonance follows a white one e; the forms are then those of e. Force and poles are taken in a band about one frequency, on [`limits::RECORD_POINTS`] places of a record.
+//! resonance follows a white one e; the forms are then those of e. Force and poles are taken in a band
+//! about one frequency, on [`limits::RECORD_POINTS`] places of a record.
 
 use crate::data::limits;
 use crate::data::window::block_errors::BlockErrors;
@@ -119,7 +120,7 @@ pub(crate) struct Band<'a> {
     errors: &'a BlockErrors,
     /// e^{jω_k t}, (place, line).
     turns: Array2<Complex64>,
-    /// What the even force at each place adds to the spectrum of a record, (place, line). Places
+    /// Part of the even force at each place in the spectrum of a record, (place, line). Places
     /// before the record come first.
     spectra: Array2<Complex64>,
     /// Mean square of the spectrum on each line.
