@@ -57,8 +57,9 @@ pub use kernels::{kernels, kernels_csv, kernels_figure, KernelRow};
 pub use knobs::Setting;
 pub use large::{large, Size};
 pub use measured::{
-    measured, measured_csv, measured_figures, measured_summary, MeasuredCell, MeasuredForce,
-    MeasuredOptions, MeasuredOutcome, MeasuredRow, MeasuredSummary, MeasuredWay, MEASURED_CELLS,
+    measured, measured_cells, measured_csv, measured_figures, measured_summary, MeasuredCell,
+    MeasuredForce, MeasuredOptions, MeasuredOutcome, MeasuredRow, MeasuredSummary, MeasuredWay,
+    MEASURED_CELLS,
 };
 pub use mode_errors::{ModeErrors, Spread};
 pub use own_data::{own_csv, own_data, own_figures, OwnRow};

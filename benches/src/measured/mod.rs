@@ -24,12 +24,10 @@ use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// Settings of the runs.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredOptions {
-    /// Only every n-th cell.
-    pub every: usize,
-    /// Only cells whose name holds this text.
-    pub case: Option<String>,
+    /// Cells of the table, as [`measured_cells`] gives them.
+    pub cells: Vec<&'static MeasuredCell>,
     /// Tests of each cell.
     pub seeds: usize,
     /// The first seed; the others follow it.
@@ -52,16 +50,15 @@ pub struct MeasuredRow {
 /// Simulates and fits all tests, as many at a time as there are threads.
 ///
 /// # Errors
-/// Those of the journal; a test that cannot be estimated; no cell of that name.
+/// Those of the journal; a test that cannot be estimated.
 pub fn measured(
     options: &MeasuredOptions,
     journal: &mut Journal,
     progress: &dyn Fn(&str),
 ) -> Result<Vec<MeasuredRow>> {
-    let cells = cells(options)?;
-    let mut countdown = Countdown::new(cells.len(), progress);
+    let mut countdown = Countdown::new(options.cells.len(), progress);
     let mut rows = Vec::new();
-    for cell in cells {
+    for &cell in &options.cells {
         let seeds = options.first_seed..options.first_seed + options.seeds as u64;
         let name = |seed: u64| format!("{} {seed}", cell.name());
         let done = seeds.clone().all(|seed| journal.has(&name(seed)));
@@ -95,10 +92,16 @@ pub fn measured(
     Ok(rows)
 }
 
-/// The cells asked for.
-fn cells(options: &MeasuredOptions) -> Result<Vec<&'static MeasuredCell>> {
-    let every = MEASURED_CELLS.iter().step_by(options.every);
-    let Some(case) = &options.case else {
+/// Cells of the table.
+///
+/// * `every`: only every n-th cell
+/// * `case`: only those whose name holds this text
+///
+/// # Errors
+/// No cell of that name.
+pub fn measured_cells(every: usize, case: Option<&str>) -> Result<Vec<&'static MeasuredCell>> {
+    let every = MEASURED_CELLS.iter().step_by(every);
+    let Some(case) = case else {
         return Ok(every.collect());
     };
     let named: Vec<_> = every.filter(|cell| cell.name().contains(case)).collect();

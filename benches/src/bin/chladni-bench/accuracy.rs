@@ -176,9 +176,9 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         };
         return own_data::run(&asked, console);
     }
+    let peers = args.peers()?;
     args.place.prepare(&TABLES, console)?;
     let quick = args.place.quick;
-    let peers = args.peers()?;
     let chosen = match args.methods.is_empty() {
         true => Solver::all(),
         false => args.methods.clone(),

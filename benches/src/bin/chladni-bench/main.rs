@@ -102,6 +102,15 @@ impl Place {
     /// Makes the folder and refuses, before the work, tables that stand there already.
     fn prepare(&self, tables: &[&str], console: &Console) -> Result<()> {
         make_folder(&self.output, "--output")?;
+        self.refuse_tables(tables, console)
+    }
+
+    /// Refuses tables that stand there already. Where inputs are read first, the folder is made
+    /// after them: a wrong input leaves none.
+    fn refuse_tables(&self, tables: &[&str], console: &Console) -> Result<()> {
+        if !self.output.is_dir() {
+            return Ok(());
+        }
         tables.iter().try_for_each(|name| {
             Output::new(&self.output.join(name), TABLE, &[], console).map(drop)
         })

@@ -2,7 +2,8 @@
 
 use super::{names, shown, Place};
 use chladni_bench::{
-    measured, measured_csv, measured_figures, measured_summary, MeasuredOptions, MeasuredSummary,
+    measured, measured_cells, measured_csv, measured_figures, measured_summary, MeasuredOptions,
+    MeasuredSummary,
 };
 use chladni_console::table::table;
 use chladni_console::Console;
@@ -46,16 +47,15 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// Those of writing.
+/// No such case; those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    args.place.prepare(&[TABLE], console)?;
     let (seeds, every) = if args.place.quick { QUICK } else { (SEEDS, 1) };
     let options = MeasuredOptions {
-        every,
-        case: args.case.clone(),
+        cells: measured_cells(every, args.case.as_deref())?,
         seeds: args.seeds.unwrap_or(seeds) as usize,
         first_seed: args.seed,
     };
+    args.place.prepare(&[TABLE], console)?;
     let mut journal = args.place.journal("measured", "tests", console)?;
     let rows = measured(&options, &mut journal, &|stage| console.stage(stage))?;
     let summaries = measured_summary(&rows);

@@ -32,7 +32,7 @@ pub struct Asked<'a> {
 /// # Errors
 /// Those of reading and writing; data that the default cannot fit, or without a mode.
 pub fn run(args: &Asked, console: &Console) -> Result<Outcome> {
-    args.place.prepare(&[TABLE], console)?;
+    args.place.refuse_tables(&[TABLE], console)?;
     let methods: Vec<Method> = match args.methods.is_empty() {
         true => Method::ALL.to_vec(),
         false => identifying(args.methods)?,
@@ -56,6 +56,7 @@ pub fn run(args: &Asked, console: &Console) -> Result<Outcome> {
                 .help("`chladni fit` says what it found in these data"),
         );
     }
+    args.place.prepare(&[TABLE], console)?;
     let purpose = format!("{:?} {methods:?} {knobs}", args.input);
     let mut journal = args.place.journal("accuracy-input", &purpose, console)?;
     let say = |stage: &str| console.stage(stage);

@@ -76,10 +76,11 @@ impl Args {
 /// Runs the command.
 ///
 /// # Errors
-/// Those of writing.
+/// Those of reading and writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    args.place.prepare(&TABLES, console)?;
+    args.place.refuse_tables(&TABLES, console)?;
     let cases = args.sources(console)?;
+    args.place.prepare(&TABLES, console)?;
     let methods = match (args.methods.is_empty(), args.input.is_empty()) {
         (true, true) => vec![Method::Lean, Method::Auto],
         (true, false) => vec![Method::Auto],

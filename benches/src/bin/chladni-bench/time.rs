@@ -40,9 +40,8 @@ pub struct Args {
 /// Runs the command.
 ///
 /// # Errors
-/// Those of writing.
+/// No such case; those of writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
-    args.place.prepare(&[TABLE, FITTED_TABLE], console)?;
     let wanted = args.case.as_deref().unwrap_or("");
     let cases: Vec<TimeCase> = time_cases(args.place.quick)
         .into_iter()
@@ -55,6 +54,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             .found(wanted)
             .expected("the beginning of a name, as glass-quarter, aluminium-centre or fitted"));
     }
+    args.place.prepare(&[TABLE, FITTED_TABLE], console)?;
     let options = format!("{} {wanted}", args.place.quick);
     let mut journal = args.place.journal("time", &options, console)?;
     let rows = time(&cases, args.place.quick, &mut journal, &|stage| {
