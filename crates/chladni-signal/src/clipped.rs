@@ -1,7 +1,7 @@
 //! Records that ran into the end of their range.
 
 use crate::limits::{CLIPPED_BESIDE, CLIPPED_LEVELS, CLIPPED_MOST, CLIPPED_SAMPLES, CLIPPED_UNDER};
-use chladni_frf::{Dof, Finding, Run};
+use chladni_frf::{counted, Dof, Finding, Run};
 use std::collections::BTreeSet;
 
 /// The finding of channels that stay at their largest value, up or down, where a signal would
@@ -16,9 +16,9 @@ pub(super) fn clipped(runs: &[Run]) -> Option<Finding> {
         return None;
     }
     let words = format!(
-        "{} channel(s) stay at their largest value, again and again: the records are clipped, and \
-         FRFs of them hold what no structure does",
-        dofs.len()
+        "records of {} stay at their largest value, again and again: they are clipped, and FRFs of \
+         them hold what no structure does",
+        counted(dofs.len(), "channel")
     );
     let finding = Finding::caution("clipped-records", words).dofs(dofs);
     Some(finding.help("measure again with a wider range of these channels"))

@@ -9,7 +9,7 @@ use super::text::{both_commas, Cell, Line};
 use super::vocabulary::Part;
 use super::{TableFacts, Trace};
 use crate::limits::{LONG_SPARSE_FACTOR, SAME_LINE, SPARSE_CELLS};
-use chladni_frf::{Direction, Dof, Error, Finding, Result};
+use chladni_frf::{counted, Direction, Dof, Error, Finding, Result};
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -88,7 +88,10 @@ impl LongTable<'_> {
         if absent > 0 {
             warnings.push(Finding::caution(
                 "lines-masked",
-                format!("{absent} rows (pair and frequency) are missing; these lines are masked"),
+                format!(
+                    "masked, since missing: {} (pair and frequency)",
+                    counted(absent, "row")
+                ),
             ));
         }
         Ok((axis.into_iter().map(|f| f * f_to_hz).collect(), traces))

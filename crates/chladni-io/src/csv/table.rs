@@ -5,7 +5,7 @@ use super::text::{
 };
 use crate::limits::TABLE_ROWS_TRIED;
 use crate::ReadOptions;
-use chladni_frf::{Error, Finding, Result};
+use chladni_frf::{counted, Error, Finding, Result};
 use std::collections::BTreeMap;
 
 /// Rows of numbers, NaN where a cell is empty or masked.
@@ -289,15 +289,15 @@ impl Masked {
     fn report(self, columns: usize, warnings: &mut Vec<Finding>) {
         let kept = self.empty.range(..columns).map(|(_, found)| *found);
         let empty = kept.reduce(|(line, count), (other, more)| (line.min(other), count + more));
-        for (slot, what) in [
-            (empty, "cells are empty or NaN; masked"),
-            (self.bad, "cells are no finite numbers; masked"),
-            (self.skipped, "rows have another length; left out"),
+        for (slot, what, noun) in [
+            (empty, "masked, since empty or NaN", "cell"),
+            (self.bad, "masked, since no finite number", "cell"),
+            (self.skipped, "left out, since of another length", "row"),
         ] {
             if let Some((line, count)) = slot {
                 warnings.push(Finding::caution(
                     "lines-masked",
-                    format!("{count} {what} (first in line {line})"),
+                    format!("{what}: {} (first in line {line})", counted(count, noun)),
                 ));
             }
         }

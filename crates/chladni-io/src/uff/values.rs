@@ -12,7 +12,7 @@ use super::layout::Layout;
 use super::lines::Lines;
 use super::number::{self, Fault};
 use crate::Ordinate;
-use chladni_frf::{Error, Finding, Result};
+use chladni_frf::{counted, Error, Finding, Result};
 use num_complex::{Complex32, Complex64};
 
 /// Abscissa values (none for an even axis) and ordinate values.
@@ -81,7 +81,10 @@ pub(super) fn read_text(
     if let Some((count, first)) = reader.masked {
         warnings.push(Finding::caution(
             "lines-masked",
-            format!("{count} values that are no finite numbers are masked (first in line {first})"),
+            format!(
+                "masked, since no finite number: {} (first in line {first})",
+                counted(count, "value")
+            ),
         ));
     }
     Ok(split(reader.numbers, layout))

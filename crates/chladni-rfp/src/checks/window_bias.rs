@@ -12,7 +12,7 @@ use crate::data::layout::DataLayout;
 use crate::data::window::kinds::Window;
 use crate::data::window::leakage::Leakage;
 use crate::model::modes::widen_scale;
-use chladni_frf::{Finding, ModalModel, Mode, Scaling};
+use chladni_frf::{counted, Finding, ModalModel, Mode, Scaling};
 use std::f64::consts::PI;
 
 /// The check where the window is known: its effect is in the columns, as long as the
@@ -111,9 +111,9 @@ pub(crate) fn possible_bias(case: &Case) -> Option<Checked> {
     let evidence = match (of_shapes, shapes) {
         (Some((Window::None, _)), _) => return None,
         (Some((window, gain)), Some(shapes)) => format!(
-            "the line shapes of {} mode(s) are those of a {window} window (likelihood e^{gain:.0} \
+            "the line shapes of {} are those of a {window} window (likelihood e^{gain:.0} \
              times that of any other)",
-            shapes.modes
+            counted(shapes.modes, "mode")
         ),
         _ => "the line shapes do not tell".into(),
     };

@@ -9,7 +9,7 @@ use crate::damping::law::constant_power;
 use crate::damping::places::{frequency_and_loss, s_of_mode};
 use crate::model::limits;
 use crate::model::modes::no_sure_mode;
-use chladni_frf::{Damping, Finding, FrfKind, ModalModel, Mode, Reason, Scaling, Trust};
+use chladni_frf::{counted, Damping, Finding, FrfKind, ModalModel, Mode, Reason, Scaling, Trust};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -55,8 +55,9 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
     if sure_but_slower > 0 {
         model.quality.trusted = false;
         let words = format!(
-            "{sure_but_slower} mode(s) decay more slowly than the exponential window of {alpha} 1/s: \
-             its α is smaller, or the data are not windowed"
+            "slower decay than the exponential window of {alpha} 1/s in {}: its α is smaller, or \
+             the data are not windowed",
+            counted(sure_but_slower, "mode")
         );
         findings.push(
             Finding::fault("decays-not-windowed", words)

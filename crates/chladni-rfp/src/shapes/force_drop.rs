@@ -12,7 +12,7 @@ use crate::data::window::leakage::Leakage;
 use crate::shapes::influence::{square, Influence};
 use crate::shapes::leakage_into_lines::LeakageIntoLines;
 use crate::shapes::limits;
-use chladni_frf::Finding;
+use chladni_frf::{counted, Finding};
 use chladni_linalg::{matmul, matmul_h};
 use ndarray::{concatenate, s, Array1, Array2, Axis};
 use num_complex::Complex64;
@@ -50,10 +50,10 @@ impl ForceDrop {
     pub fn finding(&self, hz: f64) -> Option<Finding> {
         let drop_db = 20.0 * self.decided()?.drop.log10();
         let words = format!(
-            "the force drops at resonances, by about {drop_db:.0} dB: the lines of {} mode(s) say \
+            "the force drops at resonances, by about {drop_db:.0} dB: the lines of {} say \
              so (10^{:.0} times as likely as under an even force); the line shape of the window \
              is that of an even force, so the error bars hold the difference",
-            self.asked.len(),
+            counted(self.asked.len(), "mode"),
             self.gain / LN_10
         );
         let finding = Finding::caution("force-drop", words)

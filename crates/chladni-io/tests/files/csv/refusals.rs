@@ -153,7 +153,7 @@ fn lenient_masks_cells_and_leaves_rows_out_with_a_word() {
     assert!(set.values.get(0, 0, 1).re.is_nan());
     let text = warnings.join("\n");
     assert!(
-        text.contains("1 cells are no finite numbers; masked (first in line 3)")
+        text.contains("masked, since no finite number: 1 cell (first in line 3)")
             && text.contains("(first in line 4)"),
         "{text}"
     );
@@ -172,14 +172,16 @@ fn missing_rows_and_cells_are_masked_and_reported() {
     assert!(set.values.get(1, 0, 1).re.is_nan() && set.values.get(1, 0, 2).re.is_nan());
     let text = warnings.join("\n");
     assert!(
-        text.contains("1 rows (pair and frequency) are missing")
+        text.contains("masked, since missing: 1 row (pair and frequency)")
             && text.contains("first in line 6"),
         "{text}"
     );
     let (set, warnings) = read("f,re,im\n1,2,\n2,3,4\n").unwrap();
     assert!(set.values.get(0, 0, 0).re.is_nan() && set.values.get(0, 0, 0).im.is_nan());
     assert!(
-        warnings.join("\n").contains("1 cells are empty"),
+        warnings
+            .join("\n")
+            .contains("masked, since empty or NaN: 1 cell (first in line 2)"),
         "{warnings:?}"
     );
 }
@@ -289,7 +291,10 @@ fn a_delimiter_at_the_end_of_each_row_masks_nothing() {
     assert!(!findings.join("\n").contains("masked"), "{findings:?}");
     let (_, findings) = read("f,re,im,\n1,2,3,\n2,4,,\n").unwrap();
     let text = findings.join("\n");
-    assert!(text.contains("1 cells are empty or NaN; masked"), "{text}");
+    assert!(
+        text.contains("masked, since empty or NaN: 1 cell"),
+        "{text}"
+    );
 }
 
 #[test]
