@@ -174,7 +174,7 @@ pub struct Estimation {
     pub hop_s: f64,
     /// Blocks averaged, least and most of all FRFs; of a local method the records.
     pub averages: [usize; 2],
-    /// Lines of the transform that one value stands for: 1 for averaged blocks.
+    /// Lines of the transform that one value is fitted to: 1 for averaged blocks.
     pub lines_per_value: usize,
 }
 

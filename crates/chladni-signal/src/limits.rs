@@ -39,8 +39,8 @@ pub(crate) const SINGULAR: f64 = 1e-10;
 
 // excitation.rs
 
-/// Shortest record that is judged, samples.
-pub(crate) const LEAST_SAMPLES: usize = 1024;
+/// Shortest record that is judged, samples: of shorter ones 16 pieces are a few samples each.
+pub(crate) const LEAST_SAMPLES: usize = 256;
 /// Pieces of a record whose powers are compared.
 pub(crate) const PIECES: usize = 16;
 /// Least power of a piece beside the mean; pieces of a random signal scatter, silence
@@ -64,6 +64,9 @@ pub(crate) const BLOCKS_APART: f64 = 0.2;
 pub(crate) const LONG_LAG: usize = 64;
 /// Pieces of a block whose powers tell where a burst ends.
 pub(crate) const BLOCK_PIECES: usize = 256;
+/// Least samples of such a piece: the power of 8 samples of noise lies below [`ACTING`] of the largest
+/// in one case of 10⁵, that of a single one in one of four.
+pub(crate) const LEAST_PIECE: usize = 8;
 /// One in so many samples of a block, the last ones, tells the offset of the sensor (and, in blows.rs,
 /// its noise).
 pub(crate) const LAST_PART: usize = 16;
@@ -76,8 +79,10 @@ pub(crate) const LOOKED_AT: (usize, usize) = (1 << 20, 4);
 
 // force_noise.rs
 
-/// Lines over which the noise of the force counts as one, and fewest lines that tell it.
-pub(crate) const FORCE_LINES: usize = 65;
+/// Lines of the record over which the noise of the force counts as one.
+pub(crate) const FORCE_LINES: usize = 845;
+/// Local fits that tell it, at least: as many as share no lines there.
+pub(crate) const FORCE_FITS: usize = 65;
 /// Part of the lines on which responses must share errors of the force's sign: by chance a
 /// half do, ± 2 % of 500.
 pub(crate) const FORCE_SIGNS: f64 = 0.8;
@@ -90,6 +95,8 @@ pub(crate) const FORCE_MOST: f64 = 0.5;
 
 /// Difference of sampling rates, relative, up to which they are one: rounding of printed rates.
 pub(crate) const SAME_RATE: f64 = 1e-6;
+/// The same over a record, in samples: rounding of printed times.
+pub(crate) const SAME_SAMPLES: f64 = 0.1;
 
 // local.rs
 
@@ -195,12 +202,13 @@ pub(crate) const UNHEARD_MEAN: f64 = 1.05;
 /// one is up to 1.4 times as large.
 pub(crate) const UNHEARD_ERRORS: f64 = 4.0;
 
-// whole_record.rs, setting.rs
+// whole_record.rs
 
+/// Least step of local fits over the lines of each: values that share two fifths of their lines err
+/// nearly independently, closer ones repeat what their neighbours say.
+pub(crate) const LEAST_STEP: f64 = 0.6;
 /// Rounding of a number of lines: it must not decide on a line at the border of two frequencies.
 pub(crate) const LINE_ROUNDING: f64 = 1e-6;
-
-// whole_record.rs
 
 /// Largest prime factor of a transform's length: above it transforms slow down.
 pub(crate) const LARGEST_FACTOR: usize = 7;

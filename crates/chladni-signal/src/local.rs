@@ -58,7 +58,8 @@ pub(super) fn add_group(table: &mut Table, group: &Group, setting: &LocalSetting
             }
             // a mean of several records would need the force of each
             if part.rows.iter().all(|&(_, share)| share == 1.0) {
-                part.correct(table, &force_noise);
+                let record_s = fit.samples as f64 / run.sample_rate_hz;
+                part.correct(table, &force_noise, setting.grid.step(record_s));
             }
         }
     }
@@ -160,8 +161,10 @@ impl TablePart<'_> {
     }
 
     /// Undoes what noise in the record of the force takes from the FRFs.
-    fn correct(&self, table: &mut Table, force_noise: &[Option<ForceNoise>]) {
-        let Some(corrections) = corrections(force_noise) else {
+    ///
+    /// * `step`: lines of the record from one frequency to the next
+    fn correct(&self, table: &mut Table, force_noise: &[Option<ForceNoise>], step: f64) {
+        let Some(corrections) = corrections(force_noise, step) else {
             return;
         };
         for &(k, correction) in &corrections {

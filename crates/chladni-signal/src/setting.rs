@@ -2,9 +2,9 @@
 
 use super::excitation::{against_local_fits, forcing, is_continuous_random, misses_period};
 use super::local_basis::wanted_lines;
-use super::whole_record::{smooth_length, Grid};
+use super::whole_record::{least_step, smooth_length, Grid};
 use super::{EstimateOptions, BLOCKS, MOST_OVERLAP};
-use crate::limits::{BURST_MOST, HANN_OVERLAP, LEAST_BLOCK, LINE_ROUNDING};
+use crate::limits::{BURST_MOST, HANN_OVERLAP, LEAST_BLOCK};
 use chladni_frf::{
     BlockWindow, Dof, Error, ErrorKind, Estimation, Estimator, Finding, Forcing, Result, Run,
 };
@@ -105,7 +105,7 @@ impl Setting {
                     gate_s: record_s,
                     hop_s: record_s,
                     averages,
-                    lines_per_value: (setting.grid.step_hz * record_s + LINE_ROUNDING) as usize,
+                    lines_per_value: setting.grid.lines_per_value(record_s),
                 }
             }
         }
@@ -145,17 +145,23 @@ impl Setting {
 /// True where every response was measured once, in a record long enough, under continuous
 /// random excitation.
 fn is_for_lrm(runs: &[Run], block: Option<usize>) -> bool {
-    let long = |run: &Run| {
-        let wanted = wanted_lines(run.references().count());
-        block.is_none_or(|block| block * wanted <= smooth_length(run.samples()))
-    };
+    let (samples, wanted) = for_local_fits(runs);
+    let is_long = block.is_none_or(|block| block <= samples / least_step(wanted));
     let is_random = |run: &Run| {
         run.references().count() > 0
             && run
                 .references()
                 .all(|channel| is_continuous_random(&channel.samples))
     };
-    measured_once(runs) && runs.iter().all(long) && runs.iter().all(is_random)
+    is_long && measured_once(runs) && runs.iter().all(is_random)
+}
+
+/// Samples of the shortest transform, and the lines that a local fit wants.
+fn for_local_fits(runs: &[Run]) -> (usize, usize) {
+    let samples = runs.iter().map(|run| smooth_length(run.samples())).min();
+    let wanted = |run: &Run| wanted_lines(run.references().count());
+    let wanted = runs.iter().map(wanted).max();
+    (samples.unwrap_or(0), wanted.unwrap_or(0))
 }
 
 /// True where each response was measured once under each of its references.
@@ -187,32 +193,23 @@ fn is_cut(runs: &[Run], block: usize) -> bool {
 
 impl LocalSetting {
     fn choose(runs: &[Run], options: &EstimateOptions, estimator: Estimator) -> Result<Self> {
-        let samples = runs
-            .iter()
-            .map(|run| smooth_length(run.samples()))
-            .min()
-            .unwrap_or(0);
+        let (samples, wanted) = for_local_fits(runs);
         let rate = runs[0].sample_rate_hz;
-        let wanted = runs
-            .iter()
-            .map(|run| wanted_lines(run.references().count()))
-            .max()
-            .unwrap_or(0);
         if let Some(block) = options.block.filter(|block| *block < LEAST_BLOCK) {
             return Err(no_block(block, samples));
         }
-        if samples < 2 * wanted {
+        let least = 2 * least_step(wanted) + wanted;
+        if samples < least {
             return Err(Error::bad_data("no record for local fits")
                 .field("samples")
                 .found(format!("{samples} samples in the shortest record"))
-                .expected(format!("at least {} samples", 2 * wanted))
+                .expected(format!("at least {least} samples"))
                 .help("measure a longer record, or take `estimator h1`"));
         }
         let grid = match options.block {
-            Some(block) => Grid::new(rate / block as f64, rate),
-            None => Grid::finest(wanted, samples, rate),
+            Some(block) => Grid::new(rate / block as f64, wanted, samples, rate)?,
+            None => Grid::finest(wanted, samples, rate)?,
         };
-        grid.check(wanted, samples, rate)?;
         let mut warnings = Vec::new();
         if options.estimator.is_none() {
             let words = format!(

@@ -164,7 +164,7 @@ impl Args {
 /// Runs the command.
 ///
 /// # Errors
-/// Those of writing.
+/// Those of reading and writing.
 pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if !args.input.is_empty() {
         let asked = own_data::Asked {

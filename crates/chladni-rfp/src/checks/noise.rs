@@ -204,6 +204,7 @@ mod tests {
             x,
             law: Damping::Structural,
             leakage: None,
+            neighbours: 0.0,
         };
         let [pole, far] = [0.3, 0.7].map(|re| Complex64::new(re, 0.02));
         let part = own_part(&axis, &[pole, far], pole).unwrap();

@@ -101,6 +101,7 @@ mod tests {
             x,
             law,
             leakage: leaking,
+            neighbours: 0.0,
         }
     }
 

@@ -154,6 +154,7 @@ mod tests {
             b: Array2::zeros((300, 0)),
             law: chladni_frf::Damping::Structural,
             leakage: None,
+            neighbours: 0.0,
         };
         // narrower than a line, near a twin, and outside the lines
         let lambda = [
@@ -193,6 +194,7 @@ mod tests {
             x,
             law: chladni_frf::Damping::Structural,
             leakage: None,
+            neighbours: 0.0,
         };
         // far apart, and so near that their Gram matrix does not tell them apart
         for (gap, by_cholesky) in [(0.1, true), (1e-9, false)] {

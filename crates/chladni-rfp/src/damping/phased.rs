@@ -351,6 +351,7 @@ mod tests {
             x,
             law,
             leakage: None,
+            neighbours: 0.0,
         }
     }
 

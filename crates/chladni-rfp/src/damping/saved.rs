@@ -168,6 +168,7 @@ mod tests {
             b: Array2::zeros((x.len(), 3)),
             law: Damping::Viscous,
             leakage: None,
+            neighbours: 0.0,
             x,
         };
         let columns = viscous_basis(&empty, &[viscous_pole_of(truth)], &[]);

@@ -383,6 +383,7 @@ mod tests {
             x,
             law,
             leakage: None,
+            neighbours: 0.0,
         };
         let b = matmul(basis(&work, &poles(modes), &[]).view(), residues.view());
         work.with_columns(b)

@@ -25,6 +25,8 @@ pub(crate) struct Columns {
     pub law: Damping,
     /// Effect of records and windows on the columns of poles, if it is known.
     pub leakage: Option<LeakingLines>,
+    /// Correlation of the errors of neighbouring lines by the way they were estimated.
+    pub neighbours: f64,
 }
 
 impl Columns {
@@ -83,6 +85,7 @@ impl Columns {
             b,
             law: self.law,
             leakage: self.leakage.clone(),
+            neighbours: self.neighbours,
         }
     }
     /// The same data, whose poles follow another law.
@@ -106,6 +109,7 @@ impl Columns {
             b: Array2::zeros((rows.len(), 0)),
             law: self.law,
             leakage: self.leakage_on(rows),
+            neighbours: self.neighbours,
         }
     }
     /// Only the given lines.
@@ -120,6 +124,7 @@ impl Columns {
             b,
             law: self.law,
             leakage: self.leakage_on(lines.iter().copied()),
+            neighbours: self.neighbours,
         }
     }
     /// A stretch of lines.
@@ -132,6 +137,7 @@ impl Columns {
             b,
             law: self.law,
             leakage: self.leakage_on(rows),
+            neighbours: self.neighbours,
         }
     }
     fn leakage_on(&self, lines: impl Iterator<Item = usize>) -> Option<LeakingLines> {

@@ -3,7 +3,7 @@
 
 use crate::data::columns::Columns;
 use crate::data::limits;
-use crate::data::line_variance::LineVariance;
+use crate::data::line_variance::{of_neighbours, LineVariance};
 use crate::data::options::{Effort, FitOptions};
 use crate::data::pair_weights::{NextWeights, NoiseSource, PairWeights};
 use crate::data::window::block_errors::BlockErrors;
@@ -70,6 +70,8 @@ pub(crate) struct DataLayout {
     pub errors: Option<Arc<BlockErrors>>,
     /// Variance of lines, if the set gives it and errors of lines are independent; else empty.
     pub line_variance: LineVariance,
+    /// Correlation of the errors of neighbouring lines by the way they were estimated.
+    pub neighbours: f64,
     /// Findings on data that were left out.
     pub warnings: Vec<Finding>,
     /// Effort spent on finding poles.
@@ -127,6 +129,7 @@ impl DataLayout {
             traced: frf.geometry.lines.clone(),
             faces: frf.geometry.faces.clone(),
             reference_unit: frf.reference_unit,
+            neighbours: of_neighbours(frf),
             ..Self::on_lines(frf.frequency_hz.view(), kind, lines, band_hz, effort)
         }
     }
@@ -169,6 +172,7 @@ impl DataLayout {
             leakage: None,
             errors: None,
             line_variance: LineVariance::default(),
+            neighbours: 0.0,
             warnings: Vec::new(),
             effort,
             energy: Arc::default(),
@@ -370,6 +374,7 @@ impl DataLayout {
             b,
             law: self.law,
             leakage: self.leakage.as_ref().map(on_lines),
+            neighbours: self.neighbours,
         }
     }
 }

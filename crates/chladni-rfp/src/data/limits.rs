@@ -36,6 +36,12 @@ pub(super) const OF_DENOMINATOR: f64 = 0.4;
 /// all responses, whatever their number: at 30 dB errors of poles had 2.6 and 3.0 times the variance
 /// of error bars without it for 20 and 30 responses, at 50 dB 1.3 and 1.4 times.
 pub(super) const OF_NOISE: f64 = 0.12;
+/// Lines of the record in a value of an FRF, over those from one value to the next, from which
+/// neighbours share enough of them to correlate: at 1.3 they correlate by 0.03.
+pub(super) const LINES_SHARED: f64 = 1.3;
+/// Correlation of neighbouring values of the local rational method whose lines overlap by five of 13:
+/// 0.08 with one response, 0.12 to 0.15 with three and more, where their denominator follows noise.
+pub(super) const OF_SHARED_LINES: f64 = 0.15;
 /// Variance over power of an FRF at which half of [`OF_NOISE`] is added.
 pub(super) const NOISY_SHARE: f64 = 2e-6;
 

@@ -83,6 +83,23 @@ pub(crate) fn line_variance(
     })
 }
 
+/// Correlation of the errors of neighbouring lines: local rational fits share lines of the record
+/// (theory.md, eq. F4k).
+pub(crate) fn of_neighbours(frf: &FrfSet) -> f64 {
+    let by_rational_fits = frf
+        .estimation
+        .filter(|made| made.estimator == Estimator::Lrm);
+    let shares_lines = by_rational_fits.is_some_and(|made| {
+        let neighbours = frf.frequency_hz.windows(2).into_iter().next();
+        let step = neighbours.map(|two| (two[1] - two[0]) * made.transform_s);
+        step.is_some_and(|step| made.lines_per_value as f64 > limits::LINES_SHARED * step)
+    });
+    match shares_lines {
+        true => limits::OF_SHARED_LINES,
+        false => 0.0,
+    }
+}
+
 /// The median; `None` unless it is above 0.
 fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;

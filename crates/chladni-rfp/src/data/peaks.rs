@@ -219,6 +219,7 @@ mod tests {
                 x: places.iter().map(|place| (place / 400.0).powi(2)).collect(),
                 law: Damping::Structural,
                 leakage: None,
+                neighbours: 0.0,
             };
             let noise = fourth_difference_noise(&work, 40);
             noise[places.len() / 2] / (sigma * sigma)

@@ -130,6 +130,7 @@ mod tests {
             b: Array2::zeros((LINES, 3)),
             law: Damping::Structural,
             leakage: None,
+            neighbours: 0.0,
         };
         let peak = basis(&columns, &[pole], &[]).column(0).to_owned();
         let top = peak.iter().map(|v| v.norm()).fold(0.0, f64::max);

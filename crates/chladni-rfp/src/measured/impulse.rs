@@ -102,6 +102,7 @@ mod tests {
                 b,
                 law: chladni_frf::Damping::Structural,
                 leakage: None,
+                neighbours: 0.0,
             },
             x,
         )

@@ -224,6 +224,7 @@ mod tests {
                 b,
                 law: chladni_frf::Damping::Structural,
                 leakage: None,
+                neighbours: 0.0,
             },
             poles,
         )

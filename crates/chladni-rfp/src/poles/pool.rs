@@ -164,6 +164,7 @@ fn relocate(
         b: Array2::zeros((lines, 0)),
         law: work.law,
         leakage: None,
+        neighbours: 0.0,
     };
     let psi = basis(&ones, lambda, &[0]);
     let sums: Array1<Complex64> = psi.columns().into_iter().map(|c| c.sum()).collect();

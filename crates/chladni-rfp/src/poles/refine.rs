@@ -345,6 +345,7 @@ mod tests {
             b: Array2::zeros((lines, 3).f()),
             law: Damping::Structural,
             leakage: None,
+            neighbours: 0.0,
         };
         let residue = |(n, c): (usize, usize)| Complex64::new(1.0 + n as f64, c as f64 - 1.0);
         work.b = matmul(

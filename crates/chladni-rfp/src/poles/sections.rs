@@ -76,6 +76,7 @@ mod tests {
                 b: Array2::zeros((n, 1)),
                 law: chladni_frf::Damping::Structural,
                 leakage: None,
+                neighbours: 0.0,
             },
             positions.iter().map(peak).collect(),
         )

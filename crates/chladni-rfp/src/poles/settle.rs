@@ -28,7 +28,7 @@ pub(crate) fn settle(
     frfs: usize,
     history: &mut OrderHistory,
 ) -> Result<Scan, LinalgError> {
-    let mut guard = StallGuard::new(refined);
+    let mut guard = StallGuard::new(work, refined);
     let mut search = OrderSearch {
         work,
         refined,
@@ -139,6 +139,8 @@ impl OrderSearch<'_> {
 /// A guard against poles that represent errors which neighbouring lines share: each lowers the
 /// sum of squares a little, and adding them would never end.
 struct StallGuard {
+    /// Correlation of neighbouring lines' errors by the way they were estimated.
+    known: f64,
     /// Poles added so far.
     added: usize,
     /// Sum of squares at the last check, if lines correlated everywhere then.
@@ -146,16 +148,19 @@ struct StallGuard {
 }
 
 impl StallGuard {
-    fn new(start: &Refined) -> Self {
-        Self {
+    fn new(work: &Columns, start: &Refined) -> Self {
+        let mut guard = Self {
+            known: work.neighbours,
             added: 0,
-            before: Self::sse_if_correlated(start),
-        }
+            before: None,
+        };
+        guard.before = guard.sse_if_correlated(start);
+        guard
     }
 
-    fn sse_if_correlated(refined: &Refined) -> Option<f64> {
+    fn sse_if_correlated(&self, refined: &Refined) -> Option<f64> {
         let Projection { residual, sse, .. } = &refined.projection;
-        correlates_everywhere(residual).then_some(*sse)
+        correlates_everywhere(residual, self.known).then_some(*sse)
     }
 
     /// Counts one more pole; true if the last few have helped little.
@@ -165,7 +170,7 @@ impl StallGuard {
         if !self.added.is_multiple_of(count) {
             return false;
         }
-        let (before, now) = (self.before, Self::sse_if_correlated(refined));
+        let (before, now) = (self.before, self.sse_if_correlated(refined));
         self.before = now;
         before
             .zip(now)
@@ -255,6 +260,7 @@ mod tests {
             x,
             law: Damping::Structural,
             leakage: None,
+            neighbours: 0.0,
         };
         let start: Vec<Complex64> = [0.1, 0.3, 0.5, 0.7]
             .map(|x| Complex64::new(x, 0.02))

@@ -168,7 +168,12 @@ pub(crate) fn judge(
     let shapeless = !misfitted.is_empty() && products < limits::SHAPELESS * squares;
     let segments = (0..tenths).map(|tenth| tenth * n / tenths..(tenth + 1) * n / tenths);
     looks.extend(segments.flat_map(|rows| level.over_tenth(rows)));
-    looks.push(correlation_look(sample, n, frfs, level.chance));
+    looks.push(correlation_look(
+        sample,
+        work.neighbours,
+        frfs,
+        level.chance,
+    ));
 
     let misfit_share = misfitted.len() as f64 / modes.len().max(1) as f64;
     Whiteness::by_looks(&looks, misfit_share, shapeless)
@@ -217,7 +222,10 @@ impl Level<'_> {
 }
 
 /// The look at the correlation of neighbouring lines.
-fn correlation_look(sample: &Array2<Complex64>, lines: usize, frfs: usize, chance: Chance) -> Look {
+///
+/// * `known`: the correlation that their errors have by the way they were estimated
+fn correlation_look(sample: &Array2<Complex64>, known: f64, frfs: usize, chance: Chance) -> Look {
+    let lines = sample.nrows();
     let (products, squares) = neighbour_sums(sample, 0..lines);
     let seen = if squares > 0.0 {
         products / squares
@@ -226,7 +234,7 @@ fn correlation_look(sample: &Array2<Complex64>, lines: usize, frfs: usize, chanc
     };
     let count = (lines * sample.ncols().min(frfs).max(1)) as f64;
     Look::not_above(
-        limits::WHITE_CORRELATION + chance.correlation(count),
+        known + limits::WHITE_CORRELATION + chance.correlation(count),
         seen,
         format!("neighbouring residual lines correlate by {seen:.2}"),
     )
@@ -259,14 +267,16 @@ impl Whiteness {
 
 /// True if neighbouring lines correlate in all parts of the band but a few. Windows and short
 /// records make them do so; a missing mode does it near its own frequency only.
-pub(crate) fn correlates_everywhere(residual: &Array2<Complex64>) -> bool {
+///
+/// * `known`: the correlation that their errors have by the way they were estimated
+pub(crate) fn correlates_everywhere(residual: &Array2<Complex64>, known: f64) -> bool {
     let (lines, parts) = (residual.nrows(), limits::BAND_PARTS);
     let chance = Chance::of(parts);
     let correlates = |part: &usize| {
         let rows = part * lines / parts..(part + 1) * lines / parts;
         let count = (rows.len() * residual.ncols()).max(1) as f64;
         let (products, squares) = neighbour_sums(residual, rows);
-        products > (limits::WHITE_CORRELATION + chance.correlation(count)) * squares
+        products > (known + limits::WHITE_CORRELATION + chance.correlation(count)) * squares
     };
     (0..parts).filter(correlates).count() >= limits::PARTS_CORRELATED
 }
@@ -313,6 +323,7 @@ mod tests {
                 b: residual.clone(),
                 law: chladni_frf::Damping::Structural,
                 leakage: None,
+                neighbours: 0.0,
             },
             poles,
             residual,

@@ -156,6 +156,7 @@ mod tests {
             x,
             law: chladni_frf::Damping::Structural,
             leakage: None,
+            neighbours: 0.0,
         };
         let band: Vec<Complex64> = (1..10)
             .map(|n| Complex64::new(0.1 * f64::from(n), 0.02))
