@@ -16,6 +16,7 @@ use chladni_io::{
 use chladni_signal::{estimate, EstimateOptions};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Arguments of `estimate`.
@@ -51,7 +52,7 @@ pub struct Args {
     exponential_window: Option<f64>,
     /// Samples of a block; with lrm and lpm, sampling rate over distance of lines
     /// [default: the whole record where there are several or the force ends before it, else
-    /// about 16 blocks; lrm and lpm: a line of the FRFs for 13 of the record]
+    /// about 16 blocks; lrm and lpm: a line of the FRFs for 8 of the record, 11 with two references]
     #[arg(long, value_name = "SAMPLES")]
     block: Option<usize>,
     /// Overlap of blocks, as a part of their length [default: 2/3 with a Hann
@@ -152,6 +153,25 @@ struct Records {
     geometry: Geometry,
 }
 
+impl Records {
+    /// Refuses files of the same content: their records would count as several measurements.
+    fn refuse_copies(&self) -> Result<()> {
+        let copied = |(n, source): (usize, &Source)| {
+            let mut before = self.sources[..n].iter();
+            let other = before.find(|other| other.checksum == source.checksum)?;
+            Some((source.file.clone(), other.file.clone()))
+        };
+        match self.sources.iter().enumerate().find_map(copied) {
+            None => Ok(()),
+            Some((file, other)) => Err(Error::bad_data("the same records twice")
+                .file(file)
+                .found(format!("the content of {other}"))
+                .expected("records of measurements of their own")
+                .help("leave one of the two out")),
+        }
+    }
+}
+
 impl Args {
     fn records(&self, files: &[PathBuf], console: &Console) -> Result<Records> {
         let said = ChannelOverride {
@@ -190,8 +210,33 @@ impl Args {
                 records.geometry = std::mem::take(&mut document.geometry);
             }
         }
+        self.check_references(&records.runs)?;
+        records.refuse_copies()?;
         warn_of_files(files, warnings, console);
         Ok(records)
+    }
+
+    /// Refuses a DOF of `--references` at which nothing excites.
+    fn check_references(&self, runs: &[Run]) -> Result<()> {
+        let excites = |dof: &Dof| {
+            runs.iter()
+                .any(|run| run.references().any(|c| c.dof == *dof))
+        };
+        let Some(still) = self.references.iter().find(|dof| !excites(dof)) else {
+            return Ok(());
+        };
+        let channels = runs.iter().flat_map(|run| &run.channels);
+        let could = channels.filter(|channel| channel.unit.frf_kind().is_none());
+        let could: BTreeSet<String> = could.map(|channel| channel.dof.to_string()).collect();
+        let could = match could.is_empty() {
+            true => "a channel of a force or a voltage".to_owned(),
+            false => Vec::from_iter(could).join(", "),
+        };
+        Err(Error::new(ErrorKind::Usage, "no channel excites there")
+            .field("--references")
+            .found(still.to_string())
+            .expected(could)
+            .help("name channels of forces or voltages; --units says what a channel measures"))
     }
 
     /// Refuses `--sample-rate` where the file has another one.

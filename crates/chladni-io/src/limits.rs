@@ -184,6 +184,9 @@ pub(crate) const LISTED_BY_HEADERS: u64 = 256 << 20;
 
 /// Relative difference of two steps that rounding of printed digits explains.
 pub(crate) const STEP_TOLERANCE: f64 = 1e-4;
+/// Distance of a sample from its place among even ones, in steps, up to which its time is rounded: a
+/// tenth of a step is what printed digits may take from each.
+pub(crate) const LATE_SAMPLES: f64 = 0.25;
 
 // temporary.rs
 

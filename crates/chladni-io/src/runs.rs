@@ -1,6 +1,6 @@
 //! Runs of time records: channels that were measured together.
 
-use crate::limits::STEP_TOLERANCE;
+use crate::limits::{LATE_SAMPLES, STEP_TOLERANCE};
 use crate::{Abscissa, Document, Function, Ordinate};
 use chladni_frf::{Channel, Dof, Error, Result, Run, SignalUnit};
 
@@ -291,14 +291,21 @@ fn sample_rate(function: &Function) -> Result<f64> {
                 1e-5 * times.last().map_or(0.0, |last| last.abs())
                     / mean.abs().max(f64::MIN_POSITIVE),
             );
-            let even = times
-                .windows(2)
-                .all(|pair| ((pair[1] - pair[0]) / mean - 1.0).abs() <= rounding.min(0.1));
-            if !even {
+            let differs = |k: usize| {
+                let step = times[k] - times[k - 1];
+                let late = times[k] - times[0] - k as f64 * mean;
+                let uneven = (step / mean - 1.0).abs() > rounding.min(0.1);
+                // steps that differ little may drift apart from even ones over many samples
+                uneven || late.abs() > LATE_SAMPLES * mean
+            };
+            if (1..count).any(differs) {
+                let steps = || times.windows(2).map(|pair| pair[1] - pair[0]);
+                let least = steps().fold(f64::INFINITY, f64::min);
+                let most = steps().fold(f64::NEG_INFINITY, f64::max);
                 return Err(Error::bad_data("the samples are not evenly spaced in time")
                     .field("time axis")
-                    .found("steps that differ")
-                    .expected("one sampling rate")
+                    .found(format!("steps from {least:.4e} to {most:.4e}"))
+                    .expected("one step: one sampling rate")
                     .help("resample the record first"));
             }
             mean
@@ -354,5 +361,27 @@ mod tests {
         // with it, the DOF that comes again begins a run
         let all = runs_of(&document[0], &ChannelOverride::default()).unwrap();
         assert_eq!(all.len(), 2);
+    }
+
+    #[test]
+    fn times_whose_steps_change_on_the_way_are_refused_and_printed_digits_are_not() {
+        let read = |time: &dyn Fn(usize) -> String| {
+            let rows = (0..20_000).map(|k| format!("{},{},0\n", time(k), k % 7));
+            let text = format!("t,1:+Z_N,2:+Z_m/s\n{}", rows.collect::<String>());
+            let folder = tempfile::tempdir().unwrap();
+            let file = folder.path().join("take.csv");
+            std::fs::write(&file, text).unwrap();
+            let document = crate::read_documents(&[file], &crate::ReadOptions::default()).unwrap();
+            runs_of(&document[0], &ChannelOverride::default())
+        };
+        let rounded = read(&|k| format!("{:.6}", k as f64 / 51_200.0)).unwrap();
+        assert!((rounded[0].sample_rate_hz / 51_200.0 - 1.0).abs() < 1e-5);
+        let error = read(&|k| format!("{:.6}", k as f64 * 1e-3 + 5e-5 * k.max(10_000) as f64));
+        let told = error.unwrap_err().to_string();
+        assert!(
+            told.contains("not evenly spaced")
+                && told.contains("steps from 1.0000e-3 to 1.0500e-3"),
+            "{told}"
+        );
     }
 }

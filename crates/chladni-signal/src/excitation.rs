@@ -2,8 +2,8 @@
 
 use super::whole_record::{smooth_length, spectrum};
 use crate::limits::{
-    ACTING, BLOCKS_APART, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LAST_PART, LEAST_POWER,
-    LEAST_SAMPLES, LINES, LONG_LAG, LOOKED_AT, OFFSET_MOST, PIECES, SMOOTH_NEIGHBOUR,
+    ACTING, BLOCKS_APART, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LAST_PART, LEAST_PIECE,
+    LEAST_POWER, LEAST_SAMPLES, LINES, LONG_LAG, LOOKED_AT, OFFSET_MOST, PIECES, SMOOTH_NEIGHBOUR,
 };
 use chladni_frf::{Dof, Forcing, Run};
 use chladni_linalg::fft;
@@ -47,7 +47,7 @@ pub(super) fn forcing(runs: &[Run], block: usize) -> Option<Forcing> {
     let first = (references > 0).then(|| of(0))??;
     let likewise = |reference: usize| match (first, of(reference)) {
         (Forcing::Burst { part }, Some(Forcing::Burst { part: other })) => {
-            (part - other).abs() <= 2.0 / BLOCK_PIECES as f64
+            (part - other).abs() <= (2 * piece_of(block)) as f64 / block as f64
         }
         (_, other) => Some(first) == other,
     };
@@ -86,9 +86,18 @@ fn course(samples: &[f64], block: usize) -> Option<Forcing> {
     // silence at the end of every block comes first: over many blocks it hardly shows
     let part = acting_part(samples, block);
     if part == 1.0 {
-        return match is_continuous_random(samples) {
+        // an offset that drifts from block to block is no force
+        let without_mean = samples.chunks_exact(block).flat_map(|block| {
+            let mean = block.iter().sum::<f64>() / block.len() as f64;
+            block.iter().map(move |x| x - mean)
+        });
+        let samples: Vec<f64> = without_mean.collect();
+        let repeats = blocks_repeat(&samples, block);
+        // a fit must not take records that are too short to be judged for ones that leak nothing
+        let may_leak = samples.len() < LEAST_SAMPLES && !repeats;
+        return match may_leak || is_continuous_random(&samples) {
             true => Some(Forcing::Continuous),
-            false => blocks_repeat(samples, block).then_some(Forcing::Periodic),
+            false => repeats.then_some(Forcing::Periodic),
         };
     }
     let acting = (part * block as f64) as usize;
@@ -113,9 +122,17 @@ fn blocks_repeat(samples: &[f64], block: usize) -> bool {
     apart <= BLOCKS_APART * power
 }
 
+/// Samples of the pieces of a block whose powers are compared: a few at least, since one sample of
+/// noise may be small by chance.
+fn piece_of(block: usize) -> usize {
+    (block / BLOCK_PIECES)
+        .max(LEAST_PIECE.min(block / 2))
+        .max(1)
+}
+
 /// Part of a block after which the force is silent, the mean over all blocks.
 pub(super) fn acting_part(samples: &[f64], block: usize) -> f64 {
-    let piece = (block / BLOCK_PIECES).max(1);
+    let piece = piece_of(block);
     let mut powers = vec![0.0; block.div_ceil(piece)];
     for samples in samples.chunks_exact(block) {
         let silence = rest_level(samples);
@@ -216,7 +233,7 @@ mod tests {
     #[test]
     fn continuous_noise_is_told_from_all_else() {
         for seed in 0..20 {
-            for count in [1024, 5000, 20_000] {
+            for count in [256, 500, 1024, 5000, 20_000] {
                 assert!(is_continuous_random(&noise(count, seed)), "{seed} {count}");
             }
             assert!(is_continuous_random(&narrow(20_000, seed)), "{seed}");
@@ -244,7 +261,7 @@ mod tests {
             ("sine", sine),
             ("silence", vec![0.0; 20_000]),
             ("constant", vec![1.0; 20_000]),
-            ("short", noise(500, 3)),
+            ("short", noise(250, 3)),
         ] {
             assert!(!is_continuous_random(&signal), "{name}");
         }
@@ -291,7 +308,7 @@ mod tests {
             Some(Forcing::Periodic)
         );
         // too short to be judged
-        assert_eq!(against_local_fits(&[run(vec![1.0; 900])]), None);
+        assert_eq!(against_local_fits(&[run(vec![1.0; 250])]), None);
     }
 
     #[test]
@@ -321,6 +338,17 @@ mod tests {
             let moved = cut(all.clone(), part).iter().map(|x| x + 0.5).collect();
             let found = part_of(forcing(&[run(moved)], block));
             assert!((found - part).abs() < 0.01, "{found} for {part}");
+        }
+        // an offset of its own in each block
+        let offset = |k: usize| (k / block) as f64;
+        let drifting = all.iter().enumerate().map(|(k, x)| x + offset(k)).collect();
+        assert_eq!(forcing(&[run(drifting)], block), Some(Forcing::Continuous));
+        // short noise has no silence, whatever its last sample is
+        for seed in 0..100 {
+            for (samples, block) in [(400, 400), (200, 40)] {
+                let short = forcing(&[run(noise(samples, seed))], block);
+                assert_eq!(short, Some(Forcing::Continuous), "{seed}");
+            }
         }
         let blows = cut(vec![1.0; 10 * block], 0.002);
         assert_eq!(

@@ -43,10 +43,10 @@
 //! * Averages: `spectra` cuts runs into windowed blocks and averages the products of their
 //!   transforms; `estimators` makes FRFs of the averages. `takes` keeps the strongest lines of each
 //!   block, by which `runs_differ` finds blocks that contradict the others.
-//! * Local fits: `whole_record` transforms a record in one piece and shares out its lines;
-//!   `lpm` and `lrm` fit polynomials and rational functions to each share (both on the columns
-//!   of `local_basis`), in which leakage is an unknown like others, not an error. `force_noise` undoes what noise in the record of
-//!   the force takes from them.
+//! * Local fits: `whole_record` transforms a record in one piece and gives each frequency the lines
+//!   about it; `lpm` and `lrm` fit polynomials and rational functions to them (both on the columns
+//!   of `local_basis`), in which leakage is an unknown like others, not an error. `force_noise`
+//!   undoes what noise in the record of the force takes from them.
 //!
 //! J. Bendat, A. Piersol, *Random Data*, 4th ed. (2010), chapters 6, 7 and 9; P. Welch,
 //! IEEE Trans. Audio Electroacoustics 15 (1967) 70–73; G. Rocklin, J. Crowley, H. Vold,
@@ -78,9 +78,9 @@ mod window;
 use chladni_frf::{
     BlockWindow, Channel, Dof, Error, Estimation, Estimator, Finding, FrfSet, Result, Run,
 };
-use limits::SAME_RATE;
+use limits::{SAME_RATE, SAME_SAMPLES};
 use setting::{groups, Setting};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use still::moving;
 use table::Table;
 
@@ -137,6 +137,7 @@ pub fn estimate(runs: &[Run], options: &EstimateOptions) -> Result<Estimate> {
     let groups = groups(runs);
     let groups: Vec<Group> = groups.iter().map(|runs| Group::new(runs)).collect();
     groups.iter().try_for_each(Group::check)?;
+    refuse_shared_pairs(&groups)?;
     let setting = Setting::choose(runs, options)?;
     units::kind_of(runs)?;
     let mut table = Table::new(runs, &setting, setting.frequency_hz(rate).len());
@@ -184,6 +185,35 @@ fn check_channels(run: &Run) -> Result<()> {
     }
 }
 
+/// Refuses a pair that was measured under several sets of references: neither of its FRFs is better.
+fn refuse_shared_pairs(groups: &[Group]) -> Result<()> {
+    let mut seen: BTreeMap<(Dof, Dof), &Group> = BTreeMap::new();
+    for group in groups {
+        for &reference in &group.references {
+            for &response in &group.responses {
+                let Some(other) = seen.insert((response, reference), group) else {
+                    continue;
+                };
+                let all = |group: &Group| {
+                    let names: Vec<String> = group.references.iter().map(Dof::to_string).collect();
+                    names.join(", ")
+                };
+                return Err(Error::bad_data("one FRF of different sets of references")
+                    .file(&group.runs[0].file)
+                    .field(format!("response {response}, reference {reference}"))
+                    .found(format!("records under {}", all(group)))
+                    .expected(format!(
+                        "records under {} alone, as in {}",
+                        all(other),
+                        other.runs[0].file.display()
+                    ))
+                    .help("estimate them apart"));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Sampling rate of all runs, Hz.
 fn common_rate(runs: &[Run]) -> Result<f64> {
     let first = runs.first().ok_or_else(|| {
@@ -194,17 +224,19 @@ fn common_rate(runs: &[Run]) -> Result<f64> {
             .help("look at the contents of the file")
     })?;
     let rate = first.sample_rate_hz;
-    match runs
-        .iter()
-        .find(|run| (run.sample_rate_hz / rate - 1.0).abs() > SAME_RATE)
-    {
+    let differs = |run: &&Run| {
+        let samples = run.samples().min(first.samples());
+        let most = SAME_RATE.max(SAME_SAMPLES / samples.max(1) as f64);
+        (run.sample_rate_hz / rate - 1.0).abs() > most
+    };
+    match runs.iter().find(differs) {
         None => Ok(rate),
         Some(other) => Err(Error::bad_data("records of different sampling rates")
             .file(&other.file)
             .field("sampling rate")
             .found(format!("{} Hz", other.sample_rate_hz))
             .expected(format!("{rate} Hz as in {}", first.file.display()))
-            .help("estimate them apart")),
+            .help("estimate them apart, or write times with more digits")),
     }
 }
 
@@ -241,9 +273,10 @@ impl<'a> Group<'a> {
                 .expected("at least one of each")
                 .help(match self.references.is_empty() {
                     true => {
-                        "name the reference channels with `references DOF,...`; of a file without \
-                         DOFs and units (WAV) all channels, in their order, with `dofs`, `units` \
-                         and `scales`"
+                        "name the reference channels with `references DOF,...`; give each channel \
+                         of a record a DOF of its own (one that comes again begins another record); \
+                         of a file without DOFs and units (WAV) name all channels, in their order, \
+                         with `dofs`, `units` and `scales`"
                     }
                     false => {
                         "give the responses of the same take as channels beside the references"

@@ -206,6 +206,16 @@ fn wrong_options_of_an_estimate_are_named_with_advice() {
             2,
             ["--sample-rate: ", "expected 1024 Hz, as"],
         ),
+        (
+            "--references 101:+Z,7:+Z",
+            2,
+            ["--references: ", "found 7:+Z; expected 101:+Z"],
+        ),
+        (
+            "time.csv",
+            65,
+            ["the same records twice", "the content of time.csv"],
+        ),
     ] {
         let line = format!("estimate time.csv -o none.csv {options}");
         let told = folder.run(&line).exits(code).stderr;

@@ -227,6 +227,48 @@ fn the_variance_is_that_of_repeated_measurements() {
 }
 
 #[test]
+fn neighbouring_values_of_local_methods_err_nearly_independently() {
+    // three responses of a constant FRF, noise 30 dB below each: D follows nothing but noise
+    let mut noise = Noise::new(7);
+    let x = noise.take(40_000);
+    let gains = [1.0, -0.4, 2.0];
+    // eq. F4k, and what D adds
+    for (estimator, expected) in [(Estimator::Lpm, -0.107), (Estimator::Lrm, 0.14)] {
+        let mut channels = vec![channel("101:+Z", SignalUnit::Force, x.clone())];
+        for (gain, dof) in gains.iter().zip(["1:+Z", "2:+Z", "3:+Z"]) {
+            let answer = |x: &f64| gain * (x + 0.0316 * noise.next());
+            channels.push(channel(
+                dof,
+                SignalUnit::Velocity,
+                x.iter().map(answer).collect(),
+            ));
+        }
+        let local = EstimateOptions {
+            estimator: Some(estimator),
+            ..EstimateOptions::default()
+        };
+        let result = estimate(&[run(channels)], &local).unwrap();
+        assert_eq!(result.estimation.lines_per_value, 13);
+        let lines = result.frf.frequency_hz.len();
+        assert_eq!(lines, 20_000 / 8 - 1);
+        let mut sums = [0.0; 3];
+        for (i, gain) in gains.into_iter().enumerate() {
+            let error = |k: usize| {
+                let deviation = variance_of(&result)[[i, 0, k]].sqrt();
+                (result.frf.values.get(i, 0, k) - gain) / deviation
+            };
+            for k in 2..lines {
+                let lags = sums.iter_mut().enumerate();
+                lags.for_each(|(lag, sum)| *sum += (error(k) * error(k - lag).conj()).re);
+            }
+        }
+        let [square, next, second] = sums;
+        println!("{estimator}: {:.3}, {:.3}", next / square, second / square);
+        assert!((next / square - expected).abs() < 0.04 && second.abs() < 0.04 * square);
+    }
+}
+
+#[test]
 fn an_exponential_window_moves_every_pole_by_its_rate() {
     // y = x * e^{−σt}: one pole; with the window the same at σ + α
     let sigma = 40.0;
@@ -335,6 +377,29 @@ fn what_does_not_fit_together_is_refused() {
         ..run(vec![force(), velocity()])
     };
     assert!(message(&[run(vec![force(), velocity()]), slower], &h1).contains("sampling rates"));
+    // times of printed digits: less than a tenth of a sample over the record
+    let rounded = Run {
+        sample_rate_hz: RATE_HZ * (1.0 + 0.05 / x.len() as f64),
+        ..run(vec![force(), velocity()])
+    };
+    assert!(estimate(&[run(vec![force(), velocity()]), rounded], &h1).is_ok());
+    // neither of two FRFs of one pair is the better one
+    let both = Noise::new(10).take(x.len());
+    let second = channel("102:+Z", SignalUnit::Force, both);
+    let runs = [
+        run(vec![force(), velocity()]),
+        run(vec![force(), second, velocity()]),
+    ];
+    let told = message(&runs, &h1);
+    assert!(
+        told.contains("response 1:+Z, reference 101:+Z") && told.contains("101:+Z, 102:+Z"),
+        "{told}"
+    );
+    let endless = EstimateOptions {
+        block: Some(usize::MAX),
+        ..EstimateOptions::default()
+    };
+    assert!(message(&[run(vec![force(), velocity()])], &endless).contains("no possible block"));
 }
 
 #[test]
@@ -343,8 +408,8 @@ fn noise_of_the_force_is_taken_off_where_responses_share_it() {
     /// Noise of the force over the force.
     const SHARE: f64 = 0.1;
     let samples = 1 << 14;
-    let made = |share: f64, responses: usize| {
-        let mut noise = Noise::new(31);
+    let made = |share: f64, responses: usize, seed: u8| {
+        let mut noise = Noise::new(seed);
         let x = noise.take(samples);
         let read = x.iter().map(|x| x + share.sqrt() * noise.next());
         let mut channels = vec![channel("101:+Z", SignalUnit::Force, read.collect())];
@@ -369,17 +434,21 @@ fn noise_of_the_force_is_taken_off_where_responses_share_it() {
         sum / lines as f64
     };
     let says = |result: &Estimate| result.findings.iter().any(|f| f.code == "force-noise");
-    let result = made(SHARE, 3);
-    assert!(says(&result), "{:?}", result.findings);
-    for (row, gain) in GAINS.iter().enumerate() {
-        let ratio = mean(&result, row) / gain;
-        assert!((ratio - 1.0).abs() < 0.015, "{row}: {ratio}");
+    // what is left of the bias, beside the scatter of a record
+    let mut left = [0.0; 3];
+    for seed in [29, 30, 31] {
+        let result = made(SHARE, 3, seed);
+        assert!(says(&result), "{:?}", result.findings);
+        for (row, gain) in GAINS.iter().enumerate() {
+            left[row] += (mean(&result, row) / gain - 1.0) / 3.0;
+        }
     }
+    assert!(left.iter().all(|left| left.abs() < 0.015), "{left:?}");
     // one response cannot tell: H1 is low by 1/(1 + share)
-    let alone = made(SHARE, 1);
+    let alone = made(SHARE, 1, 31);
     assert!(!says(&alone));
     let ratio = mean(&alone, 0) / GAINS[0];
     assert!((ratio * (1.0 + SHARE) - 1.0).abs() < 0.015, "{ratio}");
-    let clean = made(0.0, 3);
+    let clean = made(0.0, 3, 31);
     assert!(!says(&clean), "{:?}", clean.findings);
 }
