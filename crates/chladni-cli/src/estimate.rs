@@ -154,21 +154,24 @@ struct Records {
 }
 
 impl Records {
-    /// Refuses files of the same content: their records would count as several measurements.
-    fn refuse_copies(&self) -> Result<()> {
+    /// The finding on files of the same content.
+    fn copies(&self) -> Option<Finding> {
         let copied = |(n, source): (usize, &Source)| {
             let mut before = self.sources[..n].iter();
             let other = before.find(|other| other.checksum == source.checksum)?;
             Some((source.file.clone(), other.file.clone()))
         };
-        match self.sources.iter().enumerate().find_map(copied) {
-            None => Ok(()),
-            Some((file, other)) => Err(Error::bad_data("the same records twice")
-                .file(file)
-                .found(format!("the content of {other}"))
-                .expected("records of measurements of their own")
-                .help("leave one of the two out")),
-        }
+        let all: Vec<_> = self.sources.iter().enumerate().filter_map(copied).collect();
+        let (copy, original) = all.first()?;
+        let words = format!(
+            "{} the content of another one, such as {copy} of {original}: its records count as \
+             measurements of their own, and error bars are too small",
+            match all.len() {
+                1 => "a file has".to_owned(),
+                count => format!("{count} files have"),
+            }
+        );
+        Some(Finding::caution("same-records", words).help("leave copies out"))
     }
 }
 
@@ -211,7 +214,7 @@ impl Args {
             }
         }
         self.check_references(&records.runs)?;
-        records.refuse_copies()?;
+        warnings.extend(records.copies());
         warn_of_files(files, warnings, console);
         Ok(records)
     }
@@ -222,7 +225,8 @@ impl Args {
             runs.iter()
                 .any(|run| run.references().any(|c| c.dof == *dof))
         };
-        let Some(still) = self.references.iter().find(|dof| !excites(dof)) else {
+        let mut still = self.references.iter().filter(|dof| !excites(dof));
+        let Some(still) = still.next().filter(|_| !runs.is_empty()) else {
             return Ok(());
         };
         let channels = runs.iter().flat_map(|run| &run.channels);

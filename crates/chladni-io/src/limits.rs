@@ -184,9 +184,13 @@ pub(crate) const LISTED_BY_HEADERS: u64 = 256 << 20;
 
 /// Relative difference of two steps that rounding of printed digits explains.
 pub(crate) const STEP_TOLERANCE: f64 = 1e-4;
-/// Distance of a sample from its place among even ones, in steps, up to which its time is rounded: a
-/// tenth of a step is what printed digits may take from each.
+/// Pieces of a record whose mean steps are compared.
+pub(crate) const TIME_PIECES: usize = 16;
+/// Difference of the length of a piece from that of even steps, in steps, up to which its times are
+/// rounded: a tenth of a step is what printed digits may take from either end.
 pub(crate) const LATE_SAMPLES: f64 = 0.25;
+/// The same over the steps of a piece: times summed up in single precision reach 6e-4.
+pub(crate) const LATE_STEPS: f64 = 1e-3;
 
 // temporary.rs
 

@@ -1,6 +1,6 @@
 //! Runs of time records: channels that were measured together.
 
-use crate::limits::{LATE_SAMPLES, STEP_TOLERANCE};
+use crate::limits::{LATE_SAMPLES, LATE_STEPS, STEP_TOLERANCE, TIME_PIECES};
 use crate::{Abscissa, Document, Function, Ordinate};
 use chladni_frf::{Channel, Dof, Error, Result, Run, SignalUnit};
 
@@ -276,40 +276,67 @@ fn channel(function: &Function, k: usize, overrides: &ChannelOverride) -> Result
     })
 }
 
+/// The step of times that are even but for printed digits; `to_s`: one unit of them.
+fn even_step(times: &[f64], to_s: f64) -> Result<f64> {
+    let steps = times.len().saturating_sub(1);
+    let (Some(first), Some(last), 1..) = (times.first(), times.last(), steps) else {
+        return Ok(0.0);
+    };
+    let mean = (last - first) / steps as f64;
+    // printed times round at the last of their digits
+    let largest = first.abs().max(last.abs());
+    let rounding = STEP_TOLERANCE.max(1e-5 * largest / mean.abs().max(f64::MIN_POSITIVE));
+    let single = times.windows(2).map(|pair| (1, pair[1] - pair[0]));
+    // steps that differ little from one to the next may add up
+    let pieces = TIME_PIECES.min(steps);
+    let of_pieces = (0..pieces).map(|n| {
+        let (from, to) = (n * steps / pieces, (n + 1) * steps / pieces);
+        (to - from, times[to] - times[from])
+    });
+    check_steps(single, mean, |_| rounding.min(0.1), to_s)?;
+    check_steps(
+        of_pieces,
+        mean,
+        |count| LATE_STEPS.max(LATE_SAMPLES / count as f64),
+        to_s,
+    )?;
+    Ok(mean)
+}
+
+/// Refuses times that differ from even ones.
+///
+/// * `spans`: numbers of steps, and the time that they take
+/// * `most`: relative difference up to which so many steps are even
+fn check_steps(
+    spans: impl Iterator<Item = (usize, f64)>,
+    mean: f64,
+    most: impl Fn(usize) -> f64,
+    to_s: f64,
+) -> Result<()> {
+    let (mut least, mut largest, mut is_even) = (f64::INFINITY, f64::NEG_INFINITY, true);
+    for (count, span) in spans {
+        let step = span / count as f64;
+        (least, largest) = (least.min(step), largest.max(step));
+        is_even &= (step / mean - 1.0).abs() <= most(count);
+    }
+    if is_even {
+        return Ok(());
+    }
+    Err(Error::bad_data("the samples are not evenly spaced in time")
+        .field("time axis")
+        .found(format!(
+            "steps from {:.4e} to {:.4e} s",
+            least * to_s,
+            largest * to_s
+        ))
+        .expected("one step: one sampling rate")
+        .help("resample the record first"))
+}
+
 fn sample_rate(function: &Function) -> Result<f64> {
     let step = match &function.abscissa {
         Abscissa::Even { step, .. } => *step,
-        Abscissa::Uneven(times) => {
-            let count = times.len();
-            let mean = if count > 1 {
-                (times[count - 1] - times[0]) / (count - 1) as f64
-            } else {
-                0.0
-            };
-            // printed times round at the last of their digits
-            let rounding = STEP_TOLERANCE.max(
-                1e-5 * times.last().map_or(0.0, |last| last.abs())
-                    / mean.abs().max(f64::MIN_POSITIVE),
-            );
-            let differs = |k: usize| {
-                let step = times[k] - times[k - 1];
-                let late = times[k] - times[0] - k as f64 * mean;
-                let uneven = (step / mean - 1.0).abs() > rounding.min(0.1);
-                // steps that differ little may drift apart from even ones over many samples
-                uneven || late.abs() > LATE_SAMPLES * mean
-            };
-            if (1..count).any(differs) {
-                let steps = || times.windows(2).map(|pair| pair[1] - pair[0]);
-                let least = steps().fold(f64::INFINITY, f64::min);
-                let most = steps().fold(f64::NEG_INFINITY, f64::max);
-                return Err(Error::bad_data("the samples are not evenly spaced in time")
-                    .field("time axis")
-                    .found(format!("steps from {least:.4e} to {most:.4e}"))
-                    .expected("one step: one sampling rate")
-                    .help("resample the record first"));
-            }
-            mean
-        }
+        Abscissa::Uneven(times) => even_step(times, function.abscissa_to_si)?,
     };
     let step = step * function.abscissa_to_si;
     match step.is_finite() && step > 0.0 {
@@ -380,8 +407,24 @@ mod tests {
         let told = error.unwrap_err().to_string();
         assert!(
             told.contains("not evenly spaced")
-                && told.contains("steps from 1.0000e-3 to 1.0500e-3"),
+                && told.contains("steps from 1.0000e-3 to 1.0500e-3 s"),
             "{told}"
         );
+        // times summed up in single precision, and those that end at the trigger
+        let mut sum = 0.0_f32;
+        let summed = std::iter::repeat_with(|| {
+            sum += 1e-4;
+            f64::from(sum)
+        });
+        let summed: Vec<f64> = summed.take(20_000).collect();
+        assert!(read(&|k| format!("{:.7}", summed[k])).is_ok());
+        assert!(read(&|k| format!("{:.6}", (k as f64 - 19_999.0) / 51_200.0)).is_ok());
+        for slips in [0.028, 0.004] {
+            let slipping = |k: usize| 1e-3 * (k as f64 + slips * k.max(10_000) as f64);
+            assert!(read(&|k| slipping(k).to_string()).is_err(), "{slips}");
+        }
+        let falling = even_step(&[2.0, 1.0, 0.0], 1.0).unwrap();
+        assert_eq!(falling, -1.0);
+        assert!(even_step(&[0.0, f64::NAN, 2.0, 3.0], 1.0).is_err());
     }
 }

@@ -2,8 +2,9 @@
 
 use super::whole_record::{smooth_length, spectrum};
 use crate::limits::{
-    ACTING, BLOCKS_APART, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LAST_PART, LEAST_PIECE,
-    LEAST_POWER, LEAST_SAMPLES, LINES, LONG_LAG, LOOKED_AT, OFFSET_MOST, PIECES, SMOOTH_NEIGHBOUR,
+    ACTING, BLOCKS_APART, BLOCK_PIECES, LARGEST_NEIGHBOUR, LARGEST_REPEAT, LAST_PART, LEAST_LAG,
+    LEAST_PIECE, LEAST_POWER, LEAST_SAMPLES, LINES, LONG_LAG, LOOKED_AT, OFFSET_MOST, PIECES,
+    SMOOTH_NEIGHBOUR,
 };
 use chladni_frf::{Dof, Forcing, Run};
 use chladni_linalg::fft;
@@ -59,11 +60,13 @@ pub(super) fn misses_period(runs: &[Run], block: usize) -> Option<Dof> {
     let references = runs.iter().map(|run| run.references().count()).min()?;
     let misses = |reference: &usize| {
         let samples = blocks(runs, *reference, block);
-        let whole = &samples[..smooth_length(samples.len())];
-        if whole.len() < LEAST_SAMPLES || course(&samples, block).is_some() {
+        if samples.len() < LEAST_SAMPLES || course(&samples, block).is_some() {
             return false;
         }
-        repeats(spectrum_without_mean(whole))
+        let samples = without_means(&samples, block);
+        repeats(spectrum_without_mean(
+            &samples[..smooth_length(samples.len())],
+        ))
     };
     let reference = (0..references).find(misses)?;
     let run = runs.first()?;
@@ -86,15 +89,11 @@ fn course(samples: &[f64], block: usize) -> Option<Forcing> {
     // silence at the end of every block comes first: over many blocks it hardly shows
     let part = acting_part(samples, block);
     if part == 1.0 {
-        // an offset that drifts from block to block is no force
-        let without_mean = samples.chunks_exact(block).flat_map(|block| {
-            let mean = block.iter().sum::<f64>() / block.len() as f64;
-            block.iter().map(move |x| x - mean)
-        });
-        let samples: Vec<f64> = without_mean.collect();
+        let samples = without_means(samples, block);
         let repeats = blocks_repeat(&samples, block);
         // a fit must not take records that are too short to be judged for ones that leak nothing
-        let may_leak = samples.len() < LEAST_SAMPLES && !repeats;
+        let is_one = samples.len() < 2 * block;
+        let may_leak = samples.len() < LEAST_SAMPLES && (is_one || !repeats);
         return match may_leak || is_continuous_random(&samples) {
             true => Some(Forcing::Continuous),
             false => repeats.then_some(Forcing::Periodic),
@@ -108,6 +107,16 @@ fn course(samples: &[f64], block: usize) -> Option<Forcing> {
         true => Some(Forcing::Burst { part }),
         false => Some(Forcing::Transient),
     }
+}
+
+/// Blocks without the mean of each: an offset that drifts from block to block is no force.
+fn without_means(samples: &[f64], block: usize) -> Vec<f64> {
+    let blocks = samples.chunks_exact(block);
+    let moved = blocks.flat_map(|block| {
+        let mean = block.iter().sum::<f64>() / block.len() as f64;
+        block.iter().map(move |x| x - mean)
+    });
+    moved.collect()
 }
 
 /// True where each block is the one before it, but for noise; of one block, too, which says nothing
@@ -133,17 +142,22 @@ fn piece_of(block: usize) -> usize {
 /// Part of a block after which the force is silent, the mean over all blocks.
 pub(super) fn acting_part(samples: &[f64], block: usize) -> f64 {
     let piece = piece_of(block);
-    let mut powers = vec![0.0; block.div_ceil(piece)];
+    // the last piece takes what is left: it must not be shorter than the others
+    let mut powers = vec![0.0; block / piece];
+    let place = |k: usize| (k / piece).min(block / piece - 1);
     for samples in samples.chunks_exact(block) {
         let silence = rest_level(samples);
-        for (power, samples) in powers.iter_mut().zip(samples.chunks(piece)) {
-            *power += samples.iter().map(|x| (x - silence).powi(2)).sum::<f64>();
+        for (k, x) in samples.iter().enumerate() {
+            powers[place(k)] += (x - silence).powi(2);
         }
     }
     let largest = powers.iter().copied().fold(0.0, f64::max);
     let acts = |power: &f64| *power > ACTING * largest;
-    let last = powers.iter().rposition(acts).map_or(0, |last| last + 1);
-    ((last * piece) as f64 / block as f64).min(1.0)
+    match powers.iter().rposition(acts) {
+        None => 0.0,
+        Some(last) if last + 1 == powers.len() => 1.0,
+        Some(last) => ((last + 1) * piece) as f64 / block as f64,
+    }
 }
 
 /// Offset of the sensor in a block that ends in silence: the median of its last part, where that
@@ -200,7 +214,8 @@ fn repeats(mut lines: Vec<Complex64>) -> bool {
     lines[half] = Complex64::default();
     lines.resize(2 * half, Complex64::default());
     fft::inverse(2 * half).process(&mut lines);
-    let largest = lines[2 * half / LONG_LAG..=half]
+    let long = (2 * half / LONG_LAG).max(LEAST_LAG).min(half);
+    let largest = lines[long..=half]
         .iter()
         .map(|value| value.re.abs())
         .fold(0.0, f64::max);
@@ -237,6 +252,17 @@ mod tests {
                 assert!(is_continuous_random(&noise(count, seed)), "{seed} {count}");
             }
             assert!(is_continuous_random(&narrow(20_000, seed)), "{seed}");
+            // below a twentieth of the sampling rate
+            let mut last = [0.0; 2];
+            let low = noise(600, seed).into_iter().map(|x| {
+                last[0] += 0.3 * (x - last[0]);
+                last[1] += 0.3 * (last[0] - last[1]);
+                last[1]
+            });
+            assert!(
+                !repeats(spectrum_without_mean(&low.collect::<Vec<_>>())),
+                "{seed}"
+            );
         }
         let periodic: Vec<f64> = noise(2000, 1).repeat(10);
         let long_period: Vec<f64> = noise(10_000, 1).repeat(2);
@@ -345,7 +371,7 @@ mod tests {
         assert_eq!(forcing(&[run(drifting)], block), Some(Forcing::Continuous));
         // short noise has no silence, whatever its last sample is
         for seed in 0..100 {
-            for (samples, block) in [(400, 400), (200, 40)] {
+            for (samples, block) in [(400, 400), (401, 401), (257, 257), (200, 40), (200, 200)] {
                 let short = forcing(&[run(noise(samples, seed))], block);
                 assert_eq!(short, Some(Forcing::Continuous), "{seed}");
             }

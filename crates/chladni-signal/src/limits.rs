@@ -62,6 +62,8 @@ pub(crate) const LARGEST_REPEAT: f64 = 0.5;
 pub(crate) const BLOCKS_APART: f64 = 0.2;
 /// Long lags begin at this part of the record.
 pub(crate) const LONG_LAG: usize = 64;
+/// ... and are so many samples at least, over which noise of a narrow band is alike.
+pub(crate) const LEAST_LAG: usize = 16;
 /// Pieces of a block whose powers tell where a burst ends.
 pub(crate) const BLOCK_PIECES: usize = 256;
 /// Least samples of such a piece: the power of 8 samples of noise lies below [`ACTING`] of the largest
@@ -81,7 +83,7 @@ pub(crate) const LOOKED_AT: (usize, usize) = (1 << 20, 4);
 
 /// Lines of the record over which the noise of the force counts as one.
 pub(crate) const FORCE_LINES: usize = 845;
-/// Local fits that tell it, at least: as many as share no lines there.
+/// Local fits that tell it, at least: so many of 13 lines share none of these.
 pub(crate) const FORCE_FITS: usize = 65;
 /// Part of the lines on which responses must share errors of the force's sign: by chance a
 /// half do, ± 2 % of 500.
@@ -95,8 +97,9 @@ pub(crate) const FORCE_MOST: f64 = 0.5;
 
 /// Difference of sampling rates, relative, up to which they are one: rounding of printed rates.
 pub(crate) const SAME_RATE: f64 = 1e-6;
-/// The same over a record, in samples: rounding of printed times.
-pub(crate) const SAME_SAMPLES: f64 = 0.1;
+/// The same over a record, in samples: printed digits may take a tenth of a sample from either end of
+/// each of two records.
+pub(crate) const SAME_SAMPLES: f64 = 0.2;
 
 // local.rs
 

@@ -211,11 +211,6 @@ fn wrong_options_of_an_estimate_are_named_with_advice() {
             2,
             ["--references: ", "found 7:+Z; expected 101:+Z"],
         ),
-        (
-            "time.csv",
-            65,
-            ["the same records twice", "the content of time.csv"],
-        ),
     ] {
         let line = format!("estimate time.csv -o none.csv {options}");
         let told = folder.run(&line).exits(code).stderr;
@@ -223,6 +218,12 @@ fn wrong_options_of_an_estimate_are_named_with_advice() {
             assert!(told.contains(word), "{options}: no {word} in {told}");
         }
     }
+    let twice = folder.run("estimate time.csv time.csv -o twice.csv --json");
+    let said = twice.exits(0).json().to_string();
+    assert!(
+        said.contains("same-records") && said.contains("time.csv of time.csv"),
+        "{said}"
+    );
 }
 
 #[test]
