@@ -55,9 +55,10 @@ pub(crate) fn undo(model: &mut ModalModel, alpha: f64) {
     if sure_but_slower > 0 {
         model.quality.trusted = false;
         let words = format!(
-            "slower decay than the exponential window of {alpha} 1/s in {}: its α is smaller, or \
-             the data are not windowed",
-            counted(sure_but_slower, "mode")
+            "{} {} more slowly than the exponential window of {alpha} 1/s: its α is smaller, or the \
+             data are not windowed",
+            counted(sure_but_slower, "mode"),
+            if sure_but_slower == 1 { "decays" } else { "decay" }
         );
         findings.push(
             Finding::fault("decays-not-windowed", words)

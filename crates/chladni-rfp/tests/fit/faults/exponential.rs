@@ -91,7 +91,7 @@ fn a_window_that_decays_faster_than_the_modes_is_not_trusted() {
         },
     );
     assert!(
-        !model.quality.trusted && says(&model, "decay more slowly"),
+        !model.quality.trusted && says(&model, "more slowly than the exponential window"),
         "{:?}",
         model.quality.findings
     );
