@@ -203,7 +203,7 @@ fn refuse_shared_pairs(groups: &[Group]) -> Result<()> {
                     .field(format!("response {response}, reference {reference}"))
                     .found(format!("records under {}", all(group)))
                     .expected(format!(
-                        "records under {} alone, as in {}",
+                        "records under {}, as in {}",
                         all(other),
                         other.runs[0].file.display()
                     ))
