@@ -4,7 +4,8 @@
 
 use crate::limits::{LEAST, MOST, ROW_BLOCKS, SMALL};
 use crate::{
-    add_matmul, matmul, qr_r, qr_thin, set_matmul, set_matmul_h, svd_thin, LinalgError, Scalar,
+    add_matmul, matmul, matmul_h, qr_r, qr_thin, set_matmul, set_matmul_h, svd_thin, LinalgError,
+    Scalar,
 };
 use ndarray::{s, Array1, Array2, ArrayView2, ArrayViewMut2, Axis, CowArray, Ix2, ShapeBuilder};
 use num_complex::Complex64;
@@ -40,6 +41,30 @@ pub fn blocked_matmul_h<T: Scalar>(a: ArrayView2<T>, b: ArrayView2<T>) -> Array2
     let mut out = Array2::zeros((a.ncols(), b.ncols()).f());
     blocked(out.view_mut(), a.len(), b, |c, b| set_matmul_h(c, a, b));
     out
+}
+
+/// aᴴ·a: of the two triangles, which mirror each other, one is computed.
+pub fn blocked_gram(a: ArrayView2<Complex64>) -> Array2<Complex64> {
+    let n = a.ncols();
+    let mut gram = Array2::zeros((n, n).f());
+    let size = block(n, a.len() * n);
+    let blocks: Vec<_> = gram.axis_chunks_iter_mut(Axis(1), size).collect();
+    blocks
+        .into_par_iter()
+        .enumerate()
+        .for_each(|(number, mut out)| {
+            let first = number * size;
+            let end = first + out.ncols();
+            let product = matmul_h(a.slice(s![.., ..end]), a.slice(s![.., first..end]));
+            out.slice_mut(s![..end, ..]).assign(&product);
+        });
+    for j in 0..n {
+        gram[[j, j]].im = 0.0;
+        for i in 0..j {
+            gram[[j, i]] = gram[[i, j]].conj();
+        }
+    }
+    gram
 }
 
 fn blocked<T: Scalar>(
@@ -223,7 +248,6 @@ pub fn blocked_matmul_mixed(a: &Array2<Complex64>, b: ArrayView2<f64>) -> Array2
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matmul_h;
 
     fn values(rows: usize, columns: usize, seed: usize) -> Array2<Complex64> {
         let value = |k: usize| ((k * 7919 + seed) % 101) as f64 / 50.0 - 1.0;
@@ -243,6 +267,12 @@ mod tests {
             &matmul(a.view(), b.view())
         ));
         let c = values(600, 333, 3);
+        for columns in [1, 40, 333] {
+            let part = c.slice(s![.., ..columns]);
+            let gram = blocked_gram(part);
+            assert!(near(&gram, &matmul_h(part, part)));
+            assert_eq!(gram, gram.t().mapv(|v| v.conj()));
+        }
         assert!(near(
             &blocked_matmul_h(a.view(), c.view()),
             &matmul_h(a.view(), c.view())

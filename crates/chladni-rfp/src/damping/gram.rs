@@ -10,7 +10,7 @@ use crate::damping::limits;
 use crate::data::columns::Columns;
 use crate::tolerances as tol;
 use chladni_frf::Damping;
-use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_h, tall_qr};
+use chladni_linalg::blocked::{blocked_gram, blocked_matmul, tall_qr};
 use chladni_linalg::{cholesky, matmul_h, solve_lower_adjoint, LinalgError};
 use ndarray::{s, Array2, ShapeBuilder};
 use num_complex::Complex64;
@@ -70,7 +70,7 @@ impl<'a> Cauchy<'a> {
     pub fn gram(&self) -> Array2<Complex64> {
         match self.rational {
             true => self.by_partial_fractions(),
-            false => blocked_matmul_h(self.columns.view(), self.columns.view()),
+            false => blocked_gram(self.columns.view()),
         }
     }
 
@@ -105,7 +105,7 @@ impl<'a> Cauchy<'a> {
             row.mapv_inplace(|v| v / norm);
         }
         let nearly = blocked_matmul(self.columns.view(), inverse.view());
-        let rest = cholesky(blocked_matmul_h(nearly.view(), nearly.view()).view()).ok()?;
+        let rest = cholesky(blocked_gram(nearly.view()).view()).ok()?;
         let inverse = solve_lower_adjoint(rest.view(), unit.view()).ok()?;
         let mut r = matmul_h(rest.view(), lower.t().mapv(|v| v.conj()).view());
         for (mut column, norm) in r.columns_mut().into_iter().zip(&norms) {

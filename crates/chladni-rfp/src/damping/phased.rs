@@ -17,7 +17,9 @@ use crate::data::information::answer;
 use crate::data::inner_products::{inner, sum_of_squares};
 use crate::tolerances as tol;
 use chladni_frf::Damping;
-use chladni_linalg::blocked::{blocked_matmul_h, projected, range};
+use chladni_linalg::blocked::{
+    blocked_gram, blocked_matmul_h, blocked_matmul_mixed, projected, range,
+};
 use chladni_linalg::{matmul, solve_hermitian, LinalgError};
 use ndarray::{concatenate, s, Array2, Axis};
 use num_complex::Complex64;
@@ -198,8 +200,11 @@ struct Point {
     /// Inner products of φ, −j·∂φ/∂Im λ and, where it is another, ∂φ/∂Re λ, without
     /// background: (2n, 2n) or (3n, 3n).
     gram: Array2<Complex64>,
-    /// Those with the data, (2n or 3n, column).
+    /// Those of φ with the data, (n, column).
     against: Array2<Complex64>,
+    /// Those of all with what each mode's residues make of the data, Σ_c r_c·b_c: (2n or
+    /// 3n, 1).
+    along: Vec<Complex64>,
     turn: Vec<f64>,
     /// Real residues, (mode, column).
     residues: Array2<f64>,
@@ -219,10 +224,10 @@ impl Point {
         let n = lambda.len();
         let (columns, whole) = columns(work, lambda);
         // the data have nothing inside the background
-        let against = blocked_matmul_h(columns.view(), common.data.view());
+        let against = blocked_matmul_h(columns.slice(s![.., ..n]), common.data.view());
         let inside = blocked_matmul_h(common.background.view(), columns.view());
         // what is left of a column is known to the rounding of the whole of it
-        let gram = whole - blocked_matmul_h(inside.view(), inside.view());
+        let gram = whole - blocked_gram(inside.view());
         let phase: Vec<Complex64> = turn
             .iter()
             .map(|t| Complex64::from_polar(1.0, *t))
@@ -235,7 +240,15 @@ impl Point {
         });
         let residues = answer(own.view(), right.view())?;
         let explained: f64 = residues.iter().zip(&right).map(|(a, b)| a * b).sum();
+        // one product with all columns for each mode, in place of one with each column
+        let mixed = blocked_matmul_mixed(&common.data, residues.t());
+        let along = columns.columns().into_iter().enumerate();
+        let along = along.map(|(c, column)| {
+            let values = column.iter().zip(mixed.column(c % n));
+            values.map(|(a, b)| a.conj() * b).sum()
+        });
         Ok(Self {
+            along: along.collect(),
             gram,
             against,
             turn: turn.to_vec(),
@@ -277,13 +290,7 @@ impl Point {
         });
         let gradient = Array2::from_shape_fn((3 * n, 1), |(u, _)| {
             let (column, factor) = tangents[u];
-            let met: f64 = self
-                .against
-                .row(column)
-                .iter()
-                .zip(self.residues.row(u % n))
-                .map(|(b, r)| (factor.conj() * b).re * r)
-                .sum();
+            let met = (factor.conj() * self.along[column]).re;
             let model: f64 = (0..n).map(|m| inside[[m, u]] * residues[[m, u % n]]).sum();
             met - model
         });
@@ -293,10 +300,7 @@ impl Point {
     /// Decrease of the sum of squares by complex residues at the same poles.
     fn relief(&self) -> Result<f64, LinalgError> {
         let n = self.turn.len();
-        let (gram, against) = (
-            self.gram.slice(s![..n, ..n]),
-            self.against.slice(s![..n, ..]),
-        );
+        let (gram, against) = (self.gram.slice(s![..n, ..n]), self.against.view());
         let free = answer(gram, against)?;
         let explained = inner(free.view(), against);
         Ok((explained - (self.energy - self.sse)).max(0.0))
@@ -316,7 +320,7 @@ fn columns(work: &Columns, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<C
     let down = along_frequency(work, lambda, across.to_owned());
     all.append(Axis(1), down.view()).expect("the same lines");
     drop(down);
-    let gram = blocked_matmul_h(all.view(), all.view());
+    let gram = blocked_gram(all.view());
     (all, gram)
 }
 

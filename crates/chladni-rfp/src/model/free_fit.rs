@@ -8,7 +8,7 @@ use crate::model::identified::Identified;
 use crate::model::limits;
 use crate::model::residues::{linear, Linear};
 use crate::poles::pole::{Given, Pole};
-use crate::shapes::low_rank::{low_rank_around, Shapes};
+use crate::shapes::low_rank::{AroundGiven, Shapes};
 use crate::shapes::residues::{most_by_chance, significant_values, Residues};
 use chladni_frf::{Damping, Reason, Trust};
 use chladni_linalg::blocked::blocked_matmul_mixed;
@@ -110,7 +110,8 @@ impl FreeFit {
         for &n in &outside {
             ranks[n] = significant_values(&free, n, variance)?.len().max(1);
         }
-        let mut shapes = low_rank_around(&free, &ranks, &given)?;
+        let around = AroundGiven::new(&free, &given)?;
+        let mut shapes = around.shapes(&ranks)?;
         let rounding = limits::RISE_ROUNDING * work.energy() * self.noise;
         let misfits = |shapes: &Shapes| {
             let constraints = shapes.constraints + real_constraints;
@@ -132,7 +133,7 @@ impl FreeFit {
                     .iter()
                     .zip(shared)
                     .for_each(|(&n, rank)| ranks[n] = rank);
-                shapes = low_rank_around(&free, &ranks, &given)?;
+                shapes = around.shapes(&ranks)?;
             }
         }
         let (responses, references) = self.present.dim();
@@ -146,7 +147,7 @@ impl FreeFit {
             for &n in &outside {
                 ranks[n] = (ranks[n] + more).min(full);
             }
-            shapes = low_rank_around(&free, &ranks, &given)?;
+            shapes = around.shapes(&ranks)?;
             rounds += 1;
         }
         Ok(shapes)

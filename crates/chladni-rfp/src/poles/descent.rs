@@ -158,6 +158,11 @@ impl<'a> Descent<'a> {
         false
     }
 
+    /// As [`Self::run`]; true also where all steps were made.
+    pub fn ends<P: Point>(&mut self, point: &mut P, tolerance: f64) -> bool {
+        self.run(point, tolerance) || self.steps == 0
+    }
+
     /// Raises the damping, to `least` at least. True where it is so high that no step can help.
     fn damp_more(&mut self, least: f64) -> bool {
         self.damping = (self.damping * tol::LM_UP).max(least);

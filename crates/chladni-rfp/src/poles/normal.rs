@@ -129,6 +129,11 @@ impl NormalFit {
         Some(Factored::new(cauchy.gram(), against, energy)?.fit)
     }
 
+    /// Residual sum of squares.
+    pub fn sse(&self) -> f64 {
+        self.sse
+    }
+
     /// Partitions the unknowns: the first `n` columns are poles, the others residual terms.
     pub fn partitioned(self, n: usize) -> Result<Partitioned, LinalgError> {
         let Self {
@@ -207,7 +212,7 @@ impl Point for NormalPoint {
     }
 
     fn sse(&self) -> f64 {
-        self.fit.sse
+        self.fit.sse()
     }
 
     fn rounding(&self, _: f64) -> f64 {

@@ -16,7 +16,7 @@ use crate::data::columns::{line_energy, Columns};
 use crate::poles::limits;
 use crate::poles::zeros::zeros;
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{blocked_matmul_h, tall_qr, tall_r};
+use chladni_linalg::blocked::{blocked_gram, tall_qr, tall_r};
 use chladni_linalg::{cholesky, matmul, matmul_h, solve_hermitian, solve_lower, LinalgError};
 use ndarray::{s, Array1, Array2, ArrayView2, ShapeBuilder};
 use num_complex::Complex64;
@@ -223,7 +223,7 @@ fn on_orthonormal_basis(
         .into_par_iter()
         .map(|l| matmul_h(times(&q, &|k| work.b[[k, l]].conj()).view(), psi.view()));
     Ok(StepProducts {
-        gram: blocked_matmul_h(weighted.view(), weighted.view()),
+        gram: blocked_gram(weighted.view()),
         inside: inside.collect(),
     })
 }

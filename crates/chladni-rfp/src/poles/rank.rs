@@ -3,7 +3,7 @@
 use crate::data::columns::Columns;
 use crate::poles::limits;
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{blocked_matmul_h, tall_r};
+use chladni_linalg::blocked::{blocked_gram, tall_r};
 use chladni_linalg::{cholesky, singular_values, LinalgError};
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -22,7 +22,7 @@ pub(crate) fn visible_rank(work: &Columns) -> Result<(usize, bool), LinalgError>
 /// column stands well outside those before it. Else it is R, for a Gram matrix squares the
 /// condition.
 fn triangle(b: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
-    let gram = blocked_matmul_h(b.view(), b.view());
+    let gram = blocked_gram(b.view());
     let well_conditioned = |lower: &Array2<Complex64>| {
         let mut pivots = lower.diag().into_iter().zip(gram.diag());
         pivots.all(|(pivot, whole)| pivot.norm_sqr() > tol::OUTSTANDING.powi(2) * whole.re)

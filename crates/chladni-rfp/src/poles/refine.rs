@@ -18,7 +18,7 @@ use crate::poles::limits;
 use crate::poles::normal::{gradient, NormalFit, NormalPoint};
 use crate::poles::removal::{rise_without, Removable};
 use crate::tolerances::{self as tol, Precision};
-use chladni_linalg::blocked::{blocked_matmul_h, projected};
+use chladni_linalg::blocked::{blocked_gram, blocked_matmul_h, projected};
 use chladni_linalg::{matmul, solve_upper, LinalgError};
 use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
@@ -38,11 +38,20 @@ pub(crate) struct Projection {
     pub sse: f64,
 }
 
+/// Q and R of the poles `lambda` and the residual terms x^`powers` on the lines of `work`.
+pub(crate) fn orthonormal_basis(
+    work: &Columns,
+    lambda: &[Complex64],
+    powers: &[i32],
+) -> Result<(Array2<Complex64>, Array2<Complex64>), LinalgError> {
+    Cauchy::without_derivatives(work, lambda, powers).orthonormal()
+}
+
 impl Projection {
     /// Projects the columns of `work` on the basis of the poles `lambda` and the residual terms
     /// x^`powers`.
     pub fn new(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Result<Self, LinalgError> {
-        let (q, r) = Cauchy::without_derivatives(work, lambda, powers).orthonormal()?;
+        let (q, r) = orthonormal_basis(work, lambda, powers)?;
         let (qb, residual) = projected(q.view(), work.b.view());
         Ok(Self {
             sse: sum_of_squares(&residual),
@@ -125,7 +134,7 @@ fn newton_system(
     let derivative = basis_derivative(work, lambda);
     let (_, outside) = projected(projection.q.view(), derivative.view());
     let products = matmul(residues, residues.t().mapv(|v| v.conj()).view());
-    let mut information = blocked_matmul_h(outside.view(), outside.view());
+    let mut information = blocked_gram(outside.view());
     information.zip_mut_with(&products.t(), |h, p| *h *= p);
     let along = blocked_matmul_h(derivative.view(), projection.residual.view());
     NewtonSystem {
@@ -205,7 +214,7 @@ pub(crate) fn refined_poles(
     if end.is_some() || descent.steps == 0 {
         return Ok(descent.lambda);
     }
-    Ok(on_orthonormal_basis(descent, end, precision)?.lambda)
+    Ok(on_orthonormal_basis(descent, None, precision)?.lambda)
 }
 
 /// The refined poles and their residual sum of squares.
@@ -216,15 +225,44 @@ pub(crate) fn refined_sum(
     precision: Precision,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
     let (descent, end) = by_normal_equations(work, start, powers, precision);
-    if let Some(point) = end {
-        return Ok((descent.lambda, point.sse()));
+    let sum = match end {
+        Some(point) => Some(point.sse()),
+        // no step was asked for
+        None if descent.steps == 0 => {
+            NormalFit::at(work, work.energy(), &descent.lambda, powers).map(|fit| fit.sse())
+        }
+        None => None,
+    };
+    if let Some(sum) = sum {
+        return Ok((descent.lambda, sum));
     }
     let refined = on_orthonormal_basis(descent, None, precision)?;
     Ok((refined.lambda, refined.projection.sse))
 }
 
+/// The residual sum of squares after a few steps, and the least that further ones can leave by what
+/// the next of them promises; −∞ where that is not known.
+pub(crate) fn sum_in_sight(
+    work: &Columns,
+    start: &[Complex64],
+    powers: &[i32],
+    precision: Precision,
+) -> Result<[f64; 2], LinalgError> {
+    let (descent, end) = by_normal_equations(work, start, powers, precision);
+    match end {
+        Some(point) => {
+            let largest_fall = limits::GAIN_OVER_PROMISE * descent.promised_fall(&point);
+            Ok([point.sse(), point.sse() - largest_fall])
+        }
+        None => {
+            let refined = on_orthonormal_basis(descent, None, precision)?;
+            Ok([refined.projection.sse, f64::NEG_INFINITY])
+        }
+    }
+}
+
 /// Makes steps by normal equations, as far as rounding allows. Returns the search, and its last
-/// point if the refinement ended there.
+/// point if the refinement ended there: at this precision, or with its last step.
 fn by_normal_equations<'a>(
     work: &'a Columns,
     start: &[Complex64],
@@ -236,7 +274,7 @@ fn by_normal_equations<'a>(
         0 => None,
         _ => descent.point::<NormalPoint>(),
     };
-    let end = point.take_if(|point| descent.run(point, precision.tolerance));
+    let end = point.take_if(|point| descent.ends(point, precision.tolerance));
     (descent, end)
 }
 
@@ -285,7 +323,7 @@ pub(crate) fn refine_below(
             return Ok(None);
         }
     }
-    let end = point.take_if(|point| descent.run(point, precision.tolerance));
+    let end = point.take_if(|point| descent.ends(point, precision.tolerance));
     // the rest of `Refined` costs as much as a step: it is made only for a fit that is kept
     if end.as_ref().is_some_and(|point| point.sse() >= sse_limit) {
         return Ok(None);

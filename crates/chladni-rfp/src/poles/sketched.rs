@@ -10,10 +10,10 @@ use crate::data::peaks::{fourth_difference_noise, peaks, thinned};
 use crate::data::watch::Watch;
 use crate::poles::first_look::first_look;
 use crate::poles::limits;
-use crate::poles::passes::{basis_of, PassStart};
+use crate::poles::passes::{on_all_lines, PassStart};
 use crate::poles::pool::{mixtures, starts, vector_fit, StepBasis};
 use crate::poles::prune::is_one_bad_line;
-use crate::poles::refine::{refine, Projection, Refined};
+use crate::poles::refine::{orthonormal_basis, refined_poles, Projection, Refined};
 use crate::poles::settle::{settle, OrderHistory};
 use crate::poles::significance::threshold;
 use crate::poles::start::{pool_size, started, Start};
@@ -194,16 +194,17 @@ impl PooledPoles {
         }
         // refined to the last digits, the poles do not depend on how they were found, nor does
         // the second pass
-        refined = refine(
-            &self.sketch,
-            &refined.lambda,
-            &RESIDUAL_POWERS,
-            tol::FINE.within(data.effort.likelihood_steps),
-        )?;
+        let precision = tol::FINE.within(data.effort.likelihood_steps);
+        let start = refined.lambda;
+        let lambda = refined_poles(&self.sketch, &start, &RESIDUAL_POWERS, precision)?;
+        let q = match self.sketch.lines() == data.lines.len() {
+            true => orthonormal_basis(&self.sketch, &lambda, &RESIDUAL_POWERS)?.0,
+            false => on_all_lines(data, &lambda)?,
+        };
         Ok(SketchOutcome::Poles(Box::new(PassStart {
-            q: basis_of(data, &refined)?,
+            q,
             sketch: self.sketch,
-            lambda: refined.lambda,
+            lambda,
             history,
             extra_passes: 0,
             doubt: None,

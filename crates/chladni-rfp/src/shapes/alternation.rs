@@ -202,7 +202,7 @@ impl<'a> Halves<'a> {
 }
 
 /// sum += conj(factor)·value, term by term; fast where all lie in memory in turn.
-pub(crate) fn add_product(
+fn add_product(
     mut sum: ndarray::ArrayViewMut1<Complex64>,
     factor: ndarray::ArrayView1<Complex64>,
     value: ndarray::ArrayView1<Complex64>,

@@ -2,19 +2,20 @@
 //! all FRFs (theory.md, section 4).
 
 use crate::damping::basis::basis;
-use crate::damping::law::loss_bound;
+use crate::damping::law::{is_rational, loss_bound};
 use crate::damping::saved;
 use crate::data::columns::Columns;
 use crate::data::inner_products::inner;
-use crate::poles::refine::{refined_sum, Projection};
+use crate::poles::refine::{refined_sum, sum_in_sight, Projection};
 use crate::poles::scan::places_beyond;
 use crate::shapes::limits;
 use crate::shapes::step::State;
 use crate::shapes::target::Target;
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{blocked_matmul, blocked_matmul_h, blocked_matmul_mixed, projected};
-use chladni_linalg::{matmul_h, LinalgError};
-use ndarray::Array2;
+use chladni_linalg::blocked::{
+    blocked_gram, blocked_matmul, blocked_matmul_h, blocked_matmul_mixed, projected,
+};
+use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -49,14 +50,12 @@ impl<'a> Rest<'a> {
         let work = whole.work;
         let columns = basis(work, &state.lambda, &[]);
         let (compressed, beside) = {
-            let gram = matmul_h(columns.view(), columns.view());
-            let energy = |residues: &Array2<Complex64>| -> f64 {
-                let along = blocked_matmul(gram.view(), residues.view());
-                inner(residues.view(), along.view())
-            };
-            let residues = state.residues();
-            let compressed = blocked_matmul_mixed(&residues, whole.back.t());
-            let beside = energy(&residues) - energy(&compressed);
+            let gram = blocked_gram(columns.view());
+            let compressed = blocked_matmul_mixed(&state.residues(), whole.back.t());
+            let along = blocked_matmul(gram.view(), compressed.view());
+            // Σ rᴴGr over all FRFs is the trace of G·RRᴴ
+            let all = (&gram * &state.residue_products()).sum().re;
+            let beside = all - inner(compressed.view(), along.view());
             (compressed, beside.max(0.0))
         };
         let mut left = blocked_matmul(columns.view(), compressed.view());
@@ -114,10 +113,11 @@ impl<'a> Rest<'a> {
             if best.sse <= most || best.poles.len() + self.modes >= self.work.lines() / 2 {
                 break;
             }
-            let pays = |one: &Around| one.sse < best.sse - worth;
-            match self.one_moved(&best).filter(pays) {
+            let to_pay = best.sse - worth;
+            let pays = |one: &Around| one.sse < to_pay;
+            match self.one_moved(&best, to_pay).filter(pays) {
                 Some(better) => best = better,
-                None => match self.one_more(&best).filter(pays) {
+                None => match self.one_more(&best, to_pay).filter(pays) {
                     Some(better) => best = better,
                     None => break,
                 },
@@ -127,7 +127,7 @@ impl<'a> Rest<'a> {
     }
 
     /// One pole in another place: a rise of the sum of squares may keep it from its own.
-    fn one_moved(&self, best: &Around) -> Option<Around> {
+    fn one_moved(&self, best: &Around, to_pay: f64) -> Option<Around> {
         let places: Vec<Complex64> = places_beyond(&self.work).collect();
         let moves = (0..best.poles.len()).flat_map(|n| places.iter().map(move |to| (n, *to)));
         let moves: Vec<(usize, Complex64)> = moves.collect();
@@ -136,14 +136,15 @@ impl<'a> Rest<'a> {
             poles[n] = to;
             poles
         };
-        self.least(moves.into_iter().map(with_moved).collect(), |_| true)
+        let starts = moves.into_iter().map(with_moved).collect();
+        self.least(starts, to_pay, |_| true)
     }
 
     /// One pole more.
-    fn one_more(&self, best: &Around) -> Option<Around> {
+    fn one_more(&self, best: &Around, to_pay: f64) -> Option<Around> {
         let with_one_more = |start| [&best.poles[..], &[start]].concat();
         let starts = self.starts(best).into_iter().map(with_one_more);
-        self.least(starts.collect(), |more| {
+        self.least(starts.collect(), to_pay, |more| {
             let added = more.poles[more.poles.len() - 1];
             limits::LOSS_ADDED.contains(&(added.im / added.re))
         })
@@ -151,19 +152,24 @@ impl<'a> Rest<'a> {
 
     /// The one of these `starts` that leaves least in the end; of equal ones the first. Those that
     /// leave least after a few steps are followed to it, and more only while none is allowed.
+    /// Left out are those that will not come below `to_pay`, as far as that is in sight.
     fn least(
         &self,
         starts: Vec<Vec<Complex64>>,
+        to_pay: f64,
         allowed: impl Fn(&Around) -> bool + Sync,
     ) -> Option<Around> {
         let after_few_steps = |start: &Vec<Complex64>| {
             let few = tol::FINE.within(limits::AROUND_FIRST_STEPS);
-            let found = refined_sum(&self.work, start, self.powers, few);
-            found.map_or(f64::INFINITY, |(_, sse)| sse)
+            let found = sum_in_sight(&self.work, start, self.powers, few);
+            found.unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
         };
-        let left: Vec<f64> = starts.par_iter().map(after_few_steps).collect();
-        let mut order: Vec<usize> = (0..starts.len()).collect();
-        order.sort_by(|&a, &b| left[a].total_cmp(&left[b]));
+        let left: Vec<[f64; 2]> = starts.par_iter().map(after_few_steps).collect();
+        // a model file of the viscous law has other columns, which may leave less
+        let in_sight = is_rational(self.work.law);
+        let may_pay = |n: &usize| !in_sight || left[*n][1] + self.beside < to_pay;
+        let mut order: Vec<usize> = (0..starts.len()).filter(may_pay).collect();
+        order.sort_by(|&a, &b| left[a][0].total_cmp(&left[b][0]));
         let settled = |&n: &usize| self.settled(&starts[n]).filter(&allowed);
         order.chunks(limits::AROUND_FOLLOWED).find_map(|followed| {
             let ends: Vec<Around> = followed.par_iter().filter_map(settled).collect();

@@ -7,7 +7,7 @@ use crate::data::information::answer;
 use crate::shapes::limits;
 
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{blocked_matmul_h, range};
+use chladni_linalg::blocked::{blocked_gram, blocked_matmul_h, range};
 use chladni_linalg::{cholesky, matmul_h, solve_lower, LinalgError};
 use ndarray::{s, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -29,10 +29,7 @@ impl LineProducts {
     pub fn new(cauchy: &Cauchy, free: &Array2<Complex64>) -> Self {
         let inside = blocked_matmul_h(free.view(), cauchy.columns.view());
         let gram = cauchy.gram();
-        Self::parts(
-            &gram,
-            &(&gram - &blocked_matmul_h(inside.view(), inside.view())),
-        )
+        Self::parts(&gram, &(&gram - &blocked_gram(inside.view())))
     }
 
     /// Those of the poles `lambda`, where what stays free are residual terms and the

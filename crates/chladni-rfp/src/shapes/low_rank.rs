@@ -92,91 +92,105 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
     })
 }
 
-/// Shapes of the poles `open` alone, around those given.
-fn beside_given(
-    residues: &Residues,
-    ranks: &[usize],
-    given: &[&Given],
-    open: &[usize],
-) -> Result<Shapes, LinalgError> {
-    let (moved, weight) = freed(residues, open, given)?;
-    let ranks: Vec<usize> = open.iter().map(|&n| ranks[n]).collect();
-    let freed = Residues {
-        values: &moved,
-        weight: &weight,
-        present: residues.present,
-    };
-    low_rank(&freed, &ranks)
+/// Residues of which those of some poles have their shapes given, and the others are fitted
+/// around them.
+pub(crate) struct AroundGiven<'a> {
+    residues: &'a Residues<'a>,
+    given: &'a [&'a Given],
+    /// The poles whose shapes are not given.
+    open: Vec<usize>,
+    /// Free residues of these, and their weight; `None` where there are none, or none is given.
+    freed: Option<(Array2<Complex64>, Array2<Complex64>)>,
 }
 
-/// [`low_rank`] with the shapes of some poles given: only the others are fitted, around
-/// them.
-pub(crate) fn low_rank_around(
-    residues: &Residues,
-    ranks: &[usize],
-    given: &[&Given],
-) -> Result<Shapes, LinalgError> {
-    if given.iter().all(|given| given.is_none()) {
-        return low_rank(residues, ranks);
+impl<'a> AroundGiven<'a> {
+    /// `given`: of each pole.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn new(residues: &'a Residues<'a>, given: &'a [&'a Given]) -> Result<Self, LinalgError> {
+        let open: Vec<usize> = (0..given.len()).filter(|&n| given[n].is_none()).collect();
+        let freed = match open.is_empty() || open.len() == given.len() {
+            true => None,
+            false => Some(freed(residues, &open, given)?),
+        };
+        Ok(Self {
+            residues,
+            given,
+            open,
+            freed,
+        })
     }
-    let (poles, (responses, references)) = (residues.values.nrows(), residues.present.dim());
-    let open: Vec<usize> = (0..poles).filter(|&n| given[n].is_none()).collect();
-    let fitted = match open.is_empty() {
-        true => None,
-        false => Some(beside_given(residues, ranks, given, &open)?),
-    };
-    // pole, shape and participation of each row
-    let mut rows = Vec::new();
-    for n in 0..poles {
-        if let Some((shape, participation)) = given[n] {
-            let terms = shape.rows().into_iter().zip(participation.rows());
-            rows.extend(terms.map(|(shape, participation)| (n, shape, participation)));
-        } else if let Some(fitted) = &fitted {
-            let terms = (0..fitted.owner.len()).filter(|&row| open[fitted.owner[row]] == n);
-            rows.extend(terms.map(|row| (n, fitted.shape.row(row), fitted.participation.row(row))));
+
+    /// As [`low_rank`], `ranks[n]` terms for pole n where its shapes are not given.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn shapes(&self, ranks: &[usize]) -> Result<Shapes, LinalgError> {
+        let Self {
+            residues,
+            given,
+            open,
+            freed,
+        } = self;
+        if open.len() == given.len() {
+            return low_rank(residues, ranks);
         }
+        let fitted = match freed {
+            None => None,
+            Some((values, weight)) => {
+                let ranks: Vec<usize> = open.iter().map(|&n| ranks[n]).collect();
+                let present = residues.present;
+                let freed = Residues {
+                    values,
+                    weight,
+                    present,
+                };
+                Some(low_rank(&freed, &ranks)?)
+            }
+        };
+        // pole, shape and participation of each row
+        let mut rows = Vec::new();
+        for n in 0..given.len() {
+            if let Some((shape, participation)) = given[n] {
+                let terms = shape.rows().into_iter().zip(participation.rows());
+                rows.extend(terms.map(|(shape, participation)| (n, shape, participation)));
+            } else if let Some(fitted) = &fitted {
+                let terms = (0..fitted.owner.len()).filter(|&row| open[fitted.owner[row]] == n);
+                rows.extend(
+                    terms.map(|row| (n, fitted.shape.row(row), fitted.participation.row(row))),
+                );
+            }
+        }
+        let (responses, references) = residues.present.dim();
+        let mut shape = Array2::zeros((rows.len(), responses));
+        let mut participation = Array2::zeros((rows.len(), references));
+        for (row, (_, of_responses, of_references)) in rows.iter().enumerate() {
+            shape.row_mut(row).assign(of_responses);
+            participation.row_mut(row).assign(of_references);
+        }
+        let owner: Vec<usize> = rows.iter().map(|row| row.0).collect();
+        drop(fitted);
+        let rise = Problem::new(residues, &owner).misfit(&shape, &participation);
+        Ok(Shapes {
+            constraints: constraints(residues, &owner),
+            owner,
+            shape,
+            participation,
+            rise,
+        })
     }
-    let mut shape = Array2::zeros((rows.len(), responses));
-    let mut participation = Array2::zeros((rows.len(), references));
-    for (row, (_, of_responses, of_references)) in rows.iter().enumerate() {
-        shape.row_mut(row).assign(of_responses);
-        participation.row_mut(row).assign(of_references);
-    }
-    let owner: Vec<usize> = rows.iter().map(|row| row.0).collect();
-    drop(fitted);
-    let problem = Problem::new(residues, &owner);
-    let rise = problem.misfit(&shape, &participation);
-    Ok(Shapes {
-        constraints: constraints(residues, &owner),
-        owner,
-        shape,
-        participation,
-        rise,
-    })
 }
 
 /// Free residues of the `open` poles where those of the others are as given, and their
 /// weight.
-pub(crate) fn freed(
+fn freed(
     residues: &Residues,
     open: &[usize],
     given: &[&Given],
 ) -> Result<(Array2<Complex64>, Array2<Complex64>), LinalgError> {
-    let references = residues.present.ncols();
-    let closed: Vec<usize> = (0..given.len()).filter(|&n| given[n].is_some()).collect();
-    let mut change = Array2::zeros((closed.len(), residues.values.ncols()).f());
-    for (row, &n) in closed.iter().enumerate() {
-        let Some((shape, participation)) = given[n] else {
-            continue;
-        };
-        let product = matmul(shape.t(), participation.view());
-        for (l, value) in change.row_mut(row).iter_mut().enumerate() {
-            let at = [l / references, l % references];
-            if residues.present[at] {
-                *value = product[at] - residues.values[[n, l]];
-            }
-        }
-    }
+    let (poles, references) = (given.len(), residues.present.ncols());
+    let closed: Vec<usize> = (0..poles).filter(|&n| given[n].is_some()).collect();
     let part = |rows: &[usize], columns: &[usize]| {
         residues
             .weight
@@ -184,11 +198,31 @@ pub(crate) fn freed(
             .select(Axis(1), columns)
     };
     let own = part(open, open);
+    // what the open residues follow a change of the closed ones by
     let follow = answer(ridge(&own).view(), part(open, &closed).view())?;
-    let mut moved = Array2::zeros((open.len(), residues.values.ncols()).f());
-    moved.assign(
-        &(residues.values.select(Axis(0), open) - blocked_matmul(follow.view(), change.view())),
-    );
+    let mut mixing = Array2::zeros((open.len(), poles));
+    for (row, &n) in open.iter().enumerate() {
+        mixing[[row, n]] = Complex64::ONE;
+        for (c, &n) in closed.iter().enumerate() {
+            mixing[[row, n]] = follow[[row, c]];
+        }
+    }
+    let mut moved = blocked_matmul(mixing.view(), residues.values.view());
+    for (mut values, follow) in moved.rows_mut().into_iter().zip(follow.rows()) {
+        let mut of_given = Array2::zeros(residues.present.raw_dim());
+        for (&n, &follow) in closed.iter().zip(follow) {
+            if let Some((shape, participation)) = given[n] {
+                of_given += &matmul(shape.mapv(|v| follow * v).t(), participation.view());
+            }
+        }
+        for (l, value) in values.iter_mut().enumerate() {
+            let at = [l / references, l % references];
+            *value = match residues.present[at] {
+                true => *value - of_given[at],
+                false => Complex64::ZERO,
+            };
+        }
+    }
     Ok((moved, own))
 }
 

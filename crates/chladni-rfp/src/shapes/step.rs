@@ -133,11 +133,25 @@ impl State {
 
     /// Residues ψ_i L_j of all modes, (mode, own·other).
     pub fn residues(&self) -> Array2<Complex64> {
-        let (shape, other) = (&self.shapes.shape, self.participation.ncols());
-        let size = (self.lambda.len(), shape.ncols() * other);
-        Array2::from_shape_fn(size.f(), |(n, l)| {
-            shape[[n, l / other]] * self.participation[[n, l % other]]
-        })
+        let (shape, others) = (&self.shapes.shape, &self.participation);
+        let mut residues = Array2::zeros((shape.nrows(), shape.ncols() * others.ncols()).f());
+        let pairs = shape
+            .columns()
+            .into_iter()
+            .flat_map(|own| others.columns().into_iter().map(move |other| (own, other)));
+        for (mut column, (own, other)) in residues.columns_mut().into_iter().zip(pairs) {
+            let products = own.into_iter().zip(other).map(|(a, b)| a * b);
+            column
+                .iter_mut()
+                .zip(products)
+                .for_each(|(value, product)| *value = product);
+        }
+        residues
+    }
+
+    /// R̄Rᵀ of [`Self::residues`], (mode, mode).
+    pub fn residue_products(&self) -> Array2<Complex64> {
+        &self.across * &self.along
     }
 
     /// Gauss–Newton matrix of the given unknowns, shapes eliminated. Two terms of one

@@ -5,14 +5,13 @@ use crate::damping::basis::basis;
 use crate::damping::gram::Cauchy;
 use crate::data::columns::Columns;
 use crate::data::inner_products::{inner, sum_of_squares};
-use crate::shapes::alternation::add_product;
 use crate::shapes::limits;
 use crate::shapes::line_products::background;
 use crate::shapes::line_products::LineProducts;
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{blocked_matmul_h, blocked_matmul_mixed, projected};
-use chladni_linalg::{cholesky, matmul, solve_hermitian, LinalgError};
-use ndarray::{s, Array2, ArrayView2, Axis, Order, ShapeBuilder};
+use chladni_linalg::blocked::{blocked_gram, blocked_matmul_h, blocked_matmul_mixed, projected};
+use chladni_linalg::{cholesky, matmul, solve_hermitian, wide, LinalgError};
+use ndarray::{Array2, ArrayView2, Axis, Order, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -145,6 +144,16 @@ impl Products {
         real: bool,
     ) -> Shapes {
         let other = target.sides[1];
+        let mut all = Shapes {
+            shape: Array2::zeros((participation.nrows(), target.sides[0]).f()),
+            explained: 0.0,
+            along_shape: Array2::zeros(participation.dim()),
+            along_both: Array2::zeros((participation.nrows(), 1)),
+        };
+        if participation.is_empty() {
+            return all;
+        }
+        let by_other: Vec<Complex64> = participation.t().iter().copied().collect();
         let blocks: Vec<ArrayView2<f64>> = target
             .back
             .axis_chunks_iter(Axis(1), limits::TARGET_BLOCK * other)
@@ -154,18 +163,12 @@ impl Products {
             .map(|back| {
                 self.block(
                     &blocked_matmul_mixed(&self.against, back),
-                    participation,
+                    &by_other,
                     gram_inverse,
                     real,
                 )
             })
             .collect();
-        let mut all = Shapes {
-            shape: Array2::zeros((participation.nrows(), target.sides[0]).f()),
-            explained: 0.0,
-            along_shape: Array2::zeros(participation.dim()),
-            along_both: Array2::zeros((participation.nrows(), 1)),
-        };
         for (part, mut shape) in parts.iter().zip(
             all.shape
                 .axis_chunks_iter_mut(Axis(1), limits::TARGET_BLOCK),
@@ -180,41 +183,77 @@ impl Products {
 
     /// The same for some DOFs of the eliminated side, `values` = (FᴴB over DᴴB) of their
     /// pairs.
+    ///
+    /// * `participation`: of all modes for each other DOF in turn
     fn block(
         &self,
         values: &Array2<Complex64>,
-        participation: &Array2<Complex64>,
+        participation: &[Complex64],
         gram_inverse: &Array2<Complex64>,
         real: bool,
     ) -> Shapes {
-        let (n, other) = participation.dim();
-        let mut right = Array2::zeros((n, values.ncols() / other).f());
-        for (pair, value) in values.columns().into_iter().enumerate() {
-            add_product(
-                right.column_mut(pair / other),
-                participation.column(pair % other),
-                value.slice(s![..n]),
-            );
-        }
+        let n = gram_inverse.nrows();
+        let other = participation.len() / n;
+        let own = values.ncols() / other;
+        let values = values.as_slice_memory_order().expect("a product");
+        let of_own = || values.chunks_exact(2 * n * other);
+        let mut right = vec![Complex64::ZERO; n * own];
+        wide(
+            #[inline(always)]
+            || {
+                for (right, values) in right.chunks_exact_mut(n).zip(of_own()) {
+                    let pairs = values.chunks_exact(2 * n);
+                    for (value, factor) in pairs.zip(participation.chunks_exact(n)) {
+                        add_products(right, factor, &value[..n]);
+                    }
+                }
+            },
+        );
         if real {
-            right.mapv_inplace(|v: Complex64| Complex64::new(v.re, 0.0));
+            right.iter_mut().for_each(|value| value.im = 0.0);
         }
+        let right = Array2::from_shape_vec((n, own).f(), right).expect("a value for each DOF");
         let shape = matmul(gram_inverse.view(), right.view());
         let explained = inner(shape.view(), right.view());
-        let (mut along_shape, mut along_both) =
-            (Array2::zeros((n, other).f()), Array2::zeros((n, 1).f()));
-        for (pair, value) in values.columns().into_iter().enumerate() {
-            let (shape, j) = (shape.column(pair / other), pair % other);
-            add_product(along_shape.column_mut(j), shape, value.slice(s![..n]));
-            let both = &shape * &participation.column(j);
-            add_product(along_both.column_mut(0), both.view(), value.slice(s![n..]));
-        }
+        let shapes: Vec<Complex64> = shape.t().iter().copied().collect();
+        let mut along_shape = vec![Complex64::ZERO; n * other];
+        let mut along_both = vec![Complex64::ZERO; n];
+        wide(
+            #[inline(always)]
+            || {
+                let mut both = vec![Complex64::ZERO; n];
+                for (shape, values) in shapes.chunks_exact(n).zip(of_own()) {
+                    let pairs = values
+                        .chunks_exact(2 * n)
+                        .zip(participation.chunks_exact(n));
+                    for ((value, factor), along_shape) in pairs.zip(along_shape.chunks_exact_mut(n))
+                    {
+                        add_products(along_shape, shape, &value[..n]);
+                        for ((both, shape), factor) in both.iter_mut().zip(shape).zip(factor) {
+                            *both = shape * factor;
+                        }
+                        add_products(&mut along_both, &both, &value[n..]);
+                    }
+                }
+            },
+        );
+        let columns = |count: usize, values: Vec<Complex64>| {
+            Array2::from_shape_vec((n, count).f(), values).expect("a value for each DOF")
+        };
         Shapes {
             shape,
             explained,
-            along_shape,
-            along_both,
+            along_shape: columns(other, along_shape),
+            along_both: columns(1, along_both),
         }
+    }
+}
+
+/// sum += conj(factor)·value, term by term.
+#[inline(always)]
+fn add_products(sum: &mut [Complex64], factor: &[Complex64], value: &[Complex64]) {
+    for ((sum, factor), value) in sum.iter_mut().zip(factor).zip(value) {
+        *sum += factor.conj() * value;
     }
 }
 
@@ -225,7 +264,7 @@ pub(crate) fn free_residues(
 ) -> Result<(Array2<Complex64>, f64), LinalgError> {
     let f = target.outside(&basis(target.work, lambda, &[]));
     let against = blocked_matmul_h(f.view(), target.data.view());
-    let residues = solve_hermitian(blocked_matmul_h(f.view(), f.view()).view(), against.view())?;
+    let residues = solve_hermitian(blocked_gram(f.view()).view(), against.view())?;
     let left = target.energy - inner(residues.view(), against.view());
     Ok((residues, left))
 }
