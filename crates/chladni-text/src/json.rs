@@ -2,6 +2,7 @@
 
 use crate::words::parser_complaint;
 use chladni_frf::Error;
+use serde::de::IgnoredAny;
 
 /// The complaint of a JSON reader in parts: line, field, what stood there and what
 /// belongs there. `what` was read: "model".
@@ -23,6 +24,38 @@ pub fn json_error(what: &str, error: &serde_json::Error) -> Error {
         ..complaint
     }
     .at_line(error.line() as u64)
+}
+
+/// The same of a JSON reader that read `text`. Readers call some values of a wrong type bad
+/// syntax; the text itself tells the two apart.
+pub fn json_error_in(text: &str, what: &str, error: &serde_json::Error) -> Error {
+    let complaint = json_error(what, error);
+    let is_too_large = error.to_string().starts_with("number out of range");
+    let is_valid = || serde_json::from_str::<IgnoredAny>(text).is_ok();
+    if !error.is_syntax() || is_too_large || !is_valid() {
+        return complaint;
+    }
+    let message = format!(
+        "{what}: a value of the wrong type (column {})",
+        error.column()
+    );
+    let complaint = Error {
+        message,
+        ..complaint
+    }
+    .expected("a value as docs/formats.md describes it");
+    match value_at(text, error) {
+        Some(value) => complaint.found(value),
+        None => complaint,
+    }
+}
+
+/// The value that begins at the place of an error.
+fn value_at<'a>(text: &'a str, error: &serde_json::Error) -> Option<&'a str> {
+    let line = text.split('\n').nth(error.line().checked_sub(1)?)?;
+    let rest = line.get(error.column().checked_sub(1)?..)?;
+    let value = rest.split([',', ']', '}']).next()?.trim();
+    (!value.is_empty()).then_some(value)
 }
 
 #[cfg(test)]
@@ -57,5 +90,38 @@ mod tests {
             Some("dance")
         );
         assert_eq!(complaint("{\"mass\": ").expected.as_deref(), Some("JSON"));
+    }
+
+    #[test]
+    fn a_value_of_a_wrong_type_is_not_called_bad_syntax() {
+        #[derive(Debug, serde::Deserialize)]
+        #[allow(dead_code)]
+        enum Step {
+            Waltz,
+        }
+        #[derive(Debug, serde::Deserialize)]
+        #[allow(dead_code)]
+        struct Dance {
+            step: Step,
+            place: [f64; 2],
+        }
+        let complaint = |text: &str| {
+            let error = serde_json::from_str::<Dance>(text).unwrap_err();
+            json_error_in(text, "dance", &error)
+        };
+        for (text, found) in [
+            ("{\n\"step\": 5, \"place\": [0, 1]}", "5"),
+            ("{\n\"step\": \"Waltz\", \"place\": [0, 1, 2]}", "2"),
+        ] {
+            let wrong = complaint(text);
+            assert_eq!(
+                (wrong.line, wrong.found.as_deref()),
+                (Some(2), Some(found)),
+                "{wrong}"
+            );
+            assert!(wrong.message.contains("wrong type"), "{wrong}");
+        }
+        let broken = complaint("{\n\"step\": 5, \"place\": [0, 1,}");
+        assert!(broken.message.contains("no valid JSON"), "{broken}");
     }
 }

@@ -14,5 +14,5 @@ pub mod toml_reader;
 mod words;
 
 pub use file::{file_name, read_text};
-pub use json::json_error;
+pub use json::{json_error, json_error_in};
 pub use words::{line_of_byte, parser_complaint, toml_complaint};
