@@ -192,6 +192,11 @@ pub(crate) const LATE_SAMPLES: f64 = 0.25;
 /// The same over the steps of a piece: times summed up in single precision reach 6e-4.
 pub(crate) const LATE_STEPS: f64 = 1e-3;
 
+// shape_set.rs
+
+/// Decimals of a number in datasets 55 and 2414, which is written as 1.23456E+01.
+pub(crate) const DECIMALS_55: f64 = 5.0;
+
 // temporary.rs
 
 /// Age from which a temporary file of another machine, or of this one before its last start,

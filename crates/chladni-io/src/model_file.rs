@@ -7,7 +7,7 @@ use super::{detect_format, hdf5, model_table, FileFormat};
 use crate::limits::{CRITICAL, FARTHEST_M, LARGEST, MOST_MODES, SAME_DAMPING};
 use chladni_frf::{Damping, Error, ErrorKind, ModalModel, Mode, Result, MODEL_FORMAT};
 use chladni_text::door::KeptInputs;
-use chladni_text::{json_error, read_text};
+use chladni_text::{json_error_in, read_text};
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -93,7 +93,7 @@ pub fn model_json(model: &ModalModel) -> Result<String> {
 fn read_json(path: &Path) -> Result<ModalModel> {
     let text = read_text(path, "a model, JSON")?;
     let explain = |error: serde_json::Error| {
-        json_error("model", &error)
+        json_error_in(&text, "model", &error)
             .file(path)
             .help("correct the file at that line, or fit the model again")
     };

@@ -190,11 +190,11 @@ impl FrfParts {
                                             in parts",
                 )
                 .file(&file.path)
-                .found(format!("{} MiB", file.bytes >> 20))
+                .found(size_in_words(file.bytes, u64::div_ceil))
                 .expected(format!(
-                    "at most {} MiB, or the HDF5 layout of this program, or a universal file \
+                    "at most {}, or the HDF5 layout of this program, or a universal file \
                          with one set of units",
-                    most >> 20
+                    size_in_words(most, |bytes, unit| bytes / unit)
                 ))
                 .help(
                     "raise `memory`, or convert the file to .h5 where there is memory \
@@ -305,6 +305,15 @@ impl FrfParts {
     }
 }
 
+/// A size for people, in whole units as `count` rounds them.
+fn size_in_words(bytes: u64, count: fn(u64, u64) -> u64) -> String {
+    match bytes {
+        0..0x400 => format!("{bytes} bytes"),
+        0x400..0x10_0000 => format!("{} KiB", count(bytes, 0x400)),
+        _ => format!("{} MiB", count(bytes, 0x10_0000)),
+    }
+}
+
 /// Bytes that the FRFs of files take in memory, about: by the headers of the files, else
 /// by their sizes. Damaged headers are no error here; reading reports them.
 ///
@@ -344,4 +353,18 @@ fn stretches(path: &Path, wanted: Vec<&Range<u64>>) -> Result<Vec<u8>> {
             .map_err(on_read)?;
     }
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_sizes_are_no_zeros() {
+        let up = |bytes| size_in_words(bytes, u64::div_ceil);
+        assert_eq!(up(1000), "1000 bytes");
+        assert_eq!(up(1025), "2 KiB");
+        assert_eq!(up(3 << 19), "2 MiB");
+        assert_eq!(size_in_words(3 << 19, |bytes, unit| bytes / unit), "1 MiB");
+    }
 }

@@ -9,7 +9,7 @@ use super::{
 use crate::limits::{FIRST_NODE, LISTED_BY_HEADERS, PATHS_LISTED};
 use chladni_frf::{Error, Finding, FrfSet, Mode, Reason, Result, Source, Trust};
 use chladni_text::door::{read_bytes, size_of, KeptInputs};
-use chladni_text::{json_error, read_text};
+use chladni_text::{json_error_in, read_text};
 use std::path::{Path, PathBuf};
 
 /// Reads everything in one file; errors of damaged datasets are in the document.
@@ -261,8 +261,8 @@ fn weights_document(path: &Path) -> Result<Document> {
         weights: Vec<Weight>,
     }
     let text = read_text(path, "a weights file, JSON")?;
-    let weights: Weights =
-        serde_json::from_str(&text).map_err(|error| json_error("weights", &error).file(path))?;
+    let weights: Weights = serde_json::from_str(&text)
+        .map_err(|error| json_error_in(&text, "weights", &error).file(path))?;
     let listed = weights.weights.into_iter().map(|weight| DatasetInfo {
         name: "weight".into(),
         reference: Some(weight.reference),

@@ -4,6 +4,7 @@ use super::{
     detect_format, read_contents, read_model, Analysis, Contents, FileFormat, ReadOptions, Shape,
     ShapeForm,
 };
+use crate::limits;
 use chladni_frf::{Direction, Dof, Error, Finding, Result, ShapeMode, ShapeSet};
 use num_complex::Complex64;
 use std::collections::{HashMap, HashSet};
@@ -92,7 +93,7 @@ pub fn shape_set(contents: &Contents) -> Result<ShapeSet> {
         let values = values(shape, rows);
         ShapeMode {
             frequency_hz: shape.frequency_hz().unwrap_or(0.0),
-            frequency_std_hz: 0.0,
+            frequency_std_hz: rounding_of(shape.frequency_hz().unwrap_or(0.0)),
             loss_factor: loss_factor(shape),
             loss_factor_std: 0.0,
             shape_std: vec![0.0; values.len()],
@@ -116,6 +117,15 @@ fn no_mode_shape(contents: &Contents) -> Error {
         .found(found)
         .expected("a model, or mode shapes in datasets 55 or 2414")
         .help("fit a model first, or export the modes of the finite-element program")
+}
+
+/// Standard deviation of what rounding leaves of a number in a universal file, which has six digits.
+fn rounding_of(value: f64) -> f64 {
+    let last_digit = match value.abs() {
+        0.0 => 0.0,
+        size => 10f64.powf(size.log10().floor() - limits::DECIMALS_55),
+    };
+    last_digit / 12f64.sqrt()
 }
 
 /// η = 2ζ; programs write 0 for modes without damping.
@@ -211,6 +221,8 @@ mod tests {
         assert_eq!(real(0), [20.0, 21.0, 22.0, 30.0, 31.0, 32.0, 0.0, 0.0, 0.0]);
         assert_eq!(real(1), [20.0, 21.0, 22.0, 0.0, 0.0, 0.0, 10.0, 11.0, 12.0]);
         assert_eq!(at_rest.modes[0].frequency_hz, 12.5);
+        // 12.5000
+        assert!((at_rest.modes[0].frequency_std_hz - 1e-4 / 12f64.sqrt()).abs() < 1e-12);
         assert_eq!(at_rest.modes[0].loss_factor, Some(0.02));
         let unknown = set(modes(ShapeForm::Analysis2414).to_vec()).unwrap();
         assert_eq!(unknown.dofs.len(), 3);

@@ -2,7 +2,7 @@
 //! file.
 
 use super::foreign::{read_foreign, take_frf};
-use super::tree::{Attribute, Entry, Values};
+use super::tree::{Attribute, Element, Entry, Values};
 use super::ArrayFile;
 use crate::{DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Error, Finding, Result};
@@ -25,6 +25,8 @@ pub(crate) enum AxisOrder {
 #[derive(Debug, Default)]
 pub(crate) struct MemoryFile {
     arrays: BTreeMap<String, (Entry, Values<'static>)>,
+    /// Arrays of types that are not read.
+    unread: BTreeMap<String, Entry>,
     /// Findings on what was passed over.
     pub(crate) warnings: Vec<Finding>,
 }
@@ -38,25 +40,60 @@ impl MemoryFile {
         values: Values<'static>,
         order: AxisOrder,
     ) {
-        if self.arrays.contains_key(path) {
+        if let Some(entry) = self.new_entry(path, shape, values.element(), order) {
+            self.arrays.insert(path.to_owned(), (entry, values));
+        }
+    }
+
+    /// Adds an array whose values are not read, with its type in words, and reports it.
+    pub(crate) fn add_unread(
+        &mut self,
+        path: &str,
+        shape: Vec<usize>,
+        type_in_words: String,
+        order: AxisOrder,
+    ) {
+        let words = format!("{path}: {type_in_words}: a type that is not read");
+        let element = Element::Other(type_in_words);
+        if let Some(entry) = self.new_entry(path, shape, element, order) {
+            self.unread.insert(path.to_owned(), entry);
+            self.warnings.push(Finding::note("not-read", words));
+        }
+    }
+
+    /// The entry of an array; `None`, with a finding, for a second one of the same path.
+    fn new_entry(
+        &mut self,
+        path: &str,
+        shape: Vec<usize>,
+        element: Element,
+        order: AxisOrder,
+    ) -> Option<Entry> {
+        if self.arrays.contains_key(path) || self.unread.contains_key(path) {
             self.warnings.push(Finding::note(
                 "not-read",
                 format!("{path} occurs twice; the first is kept"),
             ));
-            return;
+            return None;
         }
         let attributes = if order == AxisOrder::Reversed {
             vec![(MATLAB.to_owned(), Attribute::Text(String::new()))]
         } else {
             Vec::new()
         };
-        let entry = Entry {
+        Some(Entry {
             path: path.to_owned(),
-            dataset: Some((shape, values.element())),
+            dataset: Some((shape, element)),
             attributes,
             unread_attributes: Vec::new(),
-        };
-        self.arrays.insert(path.to_owned(), (entry, values));
+        })
+    }
+
+    /// The error of the largest array that is not read, where there is one: it may hold the FRFs.
+    pub(crate) fn largest_unread(&self) -> Option<Error> {
+        let size = |entry: &&Entry| entry.shape().iter().map(|&n| n as f64).product::<f64>();
+        let largest = (self.unread.values()).max_by(|a, b| size(a).total_cmp(&size(b)));
+        largest.map(not_read)
     }
 
     /// True without arrays.
@@ -107,13 +144,17 @@ impl MemoryFile {
             attributes: Vec::new(),
             unread_attributes: Vec::new(),
         };
-        let arrays = self.arrays.values().map(|(entry, _)| entry.clone());
-        std::iter::once(root).chain(arrays).collect()
+        let arrays = self.arrays.values().map(|(entry, _)| entry);
+        let all = arrays.chain(self.unread.values());
+        std::iter::once(root).chain(all.cloned()).collect()
     }
 }
 
 impl ArrayFile for MemoryFile {
     fn read(&self, entry: &Entry) -> Result<Values<'static>> {
+        if let Some(entry) = self.unread.get(&entry.path) {
+            return Err(not_read(entry));
+        }
         let found = self.arrays.get(&entry.path);
         found
             .map(|(_, values)| values.clone())
@@ -121,14 +162,20 @@ impl ArrayFile for MemoryFile {
     }
 }
 
+fn not_read(entry: &Entry) -> Error {
+    Error::bad_data("values of a type that cannot be read")
+        .field(&entry.path)
+        .found(entry.element().map_or_else(String::new, Element::describe))
+        .expected("numbers (f4, f8, c8, c16, i, u, b) or text (U, S)")
+        .help("save the array as numbers (float64, complex128) or as text, or leave it out")
+}
+
 fn info(entry: &Entry) -> DatasetInfo {
     let mut extents: Vec<String> = entry.shape().iter().map(usize::to_string).collect();
     if entry.attribute(MATLAB).is_some() {
         extents.reverse();
     }
-    let element = entry
-        .element()
-        .map_or_else(String::new, super::tree::Element::describe);
+    let element = entry.element().map_or_else(String::new, Element::describe);
     let function = if extents.is_empty() {
         element
     } else {

@@ -1,7 +1,7 @@
 //! From values and shapes of a file to the arrays of an [`chladni_frf::FrfSet`].
 
 use super::tree::{Entry, Values};
-use chladni_frf::{Dof, Error, FrfValues, Result};
+use chladni_frf::{Dof, Error, FrfSet, FrfValues, Result};
 use ndarray::{Array3, ArrayD, Axis, IxDyn};
 use num_complex::Complex;
 use std::borrow::Cow;
@@ -140,6 +140,30 @@ pub(crate) fn dofs(entry: &Entry, values: Values<'static>) -> Result<Vec<Dof>> {
             "records {node u64, dir i8}, dir a code from -6 to 6",
         )),
     }
+}
+
+/// The set that was made of the array at `path`, checked.
+///
+/// # Errors
+/// No response, reference or line; those of [`FrfSet::checked`]. Each says what to do.
+pub(crate) fn checked(set: FrfSet, path: &str) -> Result<FrfSet> {
+    let (responses, references, lines) = set.values.dim();
+    let counts = [
+        (responses, "responses"),
+        (references, "references"),
+        (lines, "lines"),
+    ];
+    if let Some((_, noun)) = counts.into_iter().find(|(count, _)| *count == 0) {
+        return Err(Error::bad_data("an array of FRFs without values")
+            .field(path)
+            .found(format!("0 {noun}"))
+            .expected("one response, reference and line, or more")
+            .help("save the array again, with its values"));
+    }
+    set.checked().map_err(|error| match error.help {
+        Some(_) => error,
+        None => error.help("correct it in the program that wrote the file"),
+    })
 }
 
 /// The error of a dataset of another element type than expected.

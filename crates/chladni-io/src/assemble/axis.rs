@@ -19,6 +19,7 @@ pub(super) fn common_axis(records: &[Record], warnings: &mut Vec<Finding>) -> Re
         )
         .field(format!("frequency axis of {}", first.place))
         .found(describe_axis(axis))
+        .expected("frequencies of 0 or more, each above the one before")
         .help("export the data again, or look at the contents of the file"));
     }
     // a thousandth of a line shifts no pole noticeably

@@ -5,6 +5,8 @@ use crate::limits::SAME_UNIT;
 use crate::unit_label::{decibel_reference, frequency_unit, frf_unit, FrfUnit};
 use crate::PhaseUnit;
 use chladni_frf::{Dof, Error, Finding, FrfKind, ReferenceUnit, Result, TimeSign};
+use std::collections::BTreeMap;
+use std::str::FromStr;
 
 /// Facts about a whole table, from remarks, a column of units and the options.
 #[derive(Default)]
@@ -39,11 +41,16 @@ impl TableFacts {
                 Error::bad_word(&message, &remark.value)
                     .at_line(remark.line)
                     .field(&remark.key)
+                    .help("correct the remark, or leave it out")
             };
             match remark.key.as_str() {
                 "frf_kind" => facts.kind = Some(remark.value.parse().map_err(wrong)?),
                 "time_sign" => facts.time_sign = Some(remark.value.parse().map_err(wrong)?),
-                "unit" => facts.unit = Some(remark.value.clone()),
+                // a header may state the unit of the other axis, too
+                "unit" if facts.unit.is_none() || unit_value(&remark.value).is_some() => {
+                    facts.unit = Some(remark.value.clone())
+                }
+                "unit" => {}
                 "response" => facts.response = Some(remark.value.parse().map_err(wrong)?),
                 "reference" => facts.reference = Some(remark.value.parse().map_err(wrong)?),
                 "phase_unit" => facts.phase_unit = Some(remark.value.parse().map_err(wrong)?),
@@ -58,9 +65,9 @@ impl TableFacts {
                         "N" => ReferenceUnit::Newton,
                         "V" => ReferenceUnit::Volt,
                         _ => {
-                            return Err(
-                                wrong("unknown unit of the reference".into()).expected("N or V")
-                            )
+                            return Err(wrong("unknown unit of the reference".into())
+                                .expected("N or V")
+                                .help("scale the values to N or V, and write that unit"))
                         }
                     };
                     facts.reference_unit = Some((unit, remark.line));
@@ -149,23 +156,71 @@ impl TableFacts {
     }
 }
 
+/// Refuses remarks of one key that state different values.
+///
+/// # Errors
+/// The second of two such remarks.
+pub(super) fn refuse_contradictions(remarks: &[Remark]) -> Result<()> {
+    let mut firsts: BTreeMap<&str, &Remark> = BTreeMap::new();
+    for second in remarks {
+        let first = *firsts.entry(&second.key).or_insert(second);
+        if !agree(first, second) {
+            return Err(Error::bad_data("two remarks state different values")
+                .at_line(second.line)
+                .field(&second.key)
+                .found(format!(
+                    "`{}` in line {}, `{}` in line {}",
+                    first.value, first.line, second.value, second.line
+                ))
+                .expected("one value")
+                .help("correct one of them, or leave it out"));
+        }
+    }
+    Ok(())
+}
+
+/// True for two remarks of one key that state the same, or state no fact.
+fn agree(first: &Remark, second: &Remark) -> bool {
+    fn same<T: FromStr + PartialEq>(one: &str, other: &str) -> bool {
+        let values = (one.parse::<T>().ok(), other.parse::<T>().ok());
+        one == other || values.0.is_some() && values.0 == values.1
+    }
+    let (one, other) = (first.value.as_str(), second.value.as_str());
+    match first.key.as_str() {
+        "frf_kind" => same::<FrfKind>(one, other),
+        "time_sign" => same::<TimeSign>(one, other),
+        "response" | "reference" => same::<Dof>(one, other),
+        "phase_unit" => same::<PhaseUnit>(one, other),
+        // one that no FRF has is that of another axis
+        "unit" => {
+            [one, other].iter().any(|it| unit_value(it).is_none()) || is_same_unit(one, other)
+        }
+        "frequency_unit" => frequency_unit(one) == frequency_unit(other),
+        "reference_unit" => one == other,
+        _ => true, // free text
+    }
+}
+
 /// True for units of different kind, reference or factor.
 pub(super) fn differ(a: FrfUnit, b: FrfUnit) -> bool {
     (a.kind, a.reference) != (b.kind, b.reference) || (a.to_si / b.to_si - 1.0).abs() > SAME_UNIT
 }
 
+/// The unit of FRFs that a label names, and true for decibels; `None` for another label.
+fn unit_value(label: &str) -> Option<(bool, FrfUnit)> {
+    let Some((reference, unit)) = decibel_reference(label) else {
+        return Some((false, frf_unit(label)?));
+    };
+    let unit = frf_unit(unit)?;
+    let to_si = unit.to_si * reference;
+    Some((true, FrfUnit { to_si, ..unit }))
+}
+
 /// True for labels of one unit in any spelling; for decibels, also of one reference.
 pub(super) fn is_same_unit(one: &str, other: &str) -> bool {
-    let value = |label: &str| match decibel_reference(label) {
-        Some((reference, unit)) => frf_unit(unit).map(|unit| {
-            let to_si = unit.to_si * reference;
-            (true, FrfUnit { to_si, ..unit })
-        }),
-        None => frf_unit(label).map(|unit| (false, unit)),
-    };
     one == other
         || matches!(
-            (value(one), value(other)),
+            (unit_value(one), unit_value(other)),
             (Some((a_db, a)), Some((b_db, b))) if a_db == b_db && !differ(a, b)
         )
 }

@@ -209,12 +209,15 @@ fn phase_unit(
         _ => None,
     };
     if let Some(told) = facts.caller_phase_unit {
-        if let Some(own) = own.filter(|own| *own != told) {
-            let (own, told) = (own.as_str(), told.as_str());
-            let words = format!(
-                "{} says {own}, you say {told}: taken as {told}",
-                phase.label()
-            );
+        let stated = [
+            (own, phase.label()),
+            // without backticks, in which it is an option
+            (facts.phase_unit, "the remark phase_unit".into()),
+        ];
+        let other = |(unit, _): &&(Option<PhaseUnit>, String)| unit.is_some_and(|it| it != told);
+        if let Some((Some(unit), place)) = stated.iter().find(other) {
+            let (unit, told) = (unit.as_str(), told.as_str());
+            let words = format!("{place} says {unit}, you say {told}: taken as {told}");
             push_once(warnings, Finding::note("option-overrules-file", words));
         }
         return Ok(told);
@@ -230,6 +233,16 @@ fn phase_unit(
     };
     if phase.head.angle() == AngleUnit::NotUnderstood {
         return Err(ask("the unit of the phase is not understood"));
+    }
+    if let (Some(own), Some(stated)) = (own, facts.phase_unit) {
+        if own != stated {
+            let (stated, label) = (stated.as_str(), phase.label());
+            return Err(Error::bad_data("two units of the phase")
+                .field("phase_unit")
+                .found(format!("`{stated}` in a remark, `{label}` in the header"))
+                .expected("one unit")
+                .help("correct the remark or the header"));
+        }
     }
     if let Some(known) = own.or(facts.phase_unit) {
         return Ok(known);

@@ -38,7 +38,7 @@ use super::unit_label::{frf_unit, FrfUnit};
 use super::{DatasetInfo, Document, FileFormat, ReadOptions};
 use chladni_frf::{Direction, Dof, Error, Finding, FrfKind, ReferenceUnit, Result};
 use complex_cells::refuse_complex_lists;
-use facts::{differ, TableFacts};
+use facts::{differ, refuse_contradictions, TableFacts};
 use num_complex::Complex64;
 use remarks::lines_and_remarks;
 pub(crate) use remarks::numbered_lines;
@@ -100,6 +100,7 @@ fn read_text(
     facts.caller_phase_unit = options.phase_unit;
     let (first_line, (frequency_hz, traces)) = match long_header::find(&lines) {
         Some(table) => {
+            refuse_contradictions(&remarks)?;
             facts.header_text = table.text_above();
             if let Some(label) = table.unit()? {
                 facts.add_unit(label)?;
@@ -116,6 +117,7 @@ fn read_text(
             if let Some(times) = time::axis(&table, options.sample_rate_hz) {
                 return time::document(&table, &times, warnings, file);
             }
+            refuse_contradictions(&remarks)?;
             facts.header_text = table.prose.clone();
             let traces = wide::traces(&table, &facts, &mut warnings).map_err(explained)?;
             (table.lines[0], traces)
@@ -193,6 +195,7 @@ impl FrfUnits {
                         "{} ({}) and {label} ({})",
                         trace.unit_text, unit.kind, known.kind
                     ))
+                    .expected("FRFs of one kind")
                     .help("split the file by kind"));
             }
             if let (Some(file_unit), Some(label)) = (file_unit, &facts.unit) {
@@ -278,8 +281,30 @@ fn name_dofs(
     // else the caller's list gives the DOFs later
     if options.dofs.rows.is_empty() {
         assumed.report(options, fallback, warnings);
+        warnings.extend(unused_dof("response", facts.response, traces, |t| {
+            t.response
+        }));
+        warnings.extend(unused_dof("reference", facts.reference, traces, |t| {
+            t.reference
+        }));
     }
     dofs
+}
+
+/// The note about a remark that states another DOF than a column or row does.
+fn unused_dof(
+    key: &str,
+    stated: Option<Dof>,
+    traces: &[Trace],
+    of: fn(&Trace) -> Option<Dof>,
+) -> Option<Finding> {
+    let stated = stated?;
+    let other = traces.iter().filter_map(of).find(|dof| *dof != stated)?;
+    // without backticks, in which the key is an option
+    Some(Finding::note(
+        "remark-not-used",
+        format!("the remark {key} says {stated}, the table {other}: that of the table is taken"),
+    ))
 }
 
 /// The DOF of a response or reference that nothing names.

@@ -3,6 +3,7 @@
 use super::text::{
     both_commas, both_signs, has_thousands, refuse_decimal_comma, Cell, Dialect, Line,
 };
+use super::vocabulary::known_words;
 use crate::limits::TABLE_ROWS_TRIED;
 use crate::ReadOptions;
 use chladni_frf::{counted, Error, Finding, Result};
@@ -227,9 +228,43 @@ fn filled_columns(rows: &[&Line<'_>], dialect: Dialect) -> usize {
         .unwrap_or(0)
 }
 
+/// The line that is most likely meant as a row of numbers: the first with a digit, but not the
+/// header above it.
+fn meant_as_row<'l, 't>(lines: &'l [Line<'t>]) -> Option<&'l Line<'t>> {
+    let (first, below) = lines.split_first()?;
+    let has_digit = |line: &Line<'_>| line.text.contains(|c: char| c.is_ascii_digit());
+    let is_header = known_words(first.text) > 1;
+    if has_digit(first) && !is_header {
+        return Some(first);
+    }
+    let mut rows = below.iter().filter(|line| !line.is_comment);
+    let second = rows.clone().next().filter(|_| is_header);
+    rows.find(|line| has_digit(line)).or(second).or(Some(first))
+}
+
+/// Help about the cells of a line that are no numbers.
+fn help_for_row(line: &str) -> &'static str {
+    let comma = Dialect {
+        delimiter: Some(','),
+        decimal_comma: false,
+    };
+    let is_grouped = |dialect: Dialect| {
+        let mut cells = dialect.cells(line).into_iter();
+        cells.any(|cell| has_thousands(&cell) && dialect.number(&cell) == Cell::Text)
+    };
+    if line.contains("np.float") || line.contains("np.int") {
+        return "write plain numbers: in Python with float(value), or with numpy.savetxt";
+    }
+    match comma.and_others().any(is_grouped) {
+        true => "write the numbers without separators of thousands",
+        false => "tables need rows like 10.5,0.1,-0.2 under a header like f,re,im",
+    }
+}
+
 fn no_numbers(lines: &[Line<'_>]) -> Error {
     let error = Error::bad_data("no row of numbers in this text file");
-    let error = match lines.first() {
+    let row = meant_as_row(lines);
+    let error = match row {
         Some(line) => error.at_line(line.number).found(line.text.trim()),
         None => error.at_line(1).found("only comments or blank lines"),
     };
@@ -241,7 +276,7 @@ fn no_numbers(lines: &[Line<'_>]) -> Error {
     }
     error
         .expected("columns of numbers, frequency first")
-        .help("tables need rows like 10.5,0.1,-0.2 under a header like f,re,im")
+        .help(help_for_row(row.map_or("", |line| line.text)))
 }
 
 /// The error of a cell that is no number. A frequency cannot be masked.

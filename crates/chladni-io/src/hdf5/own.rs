@@ -19,7 +19,7 @@
 use super::backend::File;
 use super::estimation;
 use crate::arrays::tree::{Entry, Group, Values};
-use crate::arrays::values::{dofs, integers, real_array, reals, wrong_type, ComplexArray};
+use crate::arrays::values::{checked, dofs, integers, real_array, reals, wrong_type, ComplexArray};
 use chladni_frf::{Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign};
 use ndarray::{Array1, Array3, Ix3};
 
@@ -116,7 +116,7 @@ impl Own<'_> {
                 entry,
             )?)?
         };
-        Ok(Some(set.checked()?))
+        checked(set, &entry.path).map(Some)
     }
 
     /// The entry of the FRFs, which must have three axes.

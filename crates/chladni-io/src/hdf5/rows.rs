@@ -3,7 +3,7 @@
 use super::backend::File;
 use super::own::{own_array, Own, FORMAT};
 use crate::arrays::tree::{Element, Entry, Values};
-use crate::arrays::values::ComplexArray;
+use crate::arrays::values::{checked, ComplexArray};
 use crate::time_sign::to_plus;
 use crate::{Document, FileFormat, ReadOptions, Turn};
 use chladni_frf::{Error, FrfSet, FrfValues, Geometry, Result, TimeSign};
@@ -135,7 +135,7 @@ impl Rows {
             .filter(|node| labels.contains(&node.label))
             .copied()
             .collect();
-        FrfSet {
+        let set = FrfSet {
             frequency_hz: self.head.frequency_hz.clone(),
             values: own_array(ComplexArray::new(&entry, values)?, &entry)?,
             responses,
@@ -149,7 +149,7 @@ impl Rows {
                 nodes,
                 ..Geometry::default()
             },
-        }
-        .checked()
+        };
+        checked(set, &self.entry.path)
     }
 }

@@ -1,7 +1,8 @@
 //! NumPy files: NPZ (a zip archive of arrays) and NPY (one array).
 //!
 //! The format: NumPy enhancement proposal 1. Arrays of numbers, complex numbers and texts
-//! are read in either byte order and either order of axes. Pickled objects are not read.
+//! are read in either byte order and either order of axes. Arrays of other types, such as
+//! pickled objects, are named and not read.
 //! Written are `freq`, `frf` [response, reference, line], `response` and `reference`
 //! (DOFs as text), `frf_kind`, `reference_unit`, `unit`, `time_sign`, `axes`, and
 //! `coherence` where there is one.
@@ -22,6 +23,9 @@ use std::path::Path;
 pub(super) fn read_npy(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Document> {
     let mut arrays = MemoryFile::default();
     npy::read_array(bytes, "/array", &mut arrays).map_err(|error| error.file(path))?;
+    if let Some(error) = arrays.largest_unread() {
+        return Err(error.file(path));
+    }
     let mut document = arrays.document(path, FileFormat::Numpy, options)?;
     if document.frf.is_none() {
         document.warnings.push(Finding::caution(
@@ -33,9 +37,13 @@ pub(super) fn read_npy(bytes: &[u8], path: &Path, options: &ReadOptions) -> Resu
     Ok(document)
 }
 
-/// Reads an archive of arrays.
+/// Reads an archive of arrays. One that is not read is an error only where no FRF is found.
 pub(super) fn read_npz(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Document> {
-    archive::read(bytes)
-        .map_err(|error| error.file(path))?
-        .document(path, FileFormat::Numpy, options)
+    let arrays = archive::read(bytes).map_err(|error| error.file(path))?;
+    let unread = arrays.largest_unread().map(|error| error.file(path));
+    let mut document = arrays.document(path, FileFormat::Numpy, options)?;
+    if document.frf.is_none() && document.errors.is_empty() {
+        document.errors.extend(unread);
+    }
+    Ok(document)
 }

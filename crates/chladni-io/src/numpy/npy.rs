@@ -23,30 +23,26 @@ struct Header {
     shape: Vec<usize>,
 }
 
-/// Adds the array in `bytes` under `path`.
+impl Header {
+    /// The type of the values, for people.
+    fn type_in_words(&self) -> String {
+        match self.kind {
+            b'O' => "pickled objects (object)".into(),
+            b'V' => "records or raw bytes (void)".into(),
+            b'M' => "dates (datetime64)".into(),
+            b'm' => "durations (timedelta64)".into(),
+            kind if kind.is_ascii_graphic() => format!("{}{}", char::from(kind), self.size),
+            _ => "an unknown type".into(),
+        }
+    }
+}
+
+/// Adds the array in `bytes` under `path`; one of a type that is not read, without values.
 ///
 /// # Errors
-/// A damaged header, values of another type or count.
+/// A damaged header, values of another count.
 pub(super) fn read_array(bytes: &[u8], path: &str, arrays: &mut MemoryFile) -> Result<()> {
     let (header, data) = split(bytes).map_err(|error| error.field(format!("header of {path}")))?;
-    let wrong = |message: &str, found: String, expected: String| {
-        let error = Error::bad_data(message)
-            .at_byte((bytes.len() - data.len()) as u64)
-            .field(path)
-            .found(found)
-            .expected(expected);
-        error.help("the file is cut short or damaged: save or copy it again")
-    };
-    let code = format!("{}{}", char::from(header.kind), header.size);
-    let unknown = || {
-        wrong(
-            "values of a type that cannot be read",
-            code.clone(),
-            "numbers (f4, f8, c8, c16, i, u, b) or text (U, S)".into(),
-        )
-    };
-    // refuses types that are not read, such as pickled objects
-    values(&header, &[]).ok_or_else(unknown)?;
     let value_bytes = if header.kind == b'U' {
         header.size.saturating_mul(4)
     } else {
@@ -57,17 +53,21 @@ pub(super) fn read_array(bytes: &[u8], path: &str, arrays: &mut MemoryFile) -> R
         .iter()
         .try_fold(1usize, |product, &extent| product.checked_mul(extent));
     let needed = count.and_then(|count| count.checked_mul(value_bytes));
-    if needed != Some(data.len()) {
+    // pickled objects may have any number of bytes
+    let is_read = values(&header, &[]).is_some();
+    if count.is_none() || (is_read && needed != Some(data.len())) {
         let needed = needed.map_or("more bytes than can be counted".into(), |needed| {
             format!("{needed} bytes")
         });
-        return Err(wrong(
-            "the count of values does not fit the shape",
-            format!("{} bytes of data", data.len()),
-            format!("{needed} for shape {:?}", header.shape),
-        ));
+        let error = Error::bad_data("the count of values does not fit the shape")
+            .at_byte((bytes.len() - data.len()) as u64)
+            .field(path)
+            .found(format!("{} bytes of data", data.len()))
+            .expected(format!("{needed} for shape {:?}", header.shape));
+        return Err(error.help("the file is cut short or damaged: save or copy it again"));
     }
-    let values = values(&header, data).ok_or_else(unknown)?;
+    let values = values(&header, data);
+    let type_in_words = header.type_in_words();
     // column-major is row-major in the reverse order of axes
     let shape = if header.fortran_order {
         header.shape.into_iter().rev().collect()
@@ -78,7 +78,10 @@ pub(super) fn read_array(bytes: &[u8], path: &str, arrays: &mut MemoryFile) -> R
         true => AxisOrder::Reversed,
         false => AxisOrder::Same,
     };
-    arrays.add(path, shape, values, order);
+    match values {
+        Some(values) => arrays.add(path, shape, values, order),
+        None => arrays.add_unread(path, shape, type_in_words, order),
+    }
     Ok(())
 }
 
@@ -126,19 +129,21 @@ fn split(bytes: &[u8]) -> Result<(Header, &[u8])> {
 
 /// The text after `'key':`.
 fn behind<'t>(text: &'t str, key: &str) -> Option<&'t str> {
-    let at = text
-        .find(&format!("'{key}'"))
-        .or_else(|| text.find(&format!("\"{key}\"")))?;
-    Some(
-        text[at + key.len() + 2..]
-            .trim_start()
-            .strip_prefix(':')?
-            .trim_start(),
-    )
+    ['\'', '"'].iter().find_map(|quote| {
+        let quoted = format!("{quote}{key}{quote}");
+        // the name of a field in a record has no colon behind it
+        text.match_indices(quoted.as_str()).find_map(|(at, _)| {
+            let rest = text[at + quoted.len()..].trim_start().strip_prefix(':')?;
+            Some(rest.trim_start())
+        })
+    })
 }
 
-fn parse(text: &str) -> Option<Header> {
-    let descr = behind(text, "descr")?;
+/// Byte order, kind and size of a type; a list is a record, of kind `V`.
+fn element_type(descr: &str) -> Option<(u8, u8, usize)> {
+    if descr.starts_with('[') {
+        return Some((b'|', b'V', 0));
+    }
     let quote = descr.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
     let code = descr[1..].split(quote).next()?;
     let (order, rest) = match code.as_bytes().first()? {
@@ -146,12 +151,17 @@ fn parse(text: &str) -> Option<Header> {
         _ => (b'|', code),
     };
     let kind = *rest.as_bytes().first()?;
-    // pickled objects (`O`) have no size
-    let size = if rest.len() == 1 {
+    // pickled objects (`O`) have no size, dates a unit behind it: `M8[ns]`
+    let size = if rest.len() == 1 || matches!(kind, b'M' | b'm') {
         0
     } else {
         rest.get(1..)?.parse().ok()?
     };
+    Some((order, kind, size))
+}
+
+fn parse(text: &str) -> Option<Header> {
+    let (order, kind, size) = element_type(behind(text, "descr")?)?;
     let fortran_order = match behind(text, "fortran_order")? {
         text if text.starts_with("True") => true,
         text if text.starts_with("False") => false,
@@ -306,9 +316,17 @@ mod tests {
                 shape: vec![]
             }
         );
+        for (descr, kind) in [
+            ("[('a', '<f8'), ('shape', '<f8', (2,))]", b'V'),
+            ("'<M8[ns]'", b'M'),
+            ("'|O'", b'O'),
+        ] {
+            let text = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (3,), }}");
+            let header = read(&text);
+            assert_eq!((header.kind, header.shape), (kind, vec![3]), "{descr}");
+        }
         for bad in [
             "",
-            "{'descr': [('a', '<f8')], 'fortran_order': False, 'shape': (3,)}",
             "{'descr': '<f8', 'shape': (3,)}",
             "{'descr': '<f8', 'fortran_order': False, 'shape': (-3,)}",
         ] {
@@ -327,19 +345,32 @@ mod tests {
     }
 
     #[test]
-    fn sizes_that_disagree_and_pickles_are_refused() {
+    fn sizes_that_disagree_are_refused_and_other_types_not_read() {
         let array = |code: &str, shape: &[usize], bytes: usize| {
             [header(code, shape), vec![0; bytes]].concat()
         };
-        let read = |bytes: &[u8]| read_array(bytes, "/a", &mut MemoryFile::default());
-        assert!(read(&array("<f8", &[3], 24)).is_ok());
+        let read = |bytes: &[u8]| {
+            let mut arrays = MemoryFile::default();
+            read_array(bytes, "/a", &mut arrays).map(|()| arrays)
+        };
+        assert!(read(&array("<f8", &[3], 24)).unwrap().warnings.is_empty());
         for bad in [
             array("<f8", &[3], 23),
             array("<f8", &[usize::MAX, 3], 24),
-            array("|O", &[3], 24),
-            array("<f3", &[3], 9),
+            array("|O", &[usize::MAX, 3], 24),
         ] {
             assert!(read(&bad).is_err());
+        }
+        for other in [
+            array("|O", &[3], 25),
+            array("<f2", &[3], 6),
+            array("<f3", &[3], 9),
+            array("<M8[ns]", &[3], 24),
+        ] {
+            let arrays = read(&other).unwrap();
+            let error = arrays.largest_unread().unwrap();
+            assert!(error.help.unwrap().contains("as numbers"));
+            assert_eq!(arrays.warnings[0].code, "not-read");
         }
         assert!(read(b"\x93NUMPY\x01\x00\xff\xff{}").is_err());
     }

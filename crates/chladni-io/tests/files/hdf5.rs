@@ -390,6 +390,21 @@ fn pairs_of_zeros_are_missing_and_reported() {
 }
 
 #[test]
+fn sets_without_lines_or_with_a_dof_twice_are_refused_with_help() {
+    let mut twice = set(2, 1, 3);
+    twice.responses[1] = twice.responses[0];
+    for (set, words) in [
+        (twice, "correct it in the program"),
+        (set(2, 1, 0), "found 0 lines"),
+    ] {
+        let (_folder, path) = folder_with("set.h5");
+        write_frf(&path, &set, false).unwrap();
+        let error = read_one(&path, &ReadOptions::default()).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+    }
+}
+
+#[test]
 fn damaged_files_are_refused_and_never_panic() {
     let (folder, path) = folder_with("set.h5");
     write_frf(&path, &set(2, 2, 4), false).unwrap();

@@ -401,7 +401,7 @@ pub(super) fn joined_axis(values: &ndarray::ArrayViewD<'_, Complex64>) -> Option
             && frequencies.windows(2).all(|pair| pair[0] < pair[1])
             && others.iter().any(|value| value.im != 0.0)
     };
-    (values.ndim() == 2)
+    (values.ndim() == 2 && !values.is_empty())
         .then(|| [1, 0].into_iter().find(is_axis))
         .flatten()
 }

@@ -152,7 +152,9 @@ impl<'a> Reader<'a> {
             Values::Text(texts) => {
                 let dof = |text: &String| {
                     text.parse().map_err(|message: String| {
-                        Error::bad_word(&message, text).field(&entry.path)
+                        Error::bad_word(&message, text)
+                            .field(&entry.path)
+                            .help("write DOFs like 12:+Z, or whole node numbers")
                     })
                 };
                 texts.iter().map(dof).collect()

@@ -12,7 +12,7 @@ mod frequency;
 mod parts;
 
 use super::tree::{Element, Entry};
-use super::values::{real_array, wrong_type, ComplexArray};
+use super::values::{checked, real_array, wrong_type, ComplexArray};
 use super::ArrayFile;
 use crate::limits::DATASETS_LISTED;
 use crate::paths::shortened;
@@ -157,7 +157,8 @@ impl<'a> Reader<'a> {
             Some((key, _)) => Err(Error::new(ErrorKind::Usage, "unknown key in `map`")
                 .field("map")
                 .found(key)
-                .expected(MAP_KEYS.join(", "))),
+                .expected(MAP_KEYS.join(", "))
+                .help("write pairs of key and path: `map frf=PATH,freq=PATH`")),
         }
     }
 
@@ -241,7 +242,7 @@ impl<'a> Reader<'a> {
             .chain(facts.used)
             .map(|entry| entry.path.clone());
         Ok(FoundFrf {
-            set: set.checked()?,
+            set: checked(set, &frf.path)?,
             time_sign: facts.time_sign,
             used: used.collect(),
         })

@@ -116,10 +116,19 @@ impl<'a> Reader<'a> {
         values: impl Iterator<Item = f64>,
         warnings: &mut Vec<Finding>,
     ) -> Result<PhaseUnit> {
+        let in_name = entry.name().split('_').find_map(PhaseUnit::named);
         if let Some(told) = self.options.phase_unit {
+            let (stated, place) = match &facts.phase_unit {
+                Some(fact) => (PhaseUnit::named(&fact.text), &fact.field),
+                None => (in_name, &entry.path),
+            };
+            if let Some(stated) = stated.filter(|stated| *stated != told) {
+                let (stated, told) = (stated.as_str(), told.as_str());
+                let words = format!("{place} says {stated}, you say {told}: taken as {told}");
+                warnings.push(Finding::note("option-overrules-file", words));
+            }
             return Ok(told);
         }
-        let in_name = entry.name().split('_').find_map(PhaseUnit::named);
         let ask = |message: &str, found: &str| {
             Error::bad_data(message)
                 .field(&entry.path)

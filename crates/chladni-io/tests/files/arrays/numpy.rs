@@ -179,6 +179,77 @@ fn frequencies_may_be_complex_and_stand_beside_the_frfs() {
     }
 }
 
+#[test]
+fn arrays_of_other_types_are_named_and_block_nothing() {
+    let frf = || {
+        Npz(Vec::new())
+            .complex("frf", &[2], &[value(0, 0, 1), value(0, 0, 2)])
+            .reals("freq", &[1.0, 2.0])
+    };
+    let meta = frf()
+        .add("meta", "|O", &[], vec![1; 30])
+        .add("saved", "<M8[ns]", &[1], vec![0; 8])
+        .add("weights", "<f2", &[2], vec![0; 4]);
+    let (set, warnings) = meta.read(&ReadOptions::default()).unwrap();
+    assert_eq!(set.values.dim(), (1, 1, 2));
+    let said = warnings.join("\n");
+    for words in ["/meta: pickled objects", "/saved: dates", "/weights: f2"] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    // needed, or all there is
+    let nodes = frf().add("response", "|O", &[1], vec![1; 30]);
+    let half = Npz(Vec::new())
+        .add("frf", "<c32", &[2], vec![0; 64])
+        .reals("freq", &[1.0, 2.0]);
+    for (npz, field) in [(nodes, "/response"), (half, "/frf")] {
+        let error = npz.read(&ReadOptions::default()).unwrap_err().to_string();
+        for words in [field, "a type that cannot be read", "(float64, complex128)"] {
+            assert!(error.contains(words), "{words}: {error}");
+        }
+    }
+}
+
+#[test]
+fn arrays_without_values_are_refused() {
+    for (shape, found) in [([2, 1, 0], "0 lines"), ([0, 1, 2], "0 responses")] {
+        let axis: Vec<f64> = (0..shape[2]).map(|k| k as f64).collect();
+        let npz = Npz(Vec::new())
+            .complex("frf", &shape, &[])
+            .reals("freq", &axis);
+        let error = npz.read(&ReadOptions::default()).unwrap_err().to_string();
+        assert!(error.contains(&format!("found {found}")), "{error}");
+    }
+    // two axes, none of which is the frequencies
+    for shape in [[3, 0], [0, 3]] {
+        let npz = Npz(Vec::new()).complex("frf", &shape, &[]);
+        let npz = npz.reals("freq", &[1.0, 2.0]);
+        let error = npz.read(&ReadOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("no FRF in the input"), "{error}");
+    }
+}
+
+#[test]
+fn the_phase_unit_of_the_caller_overrules_that_of_the_file_aloud() {
+    let told = ReadOptions {
+        phase_unit: Some(PhaseUnit::Radian),
+        ..ReadOptions::default()
+    };
+    let polar = |phase: &str| {
+        Npz(Vec::new())
+            .reals("mag", &[1.0, 2.0])
+            .reals(phase, &[0.0, 1.0])
+            .reals("freq", &[1.0, 2.0])
+    };
+    let by_fact = polar("phase").texts("phase_unit", &["deg"]);
+    for (npz, place) in [(by_fact, "/phase_unit"), (polar("phase_deg"), "/phase_deg")] {
+        let (_, warnings) = npz.read(&told).unwrap();
+        let words = format!("{place} says deg, you say rad");
+        assert!(warnings.join("\n").contains(&words), "{warnings:?}");
+    }
+    let (_, warnings) = polar("phase_rad").read(&told).unwrap();
+    assert!(!warnings.join("\n").contains("you say"), "{warnings:?}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
 

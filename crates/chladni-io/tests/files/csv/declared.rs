@@ -51,6 +51,23 @@ fn a_file_without_dofs_names_its_assumption_and_no_driving_point() {
 }
 
 #[test]
+fn remarks_of_other_dofs_than_the_columns_are_not_used_with_a_word() {
+    let text = "# response = 1:+Z\n# reference = 2:+Z\nf,5:+Z/6:+Z re,5:+Z/6:+Z im\n1,1,2\n2,1,3\n";
+    let (set, warnings) = read(text).unwrap();
+    assert_eq!(set.responses[0].to_string(), "5:+Z");
+    let said = warnings.join("\n");
+    for words in [
+        "the remark response says 1:+Z, the table 5:+Z",
+        "the remark reference says 2:+Z, the table 6:+Z",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let same = text.replace("1:+Z\n", "5:+Z\n").replace("= 2:+Z", "= 6:+Z");
+    let said = read(same).unwrap().1.join("\n");
+    assert!(!said.contains("remark"), "{said}");
+}
+
+#[test]
 fn files_of_one_frf_are_numbered_in_natural_order() {
     let folder = tempfile::tempdir().unwrap();
     for (name, value) in [("point_1.csv", 1), ("point_2.csv", 2), ("point_10.csv", 10)] {

@@ -33,6 +33,19 @@ fn every_refusal_names_the_row_and_what_to_do() {
         ("no numbers\nat all\n", &["line 1", "no row of numbers"]),
         ("# only = remarks\n", &["only comments"]),
         (
+            "f [Hz],re [m/N],im [m/N]\n10.0,np.float64(1.0),np.float64(2.0)\n",
+            &["line 2", "found 10.0,np.float64", "write plain numbers"],
+        ),
+        (
+            "f,re,im\n\"1,000.5\",1,2\n\"1,001.5\",1,2\n",
+            &["line 2", "no row of numbers", "separators of thousands"],
+        ),
+        ("f,re,im\nx,y,z\n", &["line 2", "rows like 10.5,0.1,-0.2"]),
+        (
+            "f,re,im\n-2,2,3\n-1,2,3\n",
+            &["not negative", "expected frequencies of 0 or more"],
+        ),
+        (
             "# frf_kind = velocity\nf,re,im\n1,2,3\n",
             &["line 1", "frf_kind", "receptance, mobility or accelerance"],
         ),

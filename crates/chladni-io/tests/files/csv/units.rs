@@ -111,6 +111,71 @@ fn a_reference_unit_other_than_that_of_the_unit_is_refused_with_its_line() {
 }
 
 #[test]
+fn remarks_that_contradict_each_other_are_refused_with_both_lines() {
+    let rows = "f,mag,phase\n1,2,90\n2,1,0\n";
+    for (key, one, other) in [
+        ("frf_kind", "mobility", "receptance"),
+        ("time_sign", "+", "-"),
+        ("unit", "mm/s/N", "m/s/N"),
+        ("response", "1:+Z", "2:+Z"),
+        ("reference", "1:+Z", "2:+Z"),
+        ("phase_unit", "deg", "rad"),
+        ("frequency_unit", "Hz", "kHz"),
+        ("reference_unit", "N", "V"),
+    ] {
+        let text = |second: &str| format!("# {key} = {one}\n# {key} = {second}\n{rows}");
+        let said = refusal(text(other));
+        let found = format!("found `{one}` in line 1, `{other}` in line 2");
+        for words in ["line 2", key, "different values", &found, "one value"] {
+            assert!(said.contains(words), "{words}: {said}");
+        }
+        assert!(read(text(one)).is_ok(), "{key}");
+    }
+    // one value in two spellings, and free text
+    for (one, other) in [
+        ("unit = mm/s/N", "unit = (mm/s)/N"),
+        ("phase unit = deg", "angle_unit = degrees"),
+        ("note = first", "note = second"),
+    ] {
+        let text = format!("# {one}\n# {other}\n{rows}");
+        assert!(read(&text).is_ok(), "{text}");
+    }
+    // the unit of the frequency axis before or behind that of the FRFs
+    for (one, other) in [("Hz", "mm/s/N"), ("mm/s/N", "Hz")] {
+        let text = format!("# unit = {one}\n# unit = {other}\nf,re,im\n1,2,0\n2,1,0\n");
+        let (set, _) = read(text).unwrap();
+        assert!((set.values.get(0, 0, 0).re - 2e-3).abs() < 1e-12, "{one}");
+    }
+    let long = "response,reference,f,re,im\n1Z,9Z,1,2,3\n1Z,9Z,2,4,5\n";
+    let said = refusal(format!("# time_sign = +\n# time_sign = -\n{long}"));
+    assert!(said.contains("different values"), "{said}");
+    let milli = refusal(format!("# reference_unit = mN\n{rows}"));
+    assert!(milli.contains("scale the values to N or V"), "{milli}");
+}
+
+#[test]
+fn a_remark_and_a_column_of_different_phase_units_are_refused() {
+    let text = "# phase_unit = rad\nf,mag,phase [deg]\n1,10,1\n2,1,3\n";
+    let said = refusal(text);
+    for words in ["phase_unit", "two units of the phase", "`rad`", "[deg]"] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let told = |phase_unit| ReadOptions {
+        phase_unit: Some(phase_unit),
+        ..ReadOptions::default()
+    };
+    for unit in [PhaseUnit::Degree, PhaseUnit::Radian] {
+        let warnings = read_with(text, &told(unit)).unwrap().1.join("\n");
+        let words = format!("you say {}", unit.as_str());
+        assert!(warnings.contains(&words), "{warnings}");
+    }
+    let of_remark = "# phase_unit = rad\nf,mag,phase\n1,10,1\n2,1,3\n";
+    let (_, warnings) = read_with(of_remark, &told(PhaseUnit::Degree)).unwrap();
+    let words = "the remark phase_unit says rad, you say deg";
+    assert!(warnings.join("\n").contains(words), "{warnings:?}");
+}
+
+#[test]
 fn two_minus_signs_conjugate_once() {
     let text = "# time_sign = -\nf,re,im\n1,2,3\n2,1,0\n";
     let told = |time_sign| ReadOptions {
