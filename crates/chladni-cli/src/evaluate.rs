@@ -93,8 +93,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     let evaluation = match model {
         Some(model) => {
             sources.push(source(&files[0])?);
+            // weights that are not of this model are refused here
+            let steady = judge(On::Model(&model))?;
             in_time = indices_in_time(&model, &scene, &weights, console)?;
-            judge(On::Model(&model))?
+            steady
         }
         None => {
             let (frf, read) = read_frf(&files, &args.reading, console)?;

@@ -7,9 +7,9 @@ use crate::time_table::{stress_table, time_table};
 use chladni_console::input::{read_weights, source};
 use chladni_console::output::{make_folder, Output, PICTURE, SIGNALS};
 use chladni_console::table::significant;
-use chladni_console::{Console, Outcome};
+use chladni_console::{unbroken, Console, Outcome};
 use chladni_frf::{Error, ModalModel, Result};
-use chladni_io::read_model;
+use chladni_io::{read_model, try_place};
 use chladni_render::{
     play, stress_in_time, ChannelMap, MethodChoice, PlayOptions, Played, Ramps, RenderOptions,
     SampleFormat, Scene, Signal, SignalOptions, StressOptions, TimeStressRow,
@@ -114,6 +114,10 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .as_deref()
         .map(|path| SignalFiles::new("-o", path, SIGNALS, &inputs, console))
         .transpose()?;
+    if let Some(folder) = &args.charts {
+        make_folder(folder, "--charts")?;
+        unbroken(|| try_place(&folder.join("time"), true))?;
+    }
     console.stage("reading");
     let model = read_model(&args.model)?;
     let scene = Scene::read(&args.scene)?;
@@ -125,8 +129,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .map(|file| source(file))
         .collect::<Result<Vec<_>>>()?;
     console.stage("rendering");
-    let played = play(&model, &scene, weights.as_ref(), &args.options())
-        .map_err(|error| scene.blame(error))?;
+    let blame = |error: Error| match (error.field.as_deref(), &args.weights) {
+        (Some("weights"), Some(weights)) => error.file(weights),
+        (Some("responses"), _) => error.file(&args.model),
+        _ => scene.blame(error),
+    };
+    let played = play(&model, &scene, weights.as_ref(), &args.options()).map_err(blame)?;
     console.find_all(&played.findings);
     let stress = args
         .stress
@@ -134,7 +142,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
         .transpose()?;
     let mut signal = played
         .signal(&args.signal_options(channels), &scene.name())
-        .map_err(with_option)?;
+        .map_err(|error| args.explained(error))?;
     signal.sidecar.source = sources;
     if let Some(files) = &files {
         console.stage("writing");
@@ -187,14 +195,16 @@ impl Args {
             channels,
         }
     }
-}
 
-/// The error with the option that sets the field which it names.
-fn with_option(error: Error) -> Error {
-    match error.field.as_deref() {
-        Some("rate_hz") => error.field("--rate"),
-        Some("full_scale") => error.field("--full-scale"),
-        _ => error,
+    /// The error of a signal with the option that sets the field which it names, or with the
+    /// channel map.
+    fn explained(&self, error: Error) -> Error {
+        match (error.field.as_deref(), &self.channel_map) {
+            (Some("rate_hz"), _) => error.field("--rate"),
+            (Some("full_scale"), _) => error.field("--full-scale"),
+            (Some("reference"), Some(map)) => error.file(map),
+            _ => error,
+        }
     }
 }
 
@@ -224,7 +234,6 @@ fn tried(
 
 /// Writes the chart with plain ramps for comparison, and the moving ground.
 fn draw(folder: &Path, scene: &Scene, played: &Played, console: &Console) -> Result<()> {
-    make_folder(folder, "--charts")?;
     let title = format!("{} over time", scene.name());
     let drawing = time_figure("time", &title, played).draw();
     let mut files: Vec<(&str, Vec<u8>)> = vec![

@@ -351,3 +351,36 @@ fn volts_per_newton_of_each_channel_are_in_the_samples_and_beside_them() {
     }
     assert!(most > 1e-4, "{most} V");
 }
+
+#[test]
+fn what_is_wrong_is_said_of_its_own_file_and_a_folder_before_the_work() {
+    let folder = prepared();
+    folder
+        .run("render model.json burst.toml -o weights.json -q")
+        .exits(0);
+    let run = folder
+        .run("play model.json burst.toml -o drive.wav --charts burst.toml")
+        .exits(73);
+    assert!(run.said().contains("--charts"), "{}", run.stderr);
+    assert!(!folder.names().contains(&"drive.wav".to_owned()));
+    let weights = folder.text("weights.json");
+    folder.write(
+        "volts.json",
+        weights.replace("\"unit\": \"N\"", "\"unit\": \"V\""),
+    );
+    folder.write("dac.csv", "channel,reference\n1,101:+Z\n");
+    for (options, words) in [
+        (
+            "--weights volts.json",
+            ["volts.json", "have different units"],
+        ),
+        (
+            "--method fast --channel-map dac.csv",
+            ["dac.csv", "lacks an actuator of the drive"],
+        ),
+    ] {
+        let run = folder.run(&format!("play model.json burst.toml {options}"));
+        let said = run.exits(65).said();
+        assert!(words.iter().all(|word| said.contains(word)), "{said}");
+    }
+}

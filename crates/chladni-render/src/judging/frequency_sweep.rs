@@ -68,13 +68,13 @@ pub fn sweep(
     [low_hz, high_hz]: [f64; 2],
 ) -> Result<FrequencySweep> {
     if !scene.other_tones.is_empty() {
-        return Err(
+        return Err(scene.blame(
             Error::new(ErrorKind::Usage, "a sweep looks for one frequency")
                 .field("frequency_hz")
                 .found(format!("{} tones in the scene", scene.tones().len()))
                 .expected("one frequency")
                 .help("sweep a scene with one of them"),
-        );
+        ));
     }
     let steps = (high_hz - low_hz) / tolerances::SWEEP_STEP_HZ;
     let rises = high_hz > low_hz;
@@ -109,7 +109,7 @@ pub fn sweep(
     };
     frequencies.retain(|&hz| limits(hz).is_ok());
     if frequencies.is_empty() {
-        limits(low_hz)?;
+        limits(low_hz).map_err(|error| scene.blame(error))?;
     }
     let frequencies = frequencies
         .into_par_iter()

@@ -164,10 +164,11 @@ impl Operator {
     fn select_responses(&mut self, responses: &[Dof], nodes: &[Node]) -> Result<()> {
         let positions: HashMap<u64, [f64; 3]> =
             nodes.iter().map(|node| (node.label, node.xyz_m)).collect();
-        let mut taken: HashMap<[i64; 2], Dof> = HashMap::new();
+        let mut taken: HashMap<[i64; 2], (Dof, f64)> = HashMap::new();
         let (mut sideways, mut nowhere, mut again) = (Vec::new(), Vec::new(), Vec::new());
+        let mut above = None;
         for (row, &dof) in responses.iter().enumerate() {
-            let Some(&[x, y, _]) = positions.get(&dof.node) else {
+            let Some(&[x, y, z]) = positions.get(&dof.node) else {
                 nowhere.push(dof);
                 continue;
             };
@@ -176,11 +177,14 @@ impl Operator {
                 continue;
             }
             let place = [x, y].map(|metres| (metres / tolerances::POSITION_M).round() as i64);
-            if taken.contains_key(&place) {
+            if let Some(&(first, height_m)) = taken.get(&place) {
+                if (z - height_m).abs() > tolerances::POSITION_M && above.is_none() {
+                    above = Some(out_of_plane([first, dof], [height_m, z]));
+                }
                 again.push(dof);
                 continue;
             }
-            taken.insert(place, dof);
+            taken.insert(place, (dof, z));
             self.responses.push(dof);
             self.response_rows.push(row);
             self.positions_m.push([x, y]);
@@ -195,7 +199,15 @@ impl Operator {
             let dofs = list.iter().copied();
             Some(Finding { text, ..finding }.dofs(dofs))
         };
-        let coincide = Finding::note("responses-coincide", "at the place of another one");
+        let many = tolerances::MOST_COINCIDING * responses.len() as f64;
+        let mut coincide = Finding::note("responses-coincide", "at the place of another one");
+        if again.len() as f64 > many {
+            if let Some(error) = above {
+                return Err(error);
+            }
+            coincide.severity = Severity::Caution;
+            coincide = coincide.help("check the positions of the nodes (metres)");
+        }
         let not_along = Finding::note("responses-not-along-z", "not along Z");
         let no_place = Finding::caution("responses-without-position", "no position in the file")
             .help("give the file its geometry (nodes in metres)");
@@ -293,6 +305,17 @@ impl Operator {
     }
 }
 
+/// The error of many responses at one place in x and y, two of them at these heights.
+fn out_of_plane([first, second]: [Dof; 2], [first_m, second_m]: [f64; 2]) -> Error {
+    Error::bad_data("responses lie above each other")
+        .field("responses")
+        .found(format!(
+            "{first} at z = {first_m} m, {second} at z = {second_m} m"
+        ))
+        .expected("one response at each place in x and y")
+        .help("a panel lies in the x–y plane and moves along Z: turn the geometry so that it does")
+}
+
 fn responses_in_words(count: usize) -> String {
     match count {
         1 => "1 response".into(),
@@ -301,7 +324,7 @@ fn responses_in_words(count: usize) -> String {
 }
 
 /// The column of the actuator that the user calls `dof`, whatever its sense.
-fn column_of(dof: Dof, references: &[Dof]) -> Result<usize> {
+pub(crate) fn column_of(dof: Dof, references: &[Dof]) -> Result<usize> {
     references
         .iter()
         .position(|&reference| reference.same_axis(dof))

@@ -243,7 +243,7 @@ pub(crate) fn drive_on(operator: &Operator, weights: &Weights) -> Drive {
 }
 
 /// Blames the weights, not the list of the scene, for an actuator that the data lack.
-fn rename_field(mut error: Error) -> Error {
+pub(crate) fn rename_field(mut error: Error) -> Error {
     if error.field.as_deref() == Some("actuators.use") {
         error.message = "the data lack an actuator that the weights drive".into();
         error.field = Some("weights".into());

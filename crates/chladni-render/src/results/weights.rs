@@ -11,7 +11,7 @@ use crate::scene::tones::is_same;
 use crate::tolerances;
 use crate::touch::TouchIndices;
 use chladni_frf::{Dof, Error, Finding, Findings, ReferenceUnit, Result, Severity, Source};
-use chladni_text::json_error;
+use chladni_text::json_error_in;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -170,6 +170,18 @@ impl Weights {
         references.iter().map(weight_of).collect()
     }
 
+    /// The actuators whose weight is not zero, of all tones, each once.
+    pub(crate) fn driven(&self) -> Vec<Dof> {
+        let weights = self.tones().flat_map(|tone| &tone.weights);
+        let mut driven = Vec::new();
+        for weight in weights.filter(|weight| weight.value().norm() > 0.0) {
+            if !driven.contains(&weight.reference) {
+                driven.push(weight.reference);
+            }
+        }
+        driven
+    }
+
     /// A reason to doubt that a scene which is met in the model is met on the rig, in words that
     /// follow "met, but"; `None`: no reason.
     pub fn reservation(&self) -> Option<String> {
@@ -245,7 +257,7 @@ impl Weights {
     pub fn parse(text: &str) -> Result<Self> {
         const AGAIN: &str = "give a weights file of Chladni, or render the scene again";
         let weights: Self = serde_json::from_str(text)
-            .map_err(|error| json_error("not a weights file", &error).help(AGAIN))?;
+            .map_err(|error| json_error_in(text, "not a weights file", &error).help(AGAIN))?;
         weights.checked()
     }
 
@@ -366,7 +378,8 @@ impl Weights {
             Error::bad_data("the weights and the data have different units")
                 .field("weights")
                 .found(self.unit())
-                .expected(format!("{of_references}, the unit of the references")),
+                .expected(format!("{of_references}, the unit of the references"))
+                .help("render the scene again with this model"),
         )
     }
 

@@ -143,12 +143,10 @@ impl Likeness {
 
     /// True where the field turns the wrong way in time.
     fn is_conjugated(&self) -> bool {
-        let same = tolerances::SAME_FORM[0];
-        let leaves = tolerances::CONJUGATE_LEAVES * (1.0 - self.coefficient);
+        let left = 1.0 - self.coefficient;
         self.responses >= tolerances::LEVEL_RESPONSES
-            && self.coefficient < same
-            && self.conjugate >= same
-            && 1.0 - self.conjugate < leaves
+            && left > tolerances::CONJUGATE_SHOWS
+            && 1.0 - self.conjugate < tolerances::CONJUGATE_LEAVES * left
     }
 
     /// True where the field may as well have nothing to do with its drive.
@@ -244,3 +242,26 @@ impl Likeness {
 const CONJUGATE_HELP: &str = "change the sign of its imaginary parts, or of its phases";
 const LEVEL_HELP: &str = "check the unit of the field (m/s, mm/s, um/s; peak) and the gain of the \
                           amplifiers; a gain that is meant belongs in the calibration";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_field_turns_the_wrong_way_however_well_its_real_parts_agree() {
+        let wave = |imaginary: f64| -> Array1<Complex64> {
+            let turns = (0..16).map(|k| TAU * f64::from(k) / 16.0);
+            turns
+                .map(|turn| Complex64::new(turn.cos(), imaginary * turn.sin()))
+                .collect()
+        };
+        for (imaginary, is_turned) in [(0.8, true), (0.3, true), (0.05, false), (0.0, false)] {
+            let predicted = wave(imaginary);
+            let of = |field: &Array1<Complex64>| Likeness::between(&predicted, field, false);
+            let conjugated = of(&predicted.mapv(|value| value.conj()));
+            assert_eq!(conjugated.check().is_err(), is_turned, "{imaginary}");
+            assert!(of(&predicted).check().is_ok(), "{imaginary}");
+        }
+    }
+}

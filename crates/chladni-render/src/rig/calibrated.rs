@@ -75,7 +75,7 @@ impl<'a> Calibrated<'a> {
                 ..asked
             });
         }
-        let findings = [applied(calibration, known, same_model)]
+        let findings = applied(calibration, known, same_model)
             .into_iter()
             .chain(calibration.scan_finding())
             .collect();
@@ -306,19 +306,25 @@ fn remainder(model: &ModalModel, known: &CalibratedOperator) -> ResidualTerm {
     }
 }
 
-/// The finding on what was taken from the calibration.
+/// The finding on what was taken from the calibration; `None` for one that holds nothing.
 fn applied(
     calibration: &Calibration,
     known: Option<&CalibratedOperator>,
     same_model: bool,
-) -> Finding {
+) -> Option<Finding> {
     let tables = match calibration.gain_tables.len() {
         0 => "",
         _ => ", and the gain tables",
     };
+    let dead = calibration.dead.iter().copied();
     if calibration.fields == 0 {
-        let words = "the gains of the channels are those of the calibration, at each frequency";
-        return Finding::note("calibrated", words).dofs(calibration.dead.iter().copied());
+        let has_gains = !calibration.gains.is_empty() || !calibration.gain_tables.is_empty();
+        let has_others = !calibration.dead.is_empty() || !calibration.modes.is_empty();
+        let words = match has_gains {
+            true => "the gains of the channels are those of the calibration, at each frequency",
+            false => "the dead channels and natural frequencies are those of the calibration",
+        };
+        return (has_gains || has_others).then(|| Finding::note("calibrated", words).dofs(dead));
     }
     let fields = match calibration.fields {
         1 => "one measured field".to_owned(),
@@ -329,15 +335,16 @@ fn applied(
             "the calibration from {fields} belongs to another model: its gains and dead channels \
              hold, its natural frequencies do not"
         );
-        return Finding::caution("calibration-of-another-model", words)
-            .help("correct again with this model, and take the new calibration");
+        let finding = Finding::caution("calibration-of-another-model", words);
+        let help = "correct again with this model, and take the new calibration";
+        return Some(finding.help(help));
     }
     let parts = match known {
         Some(_) => "gains, natural frequencies and the mobility at this frequency",
         None => "gains and natural frequencies; no field was measured at this frequency",
     };
     let words = format!("calibrated by {fields}: {parts}{tables}");
-    Finding::note("calibrated", words).dofs(calibration.dead.iter().copied())
+    Some(Finding::note("calibrated", words).dofs(dead))
 }
 
 /// In-band modes that count, by their numbers in the model.

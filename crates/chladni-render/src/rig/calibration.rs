@@ -11,7 +11,7 @@ use super::gain_table::GainTable;
 use crate::panel::operator::Operator;
 use crate::tolerances;
 use chladni_frf::{ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source, CREATED_BY};
-use chladni_text::{json_error, read_text};
+use chladni_text::{json_error_in, read_text};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -69,6 +69,7 @@ impl ChannelGain {
 
 /// A calibrated rig. Field by field the calibration file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Calibration {
     /// Always [`CALIBRATION_FORMAT`].
     pub format: String,
@@ -166,7 +167,7 @@ impl Calibration {
             return Ok(Self::of_tables(gain_file::parse(text)?));
         }
         let calibration: Self = serde_json::from_str(text)
-            .map_err(|error| json_error("not a calibration file", &error).help(AGAIN))?;
+            .map_err(|error| json_error_in(text, "not a calibration file", &error).help(AGAIN))?;
         calibration.checked().map_err(|error| error.help(AGAIN))
     }
 

@@ -140,11 +140,13 @@ fn check_one_tone(scene: &Scene) -> Result<()> {
     if scene.other_tones.is_empty() {
         return Ok(());
     }
-    Err(Error::bad_data("a correction is of one tone")
-        .field("frequency_hz")
-        .found(format!("{} tones", scene.tones().len()))
-        .expected("one frequency")
-        .help("correct the tones one by one"))
+    Err(scene.blame(
+        Error::bad_data("a correction is of one tone")
+            .field("frequency_hz")
+            .found(format!("{} tones", scene.tones().len()))
+            .expected("one frequency")
+            .help("render and correct each tone as a scene of its own"),
+    ))
 }
 
 /// The most robust drive on the operator that the fields tell; where it is expected to meet few

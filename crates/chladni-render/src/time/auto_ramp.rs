@@ -67,10 +67,16 @@ fn refuse_narrow(event: &Event, longest_s: f64, shortest_s: f64) -> Result<()> {
                 "at least {:.1} ms, the shortest ramp that the model's band can describe",
                 1e3 * shortest_s
             ))
-            .help(
-                "begin it earlier and end it later than the fades inside it, take a longer \
-                 duration_s, or fit a wider band about the drive frequency",
-            ),
+            .help(match event.is_fade() {
+                true => {
+                    "its rise ends at start_s: take a later start_s, or fit a wider band about \
+                     the drive frequency"
+                }
+                false => {
+                    "begin it earlier and end it later than the fades inside it, take a longer \
+                     duration_s, or fit a wider band about the drive frequency"
+                }
+            }),
     )
 }
 

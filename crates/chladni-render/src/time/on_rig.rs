@@ -20,8 +20,9 @@ use chladni_frf::{Finding, ModalModel, Result};
 ///
 /// # Errors
 /// As [`crate::render`]; events that overlap, ramps that do not fit or that the model's
-/// band cannot describe, a path that leaves the judged ground, weights of other tones; a
-/// calibration that is not of this model's rig.
+/// band cannot describe, a path that leaves the judged ground, weights of other tones, of
+/// another unit, or of actuators that the model lacks; a calibration that is not of this
+/// model's rig.
 pub fn play(
     model: &ModalModel,
     scene: &Scene,

@@ -259,6 +259,11 @@ impl Plan {
 }
 
 impl Event {
+    /// True for a fade by itself, whose rise comes before its start.
+    pub(crate) fn is_fade(&self) -> bool {
+        matches!(self.shape, Shape::Fade(_))
+    }
+
     /// The longest ramp that fits, s.
     pub(crate) fn longest_ramp_s(&self) -> f64 {
         match &self.shape {

@@ -2,7 +2,8 @@
 //! function.
 
 use crate::methods::options::RenderOptions;
-use crate::panel::operator::Operator;
+use crate::panel::operator::{column_of, Operator};
+use crate::results::evaluate::rename_field;
 use crate::results::weights::Weights;
 use crate::scene::scene_file::Scene;
 use crate::time::auto_ramp::RampFinder;
@@ -88,13 +89,17 @@ impl Played {
 ///
 /// # Errors
 /// As [`crate::render`]; events that overlap, ramps that do not fit or that the model's
-/// band cannot describe, a path that leaves the judged ground, weights of other tones.
+/// band cannot describe, a path that leaves the judged ground, weights of other tones, of
+/// another unit, or of actuators that the model lacks.
 pub fn play(
     model: &ModalModel,
     scene: &Scene,
     given: Option<&Weights>,
     options: &PlayOptions,
 ) -> Result<Played> {
+    if let Some(weights) = given {
+        check_given(weights, model)?;
+    }
     let table = scene.time.clone().unwrap_or_default();
     let plan = Plan::new(&table, &scene.zones)?;
     let only = scene.actuators.only.as_deref();
@@ -116,6 +121,7 @@ pub fn play(
     let of_voices = stage.voices.iter().flat_map(|voice| &voice.findings);
     let mut findings: Vec<Finding> = of_voices.cloned().collect();
     findings.extend(given.and_then(|weights| tones_not_played(weights, scene)));
+    findings.extend(given.and_then(|weights| actuators_not_played(weights, scene)));
     let take = rehearsal.shortest(&mut findings)?;
     findings.extend(take.limited);
     let driven = take.driven;
@@ -148,6 +154,35 @@ pub fn play(
         traces: driven.heard.traces.unwrap_or_default(),
         plain,
         findings,
+    })
+}
+
+/// Refuses weights of another unit than that of the references, and those of actuators that
+/// the model lacks.
+fn check_given(weights: &Weights, model: &ModalModel) -> Result<()> {
+    weights.check_unit(model.reference_unit)?;
+    for reference in weights.driven() {
+        column_of(reference, &model.references).map_err(rename_field)?;
+    }
+    Ok(())
+}
+
+/// The finding on actuators of the weights that the scene leaves out.
+fn actuators_not_played(weights: &Weights, scene: &Scene) -> Option<Finding> {
+    let used = scene.actuators.only.as_deref()?;
+    let is_out = |dof: &Dof| !used.iter().any(|known| known.same_axis(*dof));
+    let out: Vec<Dof> = weights.driven().into_iter().filter(is_out).collect();
+    let shown = out.iter().take(tolerances::DOFS_SHOWN);
+    let shown: Vec<String> = shown.map(Dof::to_string).collect();
+    let more = if out.len() > shown.len() { ", ..." } else { "" };
+    let words = format!(
+        "the weights drive actuators that the scene leaves out: {}{more}; they are not played",
+        shown.join(", ")
+    );
+    (!out.is_empty()).then(|| {
+        Finding::caution("actuator-not-played", words)
+            .dofs(out)
+            .help("use the same actuators in the scene, or render its weights anew")
     })
 }
 
@@ -207,7 +242,7 @@ impl Rehearsal<'_> {
             open &= passed;
             if !passed {
                 let longest_s = event.longest_ramp_s().min(tolerances::LONGEST_AUTO_RAMP_S);
-                findings.push(no_ramp(&event.name, longest_s, ramp_s));
+                findings.push(no_ramp(&event.name, longest_s, ramp_s, self.ramps));
             }
             ramps_s.push(ramp_s);
         }
@@ -290,7 +325,7 @@ fn dedup(findings: &mut Vec<Finding>) {
     findings.retain(|finding| seen.insert(finding.text.clone()));
 }
 
-fn no_ramp(event: &str, longest_s: f64, ramp_s: f64) -> Finding {
+fn no_ramp(event: &str, longest_s: f64, ramp_s: f64, ramps: Ramps) -> Finding {
     Finding::caution(
         "time-no-ramp",
         format!(
@@ -301,7 +336,10 @@ fn no_ramp(event: &str, longest_s: f64, ramp_s: f64) -> Finding {
         ),
     )
     .value("ramp_s", ramp_s)
-    .help("take ramps = \"program\", or a steady drive with more margin")
+    .help(match ramps {
+        Ramps::Program => "take a steady drive with more margin",
+        _ => "take ramps = \"program\", or a steady drive with more margin",
+    })
 }
 
 /// The tones of a scene with the steady drives of all places.
@@ -332,4 +370,16 @@ fn voices(
         Voice::new(model, tone, &plan.places, of_tone, &options.render)
     };
     scene.tones().iter().map(tone).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_advice_names_the_ramps_that_are_there() {
+        let help = |ramps| no_ramp("a burst", 0.05, 0.01, ramps).help;
+        assert!(help(Ramps::Modal).contains("program"));
+        assert!(!help(Ramps::Program).contains("program"));
+    }
 }

@@ -56,7 +56,7 @@ impl Sidecar {
     /// cannot be.
     pub fn parse(text: &str) -> Result<Self> {
         let sidecar: Self = serde_json::from_str(text)
-            .map_err(|error| chladni_text::json_error("not a signal's sidecar", &error))?;
+            .map_err(|error| chladni_text::json_error_in(text, "not a signal's sidecar", &error))?;
         if sidecar.format != SIGNAL_FORMAT || sidecar.version != SIGNAL_VERSION {
             return Err(Error::bad_data("not a sidecar that this version reads")
                 .field("format")

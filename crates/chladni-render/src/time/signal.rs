@@ -157,7 +157,8 @@ impl Played {
                     Error::bad_data("the channel map lacks an actuator of the drive")
                         .field("reference")
                         .found(format!("{} channels, none for {reference}", map.0.len()))
-                        .expected("a channel for each actuator"),
+                        .expected("a channel for each actuator")
+                        .help("give this actuator a line in the map, with a channel of its own"),
                 );
             }
         }
@@ -179,6 +180,7 @@ impl Played {
                             .field("reference")
                             .found(mapped.reference)
                             .expected("actuators that the scene uses")
+                            .help("take its line out, or let the scene use this actuator")
                     })
             })
             .collect()

@@ -3,6 +3,10 @@
 /// Number of DOFs that a message lists.
 pub const DOFS_SHOWN: usize = 8;
 
+/// Share of the responses that may lie at the place of another one, such as driving points on the
+/// back; beyond, positions may be wrong. Judgement: nobody has calibrated it.
+pub const MOST_COINCIDING: f64 = 0.1;
+
 /// Relative ridge of every normal matrix, times its mean diagonal: keeps Cholesky alive
 /// where the drift is switched off. Ten times less meets rounding (condition 1e13), ten
 /// times more is still 60 dB below the default isotropic error.

@@ -25,6 +25,10 @@ pub const LEVEL_REFUSED_DB: f64 = 30.0;
 /// field turns the wrong way.
 pub const CONJUGATE_LEAVES: f64 = 0.3;
 
+/// 1 − agreement of a field up to which it is not said to turn the wrong way: its imaginary parts
+/// are a ninth of it or less, as small as faults of a rig.
+pub const CONJUGATE_SHOWS: f64 = 0.05;
+
 /// Agreement below which a field may have nothing to do with its weights: 77 values of chance agree
 /// to 0.1 in 0.03 % of cases, and one dead channel leaves less in a quarter of scenes whose drives
 /// cancel.

@@ -265,3 +265,13 @@ fn a_channel_named_twice_in_gains_is_refused() {
         "{error}"
     );
 }
+
+#[test]
+fn a_misspelt_key_is_refused_and_a_file_without_gains_says_nothing_of_them() {
+    let misspelt = r#"{"format": "chladni.calibration", "version": 1, "gain": []}"#;
+    let error = Calibration::parse(misspelt).unwrap_err().to_string();
+    assert!(error.contains("unknown field `gain`"), "{error}");
+    let empty = Calibration::parse(&misspelt.replace("gain", "gains")).unwrap();
+    let findings = rendered(&with(empty, 300.0)).findings;
+    assert!(findings.iter().all(|finding| finding.code != "calibrated"));
+}

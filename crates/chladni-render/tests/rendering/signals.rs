@@ -1,5 +1,6 @@
 //! Drive signals: what is played is what the weights say.
 
+use chladni_frf::ReferenceUnit;
 use chladni_render::{
     play, render, signal_csv, Method, PlayOptions, RenderOptions, SignalOptions, Weights,
 };
@@ -122,4 +123,43 @@ fn a_late_event_is_judged_as_an_early_one() {
     assert_eq!(other.drive.len() - one.drive.len(), 12_800);
     let loudest = |drive: &[f64]| drive.iter().position(|&size| size > 0.0).unwrap();
     assert_eq!(loudest(&other.drive) - loudest(&one.drive), 12_800);
+}
+
+#[test]
+fn weights_of_another_panel_are_refused_and_actuators_left_out_are_named() {
+    let played = |weights: &Weights, rest: &str| {
+        let scene = crate::common::cell_scene([2, 2], 1, rest);
+        let options = PlayOptions {
+            area: false,
+            ..PlayOptions::default()
+        };
+        play(crate::common::truth(), &scene, Some(weights), &options)
+    };
+    let weights = weights();
+    let mut volts = weights.clone();
+    for weight in &mut volts.weights {
+        weight.unit = ReferenceUnit::Volt;
+    }
+    let error = played(&volts, "").unwrap_err();
+    assert!(error.message.contains("different units"), "{error}");
+    assert_eq!(error.field.as_deref(), Some("weights"), "{error}");
+    let mut foreign = weights.clone();
+    foreign.weights[3].reference = "4711:+Z".parse().unwrap();
+    let error = played(&foreign, "").unwrap_err();
+    assert!(error.message.contains("the data lack"), "{error}");
+    assert_eq!(error.found.as_deref(), Some("4711:+Z"), "{error}");
+    let left_out = |rest: &str| {
+        let findings = played(&weights, rest).unwrap().findings;
+        let mut named = findings
+            .iter()
+            .filter(|finding| finding.code == "actuator-not-played");
+        named.next().map_or(0, |finding| finding.dofs.len())
+    };
+    for (rest, count) in [
+        ("", 0),
+        ("[actuators]\ndead = [\"110:+Z\"]\n", 1),
+        ("[actuators]\nuse = [\"101:+Z\", \"102:-Z\"]\n", 32),
+    ] {
+        assert_eq!(left_out(rest), count, "{rest}");
+    }
 }

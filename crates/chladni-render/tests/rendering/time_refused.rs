@@ -103,6 +103,18 @@ fn a_fade_that_ends_with_its_burst_leaves_no_time_for_the_ramps() {
 }
 
 #[test]
+fn a_fade_at_the_beginning_is_told_to_start_later() {
+    let table = "[time]\n[[time.fade]]\nfrom = [1]\nto = [2]\nstart_s = 0\nfade_s = 0.1\n";
+    let scene = cell_scene([2, 2], 1, table);
+    let error = play(truth(), &scene, None, &PlayOptions::default()).unwrap_err();
+    let help = error.help.as_deref().unwrap();
+    assert!(
+        help.contains("later start_s") && !help.contains("earlier"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_ramp_that_the_band_cannot_describe_and_a_rate_below_it_are_refused() {
     let scene = cell_scene(
         [2, 2],

@@ -2,8 +2,8 @@
 
 use crate::common::{scene, truth};
 use chladni_render::{
-    evaluate, needed_band, play, render, signal_csv, sweep, Count, Ground, Method, On, PlayOptions,
-    RenderOptions, Scene, SignalOptions, Weights,
+    correct, evaluate, needed_band, play, render, signal_csv, sweep, Count, Ground, Method, On,
+    PlayOptions, RenderOptions, Scene, SignalOptions, Weights,
 };
 use num_complex::Complex64;
 use std::collections::BTreeSet;
@@ -285,12 +285,14 @@ fn a_band_for_a_fit_holds_what_every_tone_needs_and_a_sweep_needs_one() {
         .inside_hz
         .iter()
         .all(|hz| (both.band_hz[0]..=both.band_hz[1]).contains(hz)));
-    let error = sweep(
-        truth(),
-        &quarter("[150.0, 335.0]"),
-        &RenderOptions::default(),
-        [290.0, 310.0],
-    )
-    .unwrap_err();
-    assert!(error.to_string().contains("one frequency"), "{error}");
+    let mut scene = quarter("[150.0, 335.0]");
+    scene.file = Some("two.toml".into());
+    let options = RenderOptions::default();
+    for error in [
+        sweep(truth(), &scene, &options, [290.0, 310.0]).unwrap_err(),
+        correct(truth(), &scene, &[], &options).unwrap_err(),
+    ] {
+        assert!(error.to_string().contains("one frequency"), "{error}");
+        assert_eq!(error.file, scene.file, "{error}");
+    }
 }

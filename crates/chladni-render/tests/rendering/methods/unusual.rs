@@ -3,7 +3,7 @@
 
 use super::rendered::{options, rendered};
 use crate::common::{cell_scene, scene, truth};
-use chladni_frf::ErrorKind;
+use chladni_frf::{ErrorKind, Severity};
 use chladni_render::{render, Method};
 use std::fmt::Write as _;
 
@@ -223,4 +223,24 @@ fn a_response_measured_downwards_is_turned_round() {
             "{method}"
         );
     }
+}
+
+#[test]
+fn many_responses_above_each_other_are_refused_and_many_at_one_place_are_warned_about() {
+    let scene = cell_scene([2, 2], 4, "");
+    let mut model = truth().clone();
+    model.nodes[0].xyz_m = model.nodes[8].xyz_m;
+    model.nodes[0].xyz_m[2] = -0.003; // a driving point on the back
+    assert!(render(&model, &scene, &options(Method::PressureMatching)).is_ok());
+    for k in 0..8 {
+        model.nodes[k].xyz_m = model.nodes[8].xyz_m;
+    }
+    let rendering = rendered(&model, &scene, Method::PressureMatching);
+    let mut findings = rendering.weights.findings.iter();
+    let coincide = findings.find(|finding| finding.code == "responses-coincide");
+    assert_eq!(coincide.unwrap().severity, Severity::Caution);
+    model.nodes[3].xyz_m[2] = 0.01;
+    let error = render(&model, &scene, &options(Method::PressureMatching)).unwrap_err();
+    assert_eq!(error.field.as_deref(), Some("responses"), "{error}");
+    assert!(error.to_string().contains("z = 0.01 m"), "{error}");
 }
