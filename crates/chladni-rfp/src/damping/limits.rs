@@ -72,10 +72,11 @@ pub(super) const SAVED_LOSS_BY_STEP: f64 = 0.5;
 
 // verdict.rs
 
-/// Shift of a frequency and a loss factor under the wrong law, relative and over η².
+/// Shift of a frequency and a loss factor under the wrong law, relative and over η²: those of one
+/// pole read in both laws, −s² = ω²(1 − η²/2 + jη√(1 − η²/4)).
 pub(super) const FREQUENCY_SHIFT: f64 = 0.25;
 /// See above.
-pub(super) const LOSS_SHIFT: f64 = 0.28;
+pub(super) const LOSS_SHIFT: f64 = 0.375;
 /// Turn of a mass-normalised shape under the wrong law, over η: that of √(1 + jη/2).
 pub(super) const SHAPE_TURN: f64 = 0.25;
 /// Difference of −2 ln likelihood up to which a mode is left out of the verdict: fifty such modes

@@ -202,8 +202,7 @@ struct Point {
     gram: Array2<Complex64>,
     /// Those of φ with the data, (n, column).
     against: Array2<Complex64>,
-    /// Those of all with what each mode's residues make of the data, Σ_c r_c·b_c: (2n or
-    /// 3n, 1).
+    /// Those of all with Σ_c r_c·b_c, r the residues of the mode and b the data.
     along: Vec<Complex64>,
     turn: Vec<f64>,
     /// Real residues, (mode, column).

@@ -2,7 +2,7 @@
 //! L1–L3).
 //!
 //! Both laws describe a single light resonance almost equally well: the wrong one shifts
-//! the frequency by η²/4 and the loss factor by about 0.28η² (relative), and turns the
+//! the frequency by η²/4 and the loss factor by 3η²/8 (relative), and turns the
 //! residues by η/2. The turn decides, unless a phase or a delay of all FRFs explains it.
 
 use crate::damping::basis::basis;
@@ -346,6 +346,23 @@ mod tests {
             lambda: omega.iter().map(|omega| (omega * omega).into()).collect(),
             information: Array2::eye(8),
         })
+    }
+
+    #[test]
+    fn shifts_are_those_of_one_pole_read_in_both_laws() {
+        for loss_factor in [0.005, 0.02, 0.08] {
+            let viscous = Complex64::new(1.0, loss_factor);
+            let structural = in_plane_of(Damping::Structural, viscous).unwrap();
+            let [omega, loss, _] = shifts(loss_factor);
+            let of_omega = 1.0 - structural.re.sqrt();
+            let of_loss = structural.im / structural.re - loss_factor;
+            for (told, seen) in [(omega, of_omega), (loss, of_loss)] {
+                assert!(
+                    (seen / told - 1.0).abs() < 0.01,
+                    "{loss_factor}: {seen} for {told}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -23,7 +23,8 @@ use num_complex::Complex64;
 /// 1. The phases of the residues choose the law.
 /// 2. If they do not decide and one shape per mode is refused, the other law is taken if one shape
 ///    per mode holds there: heavily overlapping modes may have wrong phases. The law stays open if
-///    the phases spoke for the first.
+///    the phases spoke for the first. If the other law has more poles, the first is tried with
+///    these before.
 /// 3. If shapes are complex in the first law and real in the other, the other is taken, on
 ///    condition that phases are true.
 ///
@@ -94,6 +95,12 @@ impl Choice {
         if !(one_shape_holds(&search) && (refused || real_shapes_hold(&search))) {
             return Ok(self);
         }
+        if refused && found.refined.lambda.len() > self.found.refined.lambda.len() {
+            // the search in the other law found poles that this one lacked
+            if let Some(with_all) = self.with_poles_of(&found, data, options)? {
+                return Ok(with_all);
+            }
+        }
         // a phase that all FRFs share does not make one shape per mode fail, but turns real
         // shapes into complex ones and back
         let verdict = match (refused, self.verdict) {
@@ -109,6 +116,29 @@ impl Choice {
             search,
             verdict,
         })
+    }
+
+    /// The law of these poles with those that were `found` in the other one, if they leave no more
+    /// there, one shape per mode holds, and phases do not decide for the other law.
+    fn with_poles_of(
+        &self,
+        found: &PoleEstimate,
+        data: &DataLayout,
+        options: &FitOptions,
+    ) -> Result<Option<Self>, LinalgError> {
+        let frfs = found.residual_is_noise.then_some(data.pairs.len());
+        let here = in_law(found.clone(), self.found.work.law, frfs)?;
+        let verdict = law_verdict(data, &here)?;
+        let is_contradicted = verdict == Verdict::Decided(found.work.law);
+        if is_contradicted || here.variance > limits::SAME_NOISE * found.variance {
+            return Ok(None);
+        }
+        let search = shape_search(data, &here, options)?;
+        Ok(one_shape_holds(&search).then_some(Self {
+            found: here,
+            search,
+            verdict,
+        }))
     }
 }
 

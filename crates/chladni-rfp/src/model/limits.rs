@@ -15,6 +15,9 @@ pub(super) const SHAPE_MISFIT: f64 = 1.5;
 pub(super) const LAW_ALIKE: f64 = 0.02;
 /// Shift of a mode under the other law, in error bars, from which a finding names it.
 pub(super) const LAW_SHIFTS: f64 = 1.0;
+/// Noise variance in one law over that in the other up to which both leave the same: the noise is
+/// one, and a misfit of 1 % of it stands out of some ten thousand values.
+pub(super) const SAME_NOISE: f64 = 1.01;
 
 // exponential.rs
 

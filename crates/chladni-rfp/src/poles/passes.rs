@@ -258,10 +258,7 @@ impl Pass {
 
 /// Orthonormal basis of a model with these poles on all lines, even if they were refined on some of
 /// the lines only.
-pub(crate) fn basis_of(
-    data: &DataLayout,
-    refined: &Refined,
-) -> Result<Array2<Complex64>, LinalgError> {
+fn basis_of(data: &DataLayout, refined: &Refined) -> Result<Array2<Complex64>, LinalgError> {
     if refined.projection.q.nrows() == data.lines.len() {
         return Ok(refined.projection.q.clone());
     }

@@ -165,7 +165,8 @@ impl<'a> Rest<'a> {
             found.unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
         };
         let left: Vec<[f64; 2]> = starts.par_iter().map(after_few_steps).collect();
-        // a model file of the viscous law has other columns, which may leave less
+        // a model file of the viscous law has other columns, which may leave less: there nothing is
+        // left out
         let in_sight = is_rational(self.work.law);
         let may_pay = |n: &usize| !in_sight || left[*n][1] + self.beside < to_pay;
         let mut order: Vec<usize> = (0..starts.len()).filter(may_pay).collect();

@@ -3,11 +3,19 @@
 
 use num_complex::Complex64;
 
-/// Sums of squares and products of real and imaginary parts: (S_xx, S_yy, S_xy).
+/// Sums of squares and products of real and imaginary parts: (S_xx, S_yy, S_xy), of the shape over
+/// its largest entry: squares of small numbers would be zero.
 fn moments(shape: &[Complex64]) -> [f64; 3] {
-    shape.iter().fold([0.0; 3], |[xx, yy, xy], v| {
+    let largest = largest(shape).max(f64::MIN_POSITIVE);
+    let entries = shape.iter().map(|v| v / largest);
+    entries.fold([0.0; 3], |[xx, yy, xy], v| {
         [xx + v.re * v.re, yy + v.im * v.im, xy + v.re * v.im]
     })
+}
+
+/// Largest amplitude.
+fn largest(shape: &[Complex64]) -> f64 {
+    shape.iter().map(|v| v.norm()).fold(0.0, f64::max)
 }
 
 /// Modal phase collinearity, 0..=1; 1 for a shape that is real up to one common phase. R.
@@ -47,7 +55,7 @@ pub fn mean_phase_deviation_deg(shape: &[Complex64]) -> f64 {
 /// shape, 1 for a wave that runs through all phases at one amplitude. M. Imregun, D.
 /// Ewins, IMAC 13 (1995) 496.
 pub fn modal_complexity_factor(shape: &[Complex64]) -> f64 {
-    let largest = shape.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    let largest = largest(shape);
     if largest == 0.0 {
         return 0.0;
     }
@@ -107,6 +115,19 @@ mod tests {
         assert!((mpc(&shape) - 1.0).abs() < 1e-14);
         assert!(mean_phase_deviation_deg(&shape) < 1e-6);
         assert!(modal_complexity_factor(&shape) < 1e-14);
+    }
+
+    #[test]
+    fn the_scale_of_a_shape_does_not_matter() {
+        let shape = [(1.0, 0.0), (-0.3, 0.5), (0.2, -0.9)].map(|(re, im)| Complex64::new(re, im));
+        for scale in [1e-300, 1e-94, 1e200] {
+            let scaled = shape.map(|v| v * scale);
+            for figure in [mpc, mean_phase_deviation_deg, modal_complexity_factor] {
+                let (told, all) = (figure(&scaled), figure(&shape));
+                assert!((told / all - 1.0).abs() < 1e-9, "{scale}: {told} for {all}");
+            }
+        }
+        assert_eq!(mpc(&[Complex64::ZERO; 3]), 0.0);
     }
 
     #[test]
