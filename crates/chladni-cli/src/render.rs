@@ -328,8 +328,12 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("rendering");
     let options = args.options();
     let swept = args.set_frequency(&model, &mut scene, &options, console)?;
-    let rendered = render_with_others(&model, &scene, &others, &options, measured.as_ref())
-        .map_err(|error| scene.blame(error))?;
+    let blame = |error: Error| match error.field.as_deref() {
+        Some("responses") => error.file(&args.model),
+        _ => scene.blame(error),
+    };
+    let rendered =
+        render_with_others(&model, &scene, &others, &options, measured.as_ref()).map_err(blame)?;
     let mut weights = rendered.weights.clone();
     weights.source = sources;
     if !others.is_empty() {

@@ -21,6 +21,11 @@ pub fn parser_complaint(said: &str) -> Error {
             .found("no such field")
             .expected("a value for it"),
         (Some(word), _) if said.starts_with("unknown variant") => error.found(word),
+        (Some(word), _) if said.starts_with("unknown field") => {
+            // without backticks, in which some names are options
+            let fields = expected.unwrap_or("no such field").replace('`', "");
+            return error.found(word).expected(fields);
+        }
         (_, Some(found)) => error.found(found),
         // words of our own types: "`x` is no ...; write ..."
         (Some(word), None) if said.contains("; write ") => {

@@ -58,8 +58,10 @@ pub struct Scene {
 impl Scene {
     /// The error with the scene's file, where it names no other.
     pub fn blame(&self, error: Error) -> Error {
+        // responses are those of the model
+        let is_own = error.file.is_none() && error.field.as_deref() != Some("responses");
         match &self.file {
-            Some(file) if error.file.is_none() => error.file(file),
+            Some(file) if is_own => error.file(file),
             _ => error,
         }
     }
