@@ -60,19 +60,26 @@ fn written<const BOTH: bool>(
     derivative: &mut [Complex64],
 ) -> [Complex64; 2] {
     let mut sums = [Lanes::<LANES>::ZERO; 2];
-    for first in (0..x.len()).step_by(LANES) {
+    let mut first = 0;
+    let (blocks, rest) = x.as_chunks::<LANES>();
+    let (weights_of_blocks, rest_weights) = g.as_chunks::<LANES>();
+    // lanes beyond the last line weigh nothing
+    let (mut last, mut last_weights) = ([x.last().copied().unwrap_or(0.0); LANES], [0.0; LANES]);
+    last[..rest.len()].copy_from_slice(rest);
+    last_weights[..rest.len()].copy_from_slice(rest_weights);
+    let last = [(&last, &last_weights)]
+        .into_iter()
+        .filter(|_| !rest.is_empty());
+    for (places, weights) in blocks.iter().zip(weights_of_blocks).chain(last) {
         let some = first..(first + LANES).min(x.len());
-        // lanes beyond the last line weigh nothing
-        let (mut places, mut weights) = ([x[first]; LANES], [0.0; LANES]);
-        places[..some.len()].copy_from_slice(&x[some.clone()]);
-        weights[..some.len()].copy_from_slice(&g[some.clone()]);
-        let [value, slope] = of_pole.at(first, &places, &weights);
-        sums[0] = sums[0] + value * weights;
+        let [value, slope] = of_pole.at(first, places, weights);
+        sums[0] = sums[0] + value * *weights;
         value.write(&mut column[some.clone()]);
         if BOTH {
-            sums[1] = sums[1] - slope * weights;
+            sums[1] = sums[1] - slope * *weights;
             slope.write(&mut derivative[some]);
         }
+        first += LANES;
     }
     sums.map(|lanes| lanes.sum())
 }

@@ -6,13 +6,13 @@
 
 use crate::damping::columns::inverse;
 use crate::damping::filled::{fill, fill_terms};
+use crate::damping::law::is_rational;
 use crate::damping::limits;
 use crate::data::columns::Columns;
 use crate::tolerances as tol;
-use chladni_frf::Damping;
-use chladni_linalg::blocked::{blocked_gram, blocked_matmul, tall_qr};
+use chladni_linalg::blocked::{blocked_gram, blocked_matmul, blocked_matmul_h, tall_qr};
 use chladni_linalg::{cholesky, matmul_h, solve_lower_adjoint, LinalgError};
-use ndarray::{s, Array2, ShapeBuilder};
+use ndarray::{s, Array2, ArrayView2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -62,7 +62,7 @@ impl<'a> Cauchy<'a> {
             columns,
             terms: powers.len(),
             sums,
-            rational: work.law == Damping::Structural && work.leakage.is_none(),
+            rational: has_partial_fractions(work),
         }
     }
 
@@ -115,34 +115,114 @@ impl<'a> Cauchy<'a> {
     }
 
     fn by_partial_fractions(&self) -> Array2<Complex64> {
-        let (n, all) = (self.lambda.len(), self.columns.ncols());
-        let m = n + self.terms;
-        let mut gram = Array2::zeros((all, all).f());
-        for (q, (&b, of_b)) in self.lambda.iter().zip(&self.sums).enumerate() {
-            for (p, (a, of_a)) in self.lambda.iter().zip(&self.sums).enumerate() {
-                let over = inverse(b - a.conj());
-                let [first, second] = of_a.map(|sum| sum.conj());
-                let plain = (first - of_b[0]) * over;
-                gram[[p, q]] = plain;
-                if all == m {
-                    continue;
-                }
-                gram[[p, m + q]] = (of_b[1] - plain) * over;
-                gram[[m + q, p]] = gram[[p, m + q]].conj();
-                gram[[m + p, m + q]] = (second + of_b[1] - 2.0 * plain) * over * over;
+        let n = self.lambda.len();
+        let terms = self.columns.slice(s![.., n..n + self.terms]);
+        let with_terms = matmul_h(self.columns.view(), terms);
+        rational_gram(self.lambda, &self.sums, with_terms.view())
+    }
+}
+
+/// Inner products of all columns from the sums of a [`Cauchy`] and from their inner products
+/// `with_terms`, (column, term): without derivatives where these have no rows.
+fn rational_gram(
+    lambda: &[Complex64],
+    sums: &[[Complex64; 2]],
+    with_terms: ArrayView2<Complex64>,
+) -> Array2<Complex64> {
+    let (all, terms) = with_terms.dim();
+    let (n, m) = (lambda.len(), lambda.len() + terms);
+    let mut gram = Array2::zeros((all, all).f());
+    for (q, (&b, of_b)) in lambda.iter().zip(sums).enumerate() {
+        for (p, (a, of_a)) in lambda.iter().zip(sums).enumerate() {
+            let over = inverse(b - a.conj());
+            let [first, second] = of_a.map(|sum| sum.conj());
+            let plain = (first - of_b[0]) * over;
+            gram[[p, q]] = plain;
+            if all == m {
+                continue;
+            }
+            gram[[p, m + q]] = (of_b[1] - plain) * over;
+            gram[[m + q, p]] = gram[[p, m + q]].conj();
+            gram[[m + p, m + q]] = (second + of_b[1] - 2.0 * plain) * over * over;
+        }
+    }
+    gram.slice_mut(s![.., n..m]).assign(&with_terms);
+    gram.slice_mut(s![n..m, ..])
+        .assign(&with_terms.t().mapv(|v| v.conj()));
+    gram
+}
+
+/// Inner products of the columns of a [`Cauchy`], with each other and with those of `others`,
+/// (column, ·). Where partial fractions give the first, the columns of a few poles are alive at a
+/// time, so that they stay in the cache.
+pub(crate) fn products<const K: usize>(
+    work: &Columns,
+    lambda: &[Complex64],
+    powers: &[i32],
+    derivatives: bool,
+    others: [ArrayView2<Complex64>; K],
+) -> (Array2<Complex64>, [Array2<Complex64>; K]) {
+    if !has_partial_fractions(work) {
+        let cauchy = Cauchy::with(work, lambda, powers, derivatives);
+        let with = others.map(|other| blocked_matmul_h(cauchy.columns.view(), other));
+        return (cauchy.gram(), with);
+    }
+    let (n, m) = (lambda.len(), lambda.len() + powers.len());
+    let lines = work.lines().max(1);
+    let kinds = if derivatives { 2 } else { 1 };
+    let mut terms = Array2::zeros((work.lines(), powers.len()).f());
+    let of_terms = terms.as_slice_memory_order_mut().unwrap_or_default();
+    fill_terms(work, powers, of_terms);
+    let beside: Vec<_> = std::iter::once(terms.view()).chain(others).collect();
+    // blocks of nearly one size, two for each pair of threads
+    let pairs = n.div_ceil(2 * limits::POLES_IN_CACHE).max(1);
+    let size = n.div_ceil(2 * pairs).max(1);
+    let block = |memory: &mut Vec<Complex64>, poles: &[Complex64]| {
+        let columns = &mut memory[..kinds * poles.len() * work.lines()];
+        let (plain, slopes) = columns.split_at_mut(poles.len() * work.lines());
+        let slopes = slopes.chunks_mut(lines).map(Some);
+        let slopes = slopes.chain(std::iter::repeat_with(|| None));
+        let columns_of = plain.chunks_mut(lines).zip(slopes).zip(poles);
+        let sums: Vec<_> = columns_of
+            .map(|((column, derivative), &pole)| fill(work, pole, column, derivative))
+            .collect();
+        let columns = ArrayView2::from_shape((work.lines(), kinds * poles.len()).f(), columns)
+            .expect("as many values");
+        let with = beside.iter().map(|other| matmul_h(columns, *other));
+        (sums, with.collect())
+    };
+    let parts: Vec<(Vec<_>, Vec<Array2<Complex64>>)> = lambda
+        .par_chunks(size)
+        .map_init(|| vec![Complex64::ZERO; kinds * size * lines], block)
+        .collect();
+    let whole = |k: usize| {
+        let mut whole = Array2::zeros((m + (kinds - 1) * n, beside[k].ncols()).f());
+        for (number, (sums, with)) in parts.iter().enumerate() {
+            for kind in 0..kinds {
+                let (from, to) = (kind * sums.len(), kind * m + number * size);
+                whole
+                    .slice_mut(s![to..to + sums.len(), ..])
+                    .assign(&with[k].slice(s![from..from + sums.len(), ..]));
             }
         }
-        let terms = matmul_h(self.columns.slice(s![.., n..m]), self.columns.view());
-        gram.slice_mut(s![n..m, ..]).assign(&terms);
-        gram.slice_mut(s![.., n..m])
-            .assign(&terms.t().mapv(|v| v.conj()));
-        gram
-    }
+        let of_terms = matmul_h(terms.view(), beside[k]);
+        whole.slice_mut(s![n..m, ..]).assign(&of_terms);
+        whole
+    };
+    let sums: Vec<_> = parts.iter().flat_map(|(sums, _)| sums).copied().collect();
+    let gram = rational_gram(lambda, &sums, whole(0).view());
+    (gram, std::array::from_fn(|k| whole(k + 1)))
+}
+
+/// True where partial fractions give the inner products: in the structural law, without leakage.
+fn has_partial_fractions(work: &Columns) -> bool {
+    is_rational(work.law) && work.leakage.is_none()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_frf::Damping;
 
     #[test]
     fn partial_fractions_are_the_inner_products() {
@@ -152,7 +232,7 @@ mod tests {
             x,
             g,
             b: Array2::zeros((300, 0)),
-            law: chladni_frf::Damping::Structural,
+            law: Damping::Structural,
             leakage: None,
             neighbours: 0.0,
         };
@@ -186,13 +266,71 @@ mod tests {
     }
 
     #[test]
+    fn products_of_a_few_poles_at_a_time_are_those_of_all() {
+        let x: Vec<f64> = (0..203).map(|k| 0.05 + 0.004 * f64::from(k)).collect();
+        let structural = Columns {
+            g: x.iter().map(|x| x.sqrt()).collect(),
+            b: Array2::zeros((x.len(), 0)),
+            x,
+            law: Damping::Structural,
+            leakage: None,
+            neighbours: 0.0,
+        };
+        let value = |(k, c): (usize, usize)| {
+            Complex64::new((k * 31 % 17) as f64 - 8.0, (k * 7 % 11 + c) as f64)
+        };
+        let [some, none] = [5, 0].map(|count| Array2::from_shape_fn((203, count).f(), value));
+        let laws = [Damping::Structural, Damping::Viscous];
+        let counts = [
+            0,
+            1,
+            2,
+            limits::POLES_IN_CACHE + 1,
+            4 * limits::POLES_IN_CACHE + 3,
+        ];
+        for (law, count) in laws
+            .iter()
+            .flat_map(|law| counts.map(|count| (*law, count)))
+        {
+            let work = structural.clone().in_law(law);
+            let lambda: Vec<Complex64> = (0..count)
+                .map(|n| Complex64::new(0.06 + 0.011 * n as f64, 1e-3 + 1e-4 * n as f64))
+                .collect();
+            for (powers, derivatives) in [(&[][..], true), (&[-1, 0, 2], true), (&[0, 1], false)] {
+                let cauchy = Cauchy::with(&work, &lambda, powers, derivatives);
+                let others = [some.view(), none.view()];
+                let (gram, with) = products(&work, &lambda, powers, derivatives, others);
+                let direct = matmul_h(cauchy.columns.view(), cauchy.columns.view());
+                let with_some = matmul_h(cauchy.columns.view(), some.view());
+                assert_eq!(with[1].dim(), (cauchy.columns.ncols(), 0));
+                let norm = |i: usize| direct[[i, i]].re.sqrt();
+                for ((i, j), value) in gram.indexed_iter() {
+                    let error = (value - direct[[i, j]]).norm();
+                    assert!(
+                        error < 1e-12 * norm(i) * norm(j),
+                        "{law:?} {count} ({i}, {j})"
+                    );
+                }
+                let whole = some.mapv(|v| v.norm_sqr()).sum().sqrt();
+                for ((i, j), value) in with[0].indexed_iter() {
+                    let error = (value - with_some[[i, j]]).norm();
+                    assert!(
+                        error < 1e-13 * norm(i) * whole,
+                        "{law:?} {count} ({i}, {j})"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
     fn orthonormal_columns_span_the_same_however_alike_they_are() {
         let x: Vec<f64> = (0..500).map(|k| 0.05 + 0.0019 * f64::from(k)).collect();
         let work = Columns {
             g: x.iter().map(|x| x.sqrt()).collect(),
             b: Array2::zeros((x.len(), 0)),
             x,
-            law: chladni_frf::Damping::Structural,
+            law: Damping::Structural,
             leakage: None,
             neighbours: 0.0,
         };

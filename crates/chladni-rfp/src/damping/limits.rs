@@ -21,6 +21,9 @@ pub(super) const LANES: usize = 8;
 
 /// Columns that a thread makes at a time: fewer take less time than to share them out.
 pub(super) const POLES_AT_A_TIME: usize = 8;
+/// Most poles whose columns are alive at a time in products: those of 8 poles and their
+/// derivatives on 1601 lines take 0.4 MB, which stay in the cache of a core. 16 take the same time.
+pub(super) const POLES_IN_CACHE: usize = 8;
 
 // law.rs
 

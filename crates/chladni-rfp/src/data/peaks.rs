@@ -54,10 +54,16 @@ pub(crate) fn fourth_difference_noise(work: &Columns, half_window: usize) -> Arr
     let differences: Vec<FourthDifference> = (2..n - 2)
         .map(|k| FourthDifference::new(about(k).map(|k| work.x[k].sqrt())))
         .collect();
+    let mut values = vec![Complex64::ZERO; n];
     for column in b.columns() {
-        for (k, difference) in (2..n - 2).zip(&differences) {
-            energy[k] +=
-                difference.energy(about(k).map(|k| column[k])) / limits::DIFFERENCE_OF_NOISE;
+        values
+            .iter_mut()
+            .zip(column)
+            .for_each(|(own, value)| *own = *value);
+        let sums = energy.iter_mut().skip(2).zip(&differences);
+        for ((sum, difference), five) in sums.zip(values.windows(5)) {
+            let five = std::array::from_fn(|k| five[k]);
+            *sum += difference.energy(five) / limits::DIFFERENCE_OF_NOISE;
         }
     }
     energy /= b.ncols() as f64;

@@ -127,15 +127,12 @@ fn add_energy(energy: &mut Array1<f64>, columns: &Array2<Complex64>, sign: f64) 
 /// in turn.
 pub(crate) fn real_basis(q: &Array2<Complex64>) -> Array2<f64> {
     let (lines, m) = q.dim();
-    Array2::from_shape_fn((2 * lines, 2 * m).f(), |(row, c)| {
-        let value = q[[row / 2, c / 2]];
-        match (row % 2, c % 2) {
-            (0, 0) => value.re,
-            (0, _) => -value.im,
-            (_, 0) => value.im,
-            _ => value.re,
-        }
-    })
+    let mut values = Vec::with_capacity(4 * lines * m);
+    for column in q.columns() {
+        values.extend(column.iter().flat_map(|v| [v.re, v.im]));
+        values.extend(column.iter().flat_map(|v| [-v.im, v.re]));
+    }
+    Array2::from_shape_vec((2 * lines, 2 * m).f(), values).expect("as many values")
 }
 
 /// The result of the pass; the compressed columns are made from it.

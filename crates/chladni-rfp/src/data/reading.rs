@@ -3,6 +3,7 @@
 use crate::data::incomplete::{left_out, Incomplete};
 use crate::data::limits;
 use chladni_frf::{FrfSet, FrfValues};
+use chladni_linalg::wide;
 use ndarray::{ArrayView1, ArrayView2, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -138,11 +139,21 @@ pub(crate) fn squares_of(values: &FrfValues, pair: (usize, usize), lines: &[usiz
 
 /// Sum of squares.
 pub(crate) fn squares(values: &[f64]) -> f64 {
-    let mut sums = [0.0; 2 * limits::READING_LANES];
-    for values in values.chunks(2 * limits::READING_LANES) {
-        sums.iter_mut()
-            .zip(values)
-            .for_each(|(sum, value)| *sum += value * value);
+    let (whole, rest) = values.as_chunks::<{ 2 * limits::READING_LANES }>();
+    let mut sums = wide(
+        #[inline(always)]
+        || {
+            let mut sums = [0.0; 2 * limits::READING_LANES];
+            for values in whole {
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += value * value;
+                }
+            }
+            sums
+        },
+    );
+    for (sum, value) in sums.iter_mut().zip(rest) {
+        *sum += value * value;
     }
     sums.iter().sum()
 }

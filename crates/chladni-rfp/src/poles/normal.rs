@@ -7,13 +7,12 @@
 //! takes over where rounding comes near the residual: for data of some 100 dB, and for poles that
 //! nearly coincide.
 
-use crate::damping::gram::Cauchy;
+use crate::damping::gram::products;
 use crate::data::columns::Columns;
 use crate::data::inner_products::sum_of_squares;
 use crate::poles::descent::{NewtonSystem, Point};
 use crate::poles::limits;
 use crate::poles::removal::Removable;
-use chladni_linalg::blocked::blocked_matmul_h;
 use chladni_linalg::{
     cholesky, inverse_hermitian, matmul, matmul_h, solve_hermitian, solve_lower,
     solve_lower_adjoint, LinalgError,
@@ -124,9 +123,8 @@ impl Factored {
 impl NormalFit {
     /// The fit with the poles `lambda`; `None` as for [`NormalPoint`].
     pub fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
-        let cauchy = Cauchy::without_derivatives(work, lambda, powers);
-        let against = blocked_matmul_h(cauchy.columns.view(), work.b.view());
-        Some(Factored::new(cauchy.gram(), against, energy)?.fit)
+        let (gram, [against]) = products(work, lambda, powers, false, [work.b.view()]);
+        Some(Factored::new(gram, against, energy)?.fit)
     }
 
     /// Residual sum of squares.
@@ -178,26 +176,23 @@ impl Point for NormalPoint {
     /// `None` where the columns are too alike, or the residual lies too near rounding.
     fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
         let m = lambda.len() + powers.len();
-        let cauchy = Cauchy::new(work, lambda, powers);
-        let products = cauchy.gram();
-        let against = blocked_matmul_h(cauchy.columns.view(), work.b.view());
-        let gram = products.slice(s![..m, ..m]).to_owned();
+        let (all, [against]) = products(work, lambda, powers, true, [work.b.view()]);
+        let gram = all.slice(s![..m, ..m]).to_owned();
         let right = against.slice(s![..m, ..]).to_owned();
         let Factored {
             fit,
             lower,
             half_solved,
         } = Factored::new(gram, right, energy)?;
-        let mut across = products.slice(s![..m, m..]).to_owned();
+        let mut across = all.slice(s![..m, m..]).to_owned();
         divide_rows(across.view_mut(), &fit.norms);
         // the part of the derivatives along the columns
         let inside = solve_lower(lower.view(), across.view()).ok()?;
-        let derivative_gram =
-            &products.slice(s![m.., m..]) - &matmul_h(inside.view(), inside.view());
+        let derivative_gram = &all.slice(s![m.., m..]) - &matmul_h(inside.view(), inside.view());
         // a derivative that is a mixture of columns but for its last digits tells nothing
         // of its pole
         let is_rounding = |n: usize| {
-            let whole = products[[m + n, m + n]].re;
+            let whole = all[[m + n, m + n]].re;
             derivative_gram[[n, n]].re < limits::DERIVATIVE_OUTSIDE * whole
         };
         if (0..lambda.len()).any(is_rounding) {

@@ -207,13 +207,20 @@ fn add_product(
     factor: ndarray::ArrayView1<Complex64>,
     value: ndarray::ArrayView1<Complex64>,
 ) {
-    let add = |((sum, factor), value): ((&mut Complex64, &Complex64), &Complex64)| {
-        *sum += factor.conj() * value
-    };
     match (sum.as_slice_mut(), factor.to_slice(), value.to_slice()) {
-        (Some(sum), Some(factor), Some(value)) => {
-            sum.iter_mut().zip(factor).zip(value).for_each(add)
-        }
-        _ => sum.iter_mut().zip(factor).zip(value).for_each(add),
+        (Some(sum), Some(factor), Some(value)) => add_products(sum, factor, value),
+        _ => add_products(&mut sum, factor, value),
+    }
+}
+
+/// sum += conj(factor)·value, term by term.
+#[inline(always)]
+pub(super) fn add_products<'a>(
+    sum: impl IntoIterator<Item = &'a mut Complex64>,
+    factor: impl IntoIterator<Item = &'a Complex64>,
+    value: impl IntoIterator<Item = &'a Complex64>,
+) {
+    for ((sum, factor), value) in sum.into_iter().zip(factor).zip(value) {
+        *sum += factor.conj() * value;
     }
 }

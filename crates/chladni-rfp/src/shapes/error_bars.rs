@@ -17,7 +17,7 @@ use crate::shapes::scale::Scale;
 use crate::shapes::tangent::{overlapping, taken, unknowns, Tangent, Unknown};
 use crate::shapes::term_noise::TermNoise;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
-use ndarray::{concatenate, s, Array1, Array2, Axis};
+use ndarray::{concatenate, s, Array1, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -324,7 +324,7 @@ impl ShapeErrors {
             .zip(inside)
             .map(|(group, inside)| self.tangent(group).information(unknowns, inside, 0.0));
         let information = of_groups.fold(
-            Array2::zeros((unknowns.len(), unknowns.len())),
+            Array2::zeros((unknowns.len(), unknowns.len()).f()),
             |sum, one| sum + one,
         );
         let deviation = self.seen_variance().sqrt();

@@ -1,13 +1,13 @@
 //! Products over lines of pole columns and their derivatives.
 
 use crate::damping::basis::{basis, basis_derivative};
-use crate::damping::gram::Cauchy;
+use crate::damping::gram::products;
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use crate::shapes::limits;
 
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{blocked_gram, blocked_matmul_h, range};
+use chladni_linalg::blocked::{blocked_gram, range};
 use chladni_linalg::{cholesky, matmul_h, solve_lower, LinalgError};
 use ndarray::{s, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
@@ -25,11 +25,12 @@ pub(crate) struct LineProducts {
 }
 
 impl LineProducts {
-    /// `free`: orthonormal basis of what stays free in every pair, (line, ·).
-    pub fn new(cauchy: &Cauchy, free: &Array2<Complex64>) -> Self {
-        let inside = blocked_matmul_h(free.view(), cauchy.columns.view());
-        let gram = cauchy.gram();
-        Self::parts(&gram, &(&gram - &blocked_gram(inside.view())))
+    /// * `gram`: inner products of the columns of poles and of their derivatives
+    /// * `with_free`: those of the columns with an orthonormal basis of what stays free in every pair
+    pub fn outside_of(gram: &Array2<Complex64>, with_free: &Array2<Complex64>) -> Self {
+        let (columns, free) = with_free.dim();
+        let inside = Array2::from_shape_fn((free, columns).f(), |(i, j)| with_free[[j, i]].conj());
+        Self::parts(gram, &(gram - &blocked_gram(inside.view())))
     }
 
     /// Those of the poles `lambda`, where what stays free are residual terms and the
@@ -44,7 +45,7 @@ impl LineProducts {
         powers: &[i32],
     ) -> Result<Self, LinalgError> {
         let all = [lambda, others].concat();
-        let gram = Cauchy::new(work, &all, powers).gram();
+        let (gram, []) = products(work, &all, powers, true, []);
         let (n, m) = (lambda.len(), all.len() + powers.len());
         let (own, free): (Vec<usize>, Vec<usize>) =
             (0..gram.nrows()).partition(|&i| i < n || (m..m + n).contains(&i));
@@ -59,10 +60,9 @@ impl LineProducts {
                 .ok()
                 .filter(outstanding)
         else {
-            return Ok(Self::new(
-                &Cauchy::new(work, lambda, &[]),
-                &background(work, others, powers)?,
-            ));
+            let free = background(work, others, powers)?;
+            let (gram, [free]) = products(work, lambda, &[], true, [free.view()]);
+            return Ok(Self::outside_of(&gram, &free));
         };
         let across = Array2::from_shape_fn((size, own.len()).f(), |(i, j)| {
             gram[[free[i], own[j]]] / norm(free[i])

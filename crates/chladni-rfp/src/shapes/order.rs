@@ -82,19 +82,38 @@ pub(super) fn shed(target: &Target, mut state: State, variance: f64, limit: f64)
     state
 }
 
-/// Poles with their shapes; two that lie nearer than their error bars become one of rank
-/// two where the sum of squares does not mind: the pole of each mode and its variances are
-/// those of its owner, a mode of its own or an earlier one.
+/// Poles with their shapes. Of two that lie nearer than their error bars, the second goes where
+/// the first explains the data as well by itself; else they become one of rank two where the sum
+/// of squares does not mind: the pole of each mode and its variances are those of its owner, a
+/// mode of its own or an earlier one.
 pub(super) fn merged(target: &Target, mut state: State, variance: f64) -> (State, Merged) {
     let mut owner: Vec<usize> = (0..state.lambda.len()).collect();
     let mut spread = state.spread();
-    for n in 1..owner.len() {
+    let limit = limits::REPEATED_SIGMAS * variance + limits::STRUCTURE_ROUNDING * target.energy;
+    let mut next = 1;
+    while next < owner.len() {
+        let n = next;
+        next += 1;
         let near = (0..n).filter(|&m| owner[m] == m).find(|&m| {
             let allowed =
                 variance * (spread[m].iter().sum::<f64>() + spread[n].iter().sum::<f64>());
             (state.lambda[m] - state.lambda[n]).norm_sqr() < limits::REPEATED_SIGMAS * allowed
         });
         let Some(m) = near else { continue };
+        let alone = state
+            .without(target, n)
+            .ok()
+            .filter(|fewer| fewer.sse - state.sse < limit);
+        if let Some(fewer) = alone {
+            // the one that stays had its place beside the other
+            let fewer = fewer.refined(target, Enough::Fine);
+            spread = fewer.spread();
+            state = fewer;
+            // those from here on own themselves
+            owner.pop();
+            next = n;
+            continue;
+        }
         let share = [0, 1].map(|d| spread[n][d] / (spread[m][d] + spread[n][d]));
         let delta = state.lambda[m] - state.lambda[n];
         let mut lambda = state.lambda.clone();
@@ -103,9 +122,7 @@ pub(super) fn merged(target: &Target, mut state: State, variance: f64) -> (State
         let Ok(one) = State::new(target, lambda, state.participation.clone(), state.real) else {
             continue;
         };
-        if one.sse - state.sse
-            < limits::REPEATED_SIGMAS * variance + limits::STRUCTURE_ROUNDING * target.energy
-        {
+        if one.sse - state.sse < limit {
             state = one;
             spread = state.spread();
             owner[n] = m;

@@ -66,40 +66,32 @@ impl Tangent<'_> {
     ) -> Array2<Complex64> {
         let LineProducts { ff, fd, dd, .. } = self.lines;
         let l = self.participation;
-        let known = matmul_h(
+        let mut matrix = matmul_h(
             inside.view(),
             matmul(self.gram_inverse.view(), inside.view()).view(),
         );
-        let measured = |j: usize, product: Complex64| {
-            if self.measured[j] {
-                product
-            } else {
-                Complex64::ZERO
+        for (b, (mut column, of_column)) in
+            matrix.columns_mut().into_iter().zip(unknowns).enumerate()
+        {
+            let (n, k) = (of_column.mode, of_column.other);
+            for (a, (value, of_row)) in column.iter_mut().zip(unknowns).enumerate() {
+                let (m, j) = (of_row.mode, of_row.other);
+                let product = match (j, k) {
+                    (Some(j), Some(k)) if j != k => None,
+                    (Some(j), _) | (None, Some(j)) if !self.measured[j] => None,
+                    (Some(_), Some(_)) => Some(ff[[m, n]]),
+                    (Some(j), None) => Some(fd[[m, n]] * l[[n, j]]),
+                    (None, Some(k)) => Some(fd[[n, m]].conj() * l[[m, k]].conj()),
+                    (None, None) => Some(dd[[m, n]] * self.along[[m, n]]),
+                };
+                let whole = product.map_or(Complex64::ZERO, |product| {
+                    let trace = if a == b { 1.0 + ridge } else { 1.0 };
+                    taken(self.real, of_row.unit.conj() * of_column.unit * product) * trace
+                });
+                *value = (whole - *value) * self.across[[m, n]];
             }
-        };
-        Array2::from_shape_fn((unknowns.len(), unknowns.len()), |(a, b)| {
-            let (
-                Unknown {
-                    mode: m,
-                    other: j,
-                    unit: u,
-                },
-                Unknown {
-                    mode: n,
-                    other: k,
-                    unit: v,
-                },
-            ) = (unknowns[a], unknowns[b]);
-            let product = match (j, k) {
-                (None, None) => dd[[m, n]] * self.along[[m, n]],
-                (None, Some(k)) => measured(k, fd[[n, m]].conj() * l[[m, k]].conj()),
-                (Some(j), None) => measured(j, fd[[m, n]] * l[[n, j]]),
-                (Some(j), Some(k)) if j == k => measured(j, ff[[m, n]]),
-                _ => Complex64::ZERO,
-            };
-            let trace = if a == b { 1.0 + ridge } else { 1.0 };
-            (taken(self.real, u.conj() * v * product) * trace - known[[a, b]]) * self.across[[m, n]]
-        })
+        }
+        matrix
     }
 }
 

@@ -2,9 +2,10 @@
 //! out-of-band poles are taken out, and the way back to pairs.
 
 use crate::damping::basis::basis;
-use crate::damping::gram::Cauchy;
+use crate::damping::gram::products;
 use crate::data::columns::Columns;
 use crate::data::inner_products::{inner, sum_of_squares};
+use crate::shapes::alternation::add_products;
 use crate::shapes::limits;
 use crate::shapes::line_products::background;
 use crate::shapes::line_products::LineProducts;
@@ -127,10 +128,11 @@ pub(crate) struct Shapes {
 impl Products {
     pub fn new(target: &Target, lambda: &[Complex64]) -> Self {
         // the data have nothing inside what is free
-        let cauchy = Cauchy::new(target.work, lambda, &[]);
+        let others = [target.data.view(), target.free.view()];
+        let (gram, [against, free]) = products(target.work, lambda, &[], true, others);
         Self {
-            against: blocked_matmul_h(cauchy.columns.view(), target.data.view()),
-            lines: LineProducts::new(&cauchy, &target.free),
+            against,
+            lines: LineProducts::outside_of(&gram, &free),
         }
     }
 
@@ -204,7 +206,7 @@ impl Products {
                 for (right, values) in right.chunks_exact_mut(n).zip(of_own()) {
                     let pairs = values.chunks_exact(2 * n);
                     for (value, factor) in pairs.zip(participation.chunks_exact(n)) {
-                        add_products(right, factor, &value[..n]);
+                        add_products(&mut *right, factor, &value[..n]);
                     }
                 }
             },
@@ -228,7 +230,7 @@ impl Products {
                         .zip(participation.chunks_exact(n));
                     for ((value, factor), along_shape) in pairs.zip(along_shape.chunks_exact_mut(n))
                     {
-                        add_products(along_shape, shape, &value[..n]);
+                        add_products(&mut *along_shape, shape, &value[..n]);
                         for ((both, shape), factor) in both.iter_mut().zip(shape).zip(factor) {
                             *both = shape * factor;
                         }
@@ -246,14 +248,6 @@ impl Products {
             along_shape: columns(other, along_shape),
             along_both: columns(1, along_both),
         }
-    }
-}
-
-/// sum += conj(factor)·value, term by term.
-#[inline(always)]
-fn add_products(sum: &mut [Complex64], factor: &[Complex64], value: &[Complex64]) {
-    for ((sum, factor), value) in sum.iter_mut().zip(factor).zip(value) {
-        *sum += factor.conj() * value;
     }
 }
 
