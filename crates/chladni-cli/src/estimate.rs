@@ -156,20 +156,9 @@ struct Records {
 impl Records {
     /// The finding on files of the same content.
     fn copies(&self) -> Option<Finding> {
-        let copied = |(n, source): (usize, &Source)| {
-            let mut before = self.sources[..n].iter();
-            let other = before.find(|other| other.checksum == source.checksum)?;
-            Some((source.file.clone(), other.file.clone()))
-        };
-        let all: Vec<_> = self.sources.iter().enumerate().filter_map(copied).collect();
-        let (copy, original) = all.first()?;
         let words = format!(
-            "{} the content of another one, such as {copy} of {original}: its records count as \
-             measurements of their own, and error bars are too small",
-            match all.len() {
-                1 => "a file has".to_owned(),
-                count => format!("{count} files have"),
-            }
+            "{}: its records count as measurements of their own, and error bars are too small",
+            Source::copies(&self.sources)?
         );
         Some(Finding::caution("same-records", words).help("leave copies out"))
     }

@@ -20,7 +20,7 @@ use chladni_console::quoting::shell_path;
 use chladni_console::table::significant;
 use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source, Trust};
-use chladni_io::{frf_bytes, write_model, FrfParts};
+use chladni_io::{frf_bytes, same_files, write_model, FrfParts};
 use chladni_report::better_band;
 use chladni_rfp::{CancelToken, FitOptions, Method, RfpOptions, RfpWeight, Window};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -327,6 +327,7 @@ fn streamed(
         args.resume,
     )?;
     let (fit, sources) = stream.with_sources(|| stream.fit(&mut resume))?;
+    console.find_all(&same_files(&sources));
     let mut model = fit.model;
     model.source = sources;
     model.options = echo;

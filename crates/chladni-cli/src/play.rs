@@ -8,7 +8,7 @@ use chladni_console::input::{read_weights, source};
 use chladni_console::output::{make_folder, Output, PICTURE, SIGNALS};
 use chladni_console::table::significant;
 use chladni_console::{unbroken, Console, Outcome};
-use chladni_frf::{Error, ModalModel, Result};
+use chladni_frf::{Error, ErrorKind, ModalModel, Result};
 use chladni_io::{read_model, try_place};
 use chladni_render::{
     play, stress_in_time, ChannelMap, MethodChoice, PlayOptions, Played, Ramps, RenderOptions,
@@ -51,7 +51,7 @@ pub struct Args {
         .try_map(|name| name.parse::<MethodChoice>()))]
     method: MethodChoice,
     /// Samples per second
-    #[arg(long, value_name = "HZ", default_value_t = 48_000)]
+    #[arg(long, value_name = "HZ", default_value_t = 48_000, value_parser = parse_rate)]
     rate: u32,
     /// Samples of a sound file: 32-bit float, 24-bit or 16-bit integer
     #[arg(long, value_name = "FORMAT", default_value = "f32", value_parser = PossibleValuesParser::new(SampleFormat::ALL.map(SampleFormat::as_str))
@@ -80,6 +80,15 @@ pub struct Args {
     /// the moving ground (GIF)
     #[arg(long, value_name = "DIR")]
     charts: Option<PathBuf>,
+}
+
+/// `--rate` as a number.
+fn parse_rate(text: &str) -> Result<u32> {
+    text.parse().map_err(|_| {
+        Error::new(ErrorKind::Usage, "no sampling rate")
+            .expected(format!("a whole number of Hz from 1 to {}", u32::MAX))
+            .help("48000 is usual")
+    })
 }
 
 /// Value of a sample of 1; `None`: a round number above the peak.
@@ -286,4 +295,18 @@ fn signal_line(played: &Played, signal: &Signal, args: &Args) -> String {
         significant(1e3 * played.indices.ramp_s, 3),
         played.indices.peak_drive / played.indices.steady_drive
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rate_out_of_range_is_told_the_range_in_hz() {
+        assert_eq!(parse_rate("4294967295"), Ok(u32::MAX));
+        for text in ["4294967296", "-5", "44100.5", "48k"] {
+            let expected = parse_rate(text).unwrap_err().expected.unwrap();
+            assert_eq!(expected, "a whole number of Hz from 1 to 4294967295");
+        }
+    }
 }

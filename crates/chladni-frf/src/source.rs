@@ -1,6 +1,7 @@
 //! Input files, by name and content.
 
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::fmt;
 
 /// Digest of a file's bytes, in hexadecimal digits: another content has another one.
@@ -50,6 +51,30 @@ pub struct Source {
     pub checksum: Checksum,
 }
 
+impl Source {
+    /// The files with the content of an earlier one, in words with the names of the first two;
+    /// `None` where all contents differ.
+    pub fn copies(sources: &[Self]) -> Option<String> {
+        let mut originals: HashMap<&Checksum, &Self> = HashMap::new();
+        let mut copies = Vec::new();
+        for source in sources {
+            let original = *originals.entry(&source.checksum).or_insert(source);
+            if !std::ptr::eq(original, source) {
+                copies.push((source, original));
+            }
+        }
+        let (copy, original) = copies.first()?;
+        let count = match copies.len() {
+            1 => "a file has".to_owned(),
+            count => format!("{count} files have"),
+        };
+        Some(format!(
+            "{count} the content of another one, such as {} of {}",
+            copy.file, original.file
+        ))
+    }
+}
+
 /// A source as files have it.
 #[derive(Serialize, Deserialize)]
 struct Entry {
@@ -93,6 +118,27 @@ impl TryFrom<Entry> for Source {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn copies_are_named_beside_the_file_that_they_copy() {
+        let source = |(file, digits): (&str, &str)| Source {
+            file: file.into(),
+            checksum: Checksum::Sha256(digits.into()),
+        };
+        let words = |files: &[(&str, &str)]| {
+            let sources: Vec<Source> = files.iter().copied().map(source).collect();
+            Source::copies(&sources)
+        };
+        let (one, other) = (("a.csv", "01"), ("b.csv", "02"));
+        assert_eq!(words(&[one, other]), None);
+        assert_eq!(
+            words(&[one, other, ("c.csv", "02")]).unwrap(),
+            "a file has the content of another one, such as c.csv of b.csv"
+        );
+        let several = words(&[one, one, other, ("c.csv", "01")]).unwrap();
+        assert!(several.starts_with("2 files have"), "{several}");
+        assert!(several.ends_with("a.csv of a.csv"), "{several}");
+    }
 
     #[test]
     fn either_sum_is_read_as_it_is_written_and_neither_is_refused() {

@@ -65,7 +65,7 @@ mod unit_label;
 mod vtk;
 mod wav;
 
-pub use assemble::assemble;
+pub use assemble::{assemble, same_files};
 pub use atomic::{
     create_atomically, is_same_place, refuse_output_among_inputs, try_place, write_atomically,
     write_together,

@@ -83,7 +83,7 @@ mod tests {
         let wrong = complaint("{\"mass\": \"heavy\", \"kind\": \"mobility\"}");
         assert_eq!(
             (wrong.found.as_deref(), wrong.expected.as_deref()),
-            (Some("string \"heavy\""), Some("f64"))
+            (Some("string \"heavy\""), Some("a number"))
         );
         assert!(wrong.message.starts_with("pair: invalid type"), "{wrong}");
         assert_eq!(

@@ -145,10 +145,14 @@ impl<'a> Value<'a> {
             _ => None,
         };
         number.filter(|n: &f64| n.abs() <= LARGEST).ok_or_else(|| {
-            self.error(
+            let error = self.error(
                 "not a number that can be used",
                 format!("a number between -{LARGEST:e} and {LARGEST:e}"),
-            )
+            );
+            match self.value.get_ref() {
+                DeValue::Float(_) | DeValue::Integer(_) => error,
+                _ => error.help("write the number alone, without quotes, unit or brackets"),
+            }
         })
     }
 
@@ -188,7 +192,9 @@ impl<'a> Value<'a> {
     /// A counting number, 1 or more.
     pub fn count(&self) -> Result<usize> {
         let DeValue::Integer(integer) = self.value.get_ref() else {
-            return Err(self.error("not a whole number", "a whole number, 1 or more"));
+            return Err(self
+                .error("not a whole number", "a whole number, 1 or more")
+                .help("write the number alone, without decimal point, quotes or brackets"));
         };
         let count = usize::from_str_radix(integer.as_str(), integer.radix()).ok();
         count
@@ -198,10 +204,10 @@ impl<'a> Value<'a> {
 
     /// A text.
     pub fn string(&self) -> Result<&'a str> {
-        self.value
-            .get_ref()
-            .as_str()
-            .ok_or_else(|| self.error("not a text", "a text in quotes"))
+        self.value.get_ref().as_str().ok_or_else(|| {
+            self.error("not a text", "a text in quotes")
+                .help("write the text alone, in quotes and without brackets")
+        })
     }
 
     /// True for a text.
@@ -214,6 +220,12 @@ impl<'a> Value<'a> {
         self.value.get_ref().is_array()
     }
 
+    /// True for a table in braces.
+    fn is_inline(&self) -> bool {
+        let source = self.text.get(self.value.span()).unwrap_or_default();
+        source.starts_with('{')
+    }
+
     /// The entries of a list, named `path[1]`, `path[2]`, ...
     pub fn list(&self) -> Result<Vec<Value<'a>>> {
         let array = self
@@ -221,6 +233,9 @@ impl<'a> Value<'a> {
             .get_ref()
             .as_array()
             .ok_or_else(|| match self.value.get_ref() {
+                DeValue::Table(_) if self.is_inline() => self
+                    .error("a table, not a list of tables", "a list in [ ]")
+                    .help("put [ ] around it if it is one table of several, as in [{ ... }]"),
                 DeValue::Table(_) => self
                     .error("a table, not a list of tables", "a list in [ ]")
                     .help(format!("write [[{0}]] in place of [{0}]", self.path)),
@@ -257,5 +272,71 @@ impl<'a> Value<'a> {
             line: self.line(),
             entries,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The error of `read` at the key `touch` of a text.
+    fn refusal(text: &str, read: impl Fn(&Value) -> Option<Error>) -> Error {
+        let document = parse(text).unwrap();
+        let value = Table::root(text, &document).get("touch").unwrap();
+        read(&value).unwrap()
+    }
+
+    #[test]
+    fn a_table_in_place_of_a_value_is_refused_with_its_line_and_advice() {
+        let table = "\ntouch = {c = 1.5}\n";
+        for (error, expected, help) in [
+            (
+                refusal(table, |value| value.positive().err()),
+                "a number",
+                "number alone",
+            ),
+            (
+                refusal(table, |value| value.count().err()),
+                "a whole number",
+                "number alone",
+            ),
+            (
+                refusal(table, |value| value.string().err()),
+                "a text",
+                "in quotes",
+            ),
+            (
+                refusal(table, |value| value.list().err()),
+                "a list in [ ]",
+                "[{ ... }]",
+            ),
+        ] {
+            assert_eq!(
+                (error.line, error.field.as_deref(), error.found.as_deref()),
+                (Some(2), Some("touch"), Some("{c = 1.5}"))
+            );
+            assert!(error.expected.unwrap().starts_with(expected));
+            assert!(error.help.unwrap().contains(help), "{help}");
+        }
+        let headed = refusal("[touch]\nc = 1.5\n", |value| value.list().err());
+        assert!(headed.help.unwrap().starts_with("write [[touch]]"));
+    }
+
+    #[test]
+    fn a_name_that_occurs_twice_is_told_without_words_of_a_parser() {
+        for (text, line, found) in [
+            ("f = 1\ng = 2\nf = 3\n", 3, "f = 3"),
+            ("[zones]\nhot = 1\n[zones]\n", 3, "[zones]"),
+            ("touch = {c = 1, c = 2}\n", 1, "touch = {c = 1, c = 2}"),
+        ] {
+            let error = parse(text).unwrap_err();
+            assert_eq!(
+                (error.line, error.found.as_deref()),
+                (Some(line), Some(found)),
+                "{error}"
+            );
+            assert!(error.message.contains("twice"), "{error}");
+            assert!(error.help.unwrap().contains("leave one"), "{text}");
+        }
     }
 }

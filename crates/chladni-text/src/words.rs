@@ -26,7 +26,7 @@ pub fn parser_complaint(said: &str) -> Error {
             let fields = expected.unwrap_or("no such field").replace('`', "");
             return error.found(word).expected(fields);
         }
-        (_, Some(found)) => error.found(found),
+        (_, Some(found)) => error.found(plain(found)),
         // words of our own types: "`x` is no ...; write ..."
         (Some(word), None) if said.contains("; write ") => {
             let expected = said
@@ -40,20 +40,43 @@ pub fn parser_complaint(said: &str) -> Error {
         _ => error,
     };
     match expected {
-        Some(expected) => error.expected(expected),
+        Some(expected) => error.expected(plain(expected)),
         None => error,
+    }
+}
+
+/// A parser's name of a type, in plain words; other words as they are.
+fn plain(said: &str) -> &str {
+    match said {
+        "f32" | "f64" => "a number",
+        "u8" => "a whole number from 0 to 255",
+        "u16" => "a whole number from 0 to 65535",
+        "u32" => "a whole number from 0 to 4294967295",
+        "u64" | "usize" => "a whole number, 0 or more",
+        "i32" | "i64" | "isize" => "a whole number",
+        "map" | "a map" => "keys in { }",
+        "sequence" | "a sequence" => "a list in [ ]",
+        _ if said.starts_with("struct ") => "keys in { }",
+        _ => said,
     }
 }
 
 /// The complaint of a TOML parser about syntax, at byte `at` of `text`.
 pub fn toml_complaint(said: &str, text: &str, at: usize) -> Error {
     let line = line_of_byte(text, at);
-    let complaint = parser_complaint(&said.replace('\n', " "));
     let found = text
         .lines()
         .nth(line as usize - 1)
         .unwrap_or_default()
         .trim();
+    if said.trim() == "duplicate key" {
+        return Error::bad_data("this name occurs twice")
+            .at_line(line)
+            .found(found)
+            .expected("each key once in its table, and each [table] once")
+            .help("leave one of the two out; write each table of a list as [[name]]");
+    }
+    let complaint = parser_complaint(&said.replace('\n', " "));
     Error {
         message: format!("this is no TOML: {}", complaint.message),
         ..complaint
@@ -79,6 +102,32 @@ pub fn line_of_byte(text: &str, byte: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn types_have_no_names_of_a_parser() {
+        for (said, found, expected) in [
+            ("invalid type: map, expected f64", "keys in { }", "a number"),
+            (
+                "invalid type: sequence, expected usize",
+                "a list in [ ]",
+                "a whole number, 0 or more",
+            ),
+            (
+                "invalid value: integer `5000000000`, expected u32",
+                "integer `5000000000`",
+                "a whole number from 0 to 4294967295",
+            ),
+            (
+                "invalid type: string \"a\", expected struct Plate",
+                "string \"a\"",
+                "keys in { }",
+            ),
+        ] {
+            let error = parser_complaint(said);
+            assert_eq!(error.found.as_deref(), Some(found), "{error}");
+            assert_eq!(error.expected.as_deref(), Some(expected), "{error}");
+        }
+    }
 
     #[test]
     fn lines_are_counted_from_one() {

@@ -46,10 +46,19 @@ pub struct Args {
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Port to listen on; 0 takes any free one
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_port)]
     port: u16,
     #[command(flatten)]
     reading: Reading,
+}
+
+/// `--port` as a number.
+fn parse_port(text: &str) -> Result<u16> {
+    text.parse().map_err(|_| {
+        Error::new(ErrorKind::Usage, "no port")
+            .expected(format!("a whole number from 0 to {}", u16::MAX))
+            .help("leave --port out to take any free one")
+    })
 }
 
 /// Runs the command; it ends by an interruption only.
@@ -88,4 +97,18 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     );
     server::serve(Arc::new(session), listener, door).map_err(refused)?;
     Ok(Outcome::shown(json!({}), String::new()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_port_out_of_range_is_told_the_range() {
+        assert_eq!(parse_port("65535"), Ok(u16::MAX));
+        for text in ["65536", "-1", "80.5", "http"] {
+            let expected = parse_port(text).unwrap_err().expected.unwrap();
+            assert_eq!(expected, "a whole number from 0 to 65535");
+        }
+    }
 }

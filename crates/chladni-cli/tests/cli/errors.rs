@@ -108,6 +108,7 @@ render truth.json actuator.toml|65|bad_data|actuator.toml|999:+Z|101:+Z
 render panel.h5 scene.toml|65|bad_data|panel.h5|no model
 render kindless.csv scene.toml|65|bad_data|kindless.csv|not a model|(`chladni fit FRF -o MODEL.json`)
 render truth.json uncorrected.toml|65|bad_data|uncorrected.toml|none.json|no such file|(`chladni correct` writes one)
+render truth.json modelled.toml|65|bad_data|truth.json|a model, not a calibration file|(`chladni correct` writes one)
 render versionless.json scene.toml|65|bad_data|versionless.json|missing field|version
 render short.json scene.toml|65|bad_data|short.json|modes[0].shape_std|found 23|expected 24
 render weights.json scene.toml|65|bad_data|weights.json|not a model
@@ -120,6 +121,8 @@ render truth.json scene.toml --sweep 290:290|2|usage|--sweep|290:290|does not ri
 render truth.json scene.toml --actuators auto --also deaf.toml|65|bad_data|deaf.toml|3000 Hz
 render scene.toml truth.json|65|bad_data|scene.toml|TOML|its own place
 play truth.json scene.toml --rate 0|2|usage|--rate|0 Hz
+play truth.json scene.toml --rate 5000000000|2|usage|--rate|found 5000000000|Hz from 1 to 4294967295|48000 is usual
+studio panel.h5 --port 70000|2|usage|--port|found 70000|0 to 65535|any free one
 play truth.json scene.toml --full-scale 1e-9|2|usage|--full-scale|nothing clips
 play truth.json scene.toml --seed -5|2|usage|--seed|found -5
 estimate panel.h5 -o new.h5|65|bad_data|no time record|(`chladni info FILE`)
@@ -127,7 +130,7 @@ estimate headless.csv -o new.h5 --scales nan,1|2|usage|--scales|found nan|finite
 estimate headless.csv -o new.h5 --exponential-window 0|2|usage|--exponential-window|found 0|above 0|the rate is ln
 estimate headless.csv -o new.h5 --window exponential|2|usage|--exponential-window|found none|choose another --window
 estimate headless.csv -o new.h5 --window hann --exponential-window 5|2|usage|--exponential-window|leave one of the two out
-evaluate truth.json --scene scene.toml --on panel.h5|65|bad_data|truth.json|weights
+evaluate truth.json --scene scene.toml --on panel.h5|65|bad_data|truth.json|a model, not a weights file|(`chladni render` writes one)
 evaluate binary.dat --scene scene.toml --on panel.h5|65|bad_data|binary.dat|a binary file|weights
 evaluate hollow.json --scene scene.toml --on panel.h5|65|bad_data|hollow.json|missing field|version|(`chladni render` writes one)
 evaluate stranger.json --scene scene.toml --on panel.h5|65|bad_data|999:+Z|101:+Z
@@ -206,6 +209,11 @@ fn prepared() -> Folder {
         (
             "uncorrected.toml",
             "frequency_hz = 300\n[actuators]\ncalibration = \"none.json\"\n[zones]\ngrid = \
+             [2, 2]\nhot = [1]\n",
+        ),
+        (
+            "modelled.toml",
+            "frequency_hz = 300\n[actuators]\ncalibration = \"truth.json\"\n[zones]\ngrid = \
              [2, 2]\nhot = [1]\n",
         ),
         (

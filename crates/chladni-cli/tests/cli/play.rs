@@ -261,6 +261,11 @@ fn tables_that_cannot_be_are_refused_by_name_and_line() {
         ),
         ("path", spot(0.0, 0.26), "path_m"),
         ("late", burst("").replace("0.1", "1e6"), "[[time.burst]] 1"),
+        (
+            "all",
+            burst("hot = [1, 2, 3, 4]"),
+            "[[time.burst]] 1 hot: no response is left to keep quiet",
+        ),
     ] {
         let file = format!("{name}.toml");
         folder.write(&file, format!("{ZONES}[time]\n{table}"));

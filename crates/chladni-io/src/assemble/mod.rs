@@ -15,7 +15,7 @@ pub(crate) use record::clean_coherence;
 
 use super::{Contents, Document, Duplicates, FileFormat, Function, ReadOptions};
 use assembly::Assembly;
-use chladni_frf::{Dof, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result};
+use chladni_frf::{Dof, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, Source};
 use grid::DofList;
 use num_complex::Complex64;
 use record::{place_of, Line, Record};
@@ -37,6 +37,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
     let mut contents = Contents::default();
     let mut geometry = Geometry::default();
     let mut assembly = Assembly::default();
+    let mut with_frfs: Vec<Source> = Vec::new();
     let documents = without_results(documents, &mut contents.warnings);
     let count = documents.len();
     let as_in_files = options.dofs.rows.is_empty();
@@ -51,6 +52,9 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
         override_node(&mut document, Side::Response, node)?;
         let node = node_for(Side::Reference, references, number, count)?;
         override_node(&mut document, Side::Reference, node)?;
+        if document.frf.is_some() || document.functions.iter().any(is_frf) {
+            with_frfs.extend(document.source());
+        }
         contents.sources.extend(document.source());
         contents.not_carried.extend(super::not_carried(&document));
         geometry::merge(
@@ -65,6 +69,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
         }
         assembly.take(document, number, options, &mut geometry, &mut contents)?;
     }
+    contents.warnings.extend(same_files(&with_frfs));
     if assembly.records.is_empty() && assembly.responses.dofs.is_empty() {
         let coherence = assembly.left_coherence().into_iter();
         contents
@@ -83,6 +88,15 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
     set.geometry = geometry;
     contents.frf = Some(set);
     Ok(contents)
+}
+
+/// The finding about files of FRFs with the content of another one.
+pub fn same_files(sources: &[Source]) -> Option<Finding> {
+    let words = format!(
+        "{}: FRFs kept from both count as two measurements, and error bars are too small",
+        Source::copies(sources)?
+    );
+    Some(Finding::caution("same-files", words).help("leave copies out"))
 }
 
 /// The documents of measurements. Results are left out and named in `warnings`.
@@ -164,6 +178,10 @@ fn report(document: &mut Document, lenient: bool, warnings: &mut Vec<Finding>) -
         warnings.push(warning);
     }
     Ok(())
+}
+
+fn is_frf(function: &Function) -> bool {
+    function.function_type == FRF
 }
 
 fn is_measured(function: &Function) -> bool {

@@ -18,11 +18,14 @@ pub(super) struct TableFacts {
     pub(super) time_sign: Option<TimeSign>,
     /// Unit of the reference, and the line of its remark.
     pub(super) reference_unit: Option<(ReferenceUnit, u64)>,
-    pub(super) response: Option<Dof>,
-    pub(super) reference: Option<Dof>,
-    pub(super) phase_unit: Option<PhaseUnit>,
-    /// Label and factor to Hz.
-    pub(super) frequency_unit: Option<(String, f64)>,
+    /// DOF of the response, and the line of its remark.
+    pub(super) response: Option<(Dof, u64)>,
+    /// DOF of the reference, and the line of its remark.
+    pub(super) reference: Option<(Dof, u64)>,
+    /// Unit of phases, and the line of its remark.
+    pub(super) phase_unit: Option<(PhaseUnit, u64)>,
+    /// Label, factor to Hz, and the line of its remark.
+    pub(super) frequency_unit: Option<(String, f64, u64)>,
     /// The caller's unit of phases.
     pub(super) caller_phase_unit: Option<PhaseUnit>,
     /// Text above the table.
@@ -51,14 +54,20 @@ impl TableFacts {
                     facts.unit = Some(remark.value.clone())
                 }
                 "unit" => {}
-                "response" => facts.response = Some(remark.value.parse().map_err(wrong)?),
-                "reference" => facts.reference = Some(remark.value.parse().map_err(wrong)?),
-                "phase_unit" => facts.phase_unit = Some(remark.value.parse().map_err(wrong)?),
+                "response" => {
+                    facts.response = Some((remark.value.parse().map_err(wrong)?, remark.line))
+                }
+                "reference" => {
+                    facts.reference = Some((remark.value.parse().map_err(wrong)?, remark.line))
+                }
+                "phase_unit" => {
+                    facts.phase_unit = Some((remark.value.parse().map_err(wrong)?, remark.line))
+                }
                 "frequency_unit" => {
                     let factor = frequency_unit(&remark.value).ok_or_else(|| {
                         wrong("no unit of a frequency; write Hz, kHz, rad/s or 1/min".into())
                     })?;
-                    facts.frequency_unit = Some((remark.value.clone(), factor));
+                    facts.frequency_unit = Some((remark.value.clone(), factor, remark.line));
                 }
                 "reference_unit" => {
                     let unit = match remark.value.as_str() {
@@ -141,12 +150,13 @@ impl TableFacts {
     /// # Errors
     /// A remark and a label of different units.
     pub(super) fn frequency_factor(&self, own: f64, label: &str) -> Result<f64> {
-        let Some((unit, told)) = &self.frequency_unit else {
+        let Some((unit, told, line)) = &self.frequency_unit else {
             return Ok(own);
         };
         let is_named = own != 1.0 || label.to_lowercase().contains("hz");
         if is_named && own != *told {
             return Err(Error::bad_data("two units of the frequency")
+                .at_line(*line)
                 .field("frequency_unit")
                 .found(format!("`{unit}` in a remark, `{label}` in the header"))
                 .expected("one unit")

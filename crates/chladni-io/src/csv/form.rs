@@ -208,11 +208,12 @@ fn phase_unit(
         AngleUnit::Unit(unit) => Some(unit),
         _ => None,
     };
+    let of_remark = facts.phase_unit.map(|(unit, _)| unit);
     if let Some(told) = facts.caller_phase_unit {
         let stated = [
             (own, phase.label()),
             // without backticks, in which it is an option
-            (facts.phase_unit, "the remark phase_unit".into()),
+            (of_remark, "the remark phase_unit".into()),
         ];
         let other = |(unit, _): &&(Option<PhaseUnit>, String)| unit.is_some_and(|it| it != told);
         if let Some((Some(unit), place)) = stated.iter().find(other) {
@@ -234,17 +235,18 @@ fn phase_unit(
     if phase.head.angle() == AngleUnit::NotUnderstood {
         return Err(ask("the unit of the phase is not understood"));
     }
-    if let (Some(own), Some(stated)) = (own, facts.phase_unit) {
+    if let (Some(own), Some((stated, line))) = (own, facts.phase_unit) {
         if own != stated {
             let (stated, label) = (stated.as_str(), phase.label());
             return Err(Error::bad_data("two units of the phase")
+                .at_line(line)
                 .field("phase_unit")
                 .found(format!("`{stated}` in a remark, `{label}` in the header"))
                 .expected("one unit")
                 .help("correct the remark or the header"));
         }
     }
-    if let Some(known) = own.or(facts.phase_unit) {
+    if let Some(known) = own.or(of_remark) {
         return Ok(known);
     }
     // whole words: `rad/s` is a frequency

@@ -262,7 +262,7 @@ fn name_dofs(
         .map(|trace| {
             let response = trace
                 .response
-                .or(facts.response.filter(|_| single))
+                .or(facts.response.filter(|_| single).map(|(dof, _)| dof))
                 .or(caller_response)
                 .unwrap_or_else(|| match trace.reference {
                     Some(_) => {
@@ -271,7 +271,8 @@ fn name_dofs(
                     }
                     None => assumed.number(next_node, options),
                 });
-            let reference = trace.reference.or(facts.reference).unwrap_or_else(|| {
+            let stated = facts.reference.map(|(dof, _)| dof);
+            let reference = trace.reference.or(stated).unwrap_or_else(|| {
                 assumed.lacks_reference = true;
                 fallback
             });
@@ -294,16 +295,19 @@ fn name_dofs(
 /// The note about a remark that states another DOF than a column or row does.
 fn unused_dof(
     key: &str,
-    stated: Option<Dof>,
+    stated: Option<(Dof, u64)>,
     traces: &[Trace],
     of: fn(&Trace) -> Option<Dof>,
 ) -> Option<Finding> {
-    let stated = stated?;
+    let (stated, line) = stated?;
     let other = traces.iter().filter_map(of).find(|dof| *dof != stated)?;
     // without backticks, in which the key is an option
     Some(Finding::note(
         "remark-not-used",
-        format!("the remark {key} says {stated}, the table {other}: that of the table is taken"),
+        format!(
+            "line {line}: the remark {key} says {stated}, the table {other}: that of the table is \
+             taken"
+        ),
     ))
 }
 

@@ -247,6 +247,7 @@ pub(crate) fn rename_field(mut error: Error) -> Error {
     if error.field.as_deref() == Some("actuators.use") {
         error.message = "the data lack an actuator that the weights drive".into();
         error.field = Some("weights".into());
+        error.help = Some("render the scene again with this model or these data".into());
     }
     error
 }

@@ -7,6 +7,7 @@ use crate::judging::indices::Indices;
 use crate::methods::modal_steps::ModalSteps;
 use crate::panel::drive::Drive;
 use crate::rig::Correction;
+use crate::scene::other_kind::{self, other_kind};
 use crate::scene::tones::is_same;
 use crate::tolerances;
 use crate::touch::TouchIndices;
@@ -16,7 +17,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 /// Value of `format` in a weights file.
-pub const WEIGHTS_FORMAT: &str = "chladni.weights";
+pub const WEIGHTS_FORMAT: &str = other_kind::WEIGHTS;
 /// Version of the layout.
 pub const WEIGHTS_VERSION: u32 = 1;
 
@@ -256,8 +257,11 @@ impl Weights {
     /// another format, an actuator twice, no weight.
     pub fn parse(text: &str) -> Result<Self> {
         const AGAIN: &str = "give a weights file of Chladni, or render the scene again";
-        let weights: Self = serde_json::from_str(text)
-            .map_err(|error| json_error_in(text, "not a weights file", &error).help(AGAIN))?;
+        let weights: Self = serde_json::from_str(text).map_err(|error| {
+            other_kind(text, WEIGHTS_FORMAT, WEIGHTS_VERSION)
+                .unwrap_or_else(|| json_error_in(text, "not a weights file", &error))
+                .help(AGAIN)
+        })?;
         weights.checked()
     }
 

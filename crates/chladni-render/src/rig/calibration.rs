@@ -7,8 +7,9 @@
 //! of its rows.
 
 use super::gain_file;
-use super::gain_table::GainTable;
+use super::gain_table::{too_large, GainTable};
 use crate::panel::operator::Operator;
+use crate::scene::other_kind::{self, other_kind};
 use crate::tolerances;
 use chladni_frf::{ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source, CREATED_BY};
 use chladni_text::{json_error_in, read_text};
@@ -18,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Value of `format` in a calibration file.
-pub const CALIBRATION_FORMAT: &str = "chladni.calibration";
+pub const CALIBRATION_FORMAT: &str = other_kind::CALIBRATION;
 /// Version of the layout.
 pub const CALIBRATION_VERSION: u32 = 1;
 
@@ -44,6 +45,7 @@ impl Estimator {
 
 /// The gain of one channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ChannelGain {
     /// Reference DOF.
     pub reference: Dof,
@@ -112,6 +114,7 @@ pub struct Calibration {
 
 /// The pole of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CalibratedMode {
     /// Natural frequency in the model, Hz: names the mode.
     pub model_hz: f64,
@@ -125,6 +128,7 @@ pub struct CalibratedMode {
 
 /// The mobility at one frequency.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CalibratedOperator {
     /// Hz.
     pub frequency_hz: f64,
@@ -155,8 +159,8 @@ impl Calibration {
     /// Reads a calibration file's text, JSON or a table of gains as CSV.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing field, another
-    /// format, sizes that disagree, gains that cannot be used.
+    /// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing or an unknown
+    /// field, another format, sizes that disagree, gains that cannot be used.
     pub fn parse(text: &str) -> Result<Self> {
         const AGAIN: &str = "give a calibration file of Chladni, or a table of gains (CSV)";
         if !text
@@ -166,9 +170,15 @@ impl Calibration {
         {
             return Ok(Self::of_tables(gain_file::parse(text)?));
         }
-        let calibration: Self = serde_json::from_str(text)
-            .map_err(|error| json_error_in(text, "not a calibration file", &error).help(AGAIN))?;
-        calibration.checked().map_err(|error| error.help(AGAIN))
+        let calibration: Self = serde_json::from_str(text).map_err(|error| {
+            other_kind(text, CALIBRATION_FORMAT, CALIBRATION_VERSION)
+                .unwrap_or_else(|| json_error_in(text, "not a calibration file", &error))
+                .help(AGAIN)
+        })?;
+        calibration.checked().map_err(|error| Error {
+            help: error.help.or_else(|| Some(AGAIN.into())),
+            ..error
+        })
     }
 
     /// A calibration of gains alone.
@@ -242,6 +252,12 @@ impl Calibration {
                     .field(format!("gains[{}].std", k + 1))
                     .found(gain.std)
                     .expected("0 or more"));
+            }
+            let size = gain.re.hypot(gain.im);
+            // those that were learned are products of several corrections
+            if size > tolerances::MOST_GAIN && self.created_by.is_empty() {
+                let found = format!("a factor of {size:.3e}, {}", gain.reference);
+                return Err(too_large(format!("gains[{}]", k + 1), found));
             }
             let is_same = |other: &ChannelGain| other.reference.same_axis(gain.reference);
             if self.gains[..k].iter().any(is_same) {

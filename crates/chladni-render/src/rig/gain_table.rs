@@ -105,14 +105,12 @@ impl GainTable {
     /// [`chladni_frf::ErrorKind::BadData`]: lists of other lengths, frequencies that do not
     /// rise, a gain not above 0 or above [`tolerances::MOST_GAIN`], a phase that turns too far from one entry to the next.
     pub(crate) fn check(&self) -> Result<()> {
-        let refused = |field: &str, found: String, expected: &str| {
-            Error::bad_data("not a usable gain table")
+        let wrong = |field: &str, found: String, expected: &str| {
+            Err(Error::bad_data("not a usable gain table")
                 .field(field)
                 .found(format!("{found}, {}", self.channel()))
-                .expected(expected)
+                .expected(expected))
         };
-        let wrong =
-            |field: &str, found: String, expected: &str| Err(refused(field, found, expected));
         let count = self.frequency_hz.len().max(1);
         for (name, length, may_miss) in [
             ("gain", self.gain.len(), false),
@@ -130,11 +128,8 @@ impl GainTable {
                 return wrong("gain", format!("entry {}: {gain}", k + 1), expected);
             }
             if gain > tolerances::MOST_GAIN {
-                let expected =
-                    "a ratio, the motion on the rig over that in the model: at most 30 dB";
-                let found = format!("entry {}: {gain}", k + 1);
-                return Err(refused("gain", found, expected)
-                    .help("divide percents by 100; divide volts per volt by the nominal ones"));
+                let found = format!("entry {}: {gain}, {}", k + 1, self.channel());
+                return Err(too_large("gain", found));
             }
         }
         if let Some(phase) = self.phase_deg.iter().find(|phase| !phase.is_finite()) {
@@ -180,6 +175,15 @@ impl GainTable {
         }
         Ok(())
     }
+}
+
+/// The error of a gain above [`tolerances::MOST_GAIN`].
+pub(super) fn too_large(field: impl Into<String>, found: String) -> Error {
+    Error::bad_data("too large for a gain")
+        .field(field)
+        .found(found)
+        .expected("a ratio, the motion on the rig over that in the model: at most 30 dB")
+        .help("divide percents by 100; divide volts per volt by the nominal ones")
 }
 
 /// The turn from one phase to another, the nearer way, degrees.

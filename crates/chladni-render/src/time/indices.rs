@@ -23,7 +23,8 @@ pub struct TimeIndices {
     /// Largest drive of an actuator at any instant, all tones together, N or V: the peak of
     /// the signal.
     pub peak_drive: f64,
-    /// The most that the steady drives of all tones together reach.
+    /// The most that the steady drives of all tones together reach; of a recording, its drive
+    /// halfway between ramps, over the gain of the event.
     pub steady_drive: f64,
     /// The events and their times.
     pub events: Vec<TimeEvent>,
@@ -51,7 +52,8 @@ pub struct TimeEvent {
     pub end_s: f64,
     /// Rise and fall, s.
     pub ramp_s: f64,
-    /// Factor on the steady drive, by the level that was asked for.
+    /// Factor on the steady drive, by the level that was asked for; 1 for a recording whose
+    /// sidecar does not tell it.
     pub gain: f64,
 }
 

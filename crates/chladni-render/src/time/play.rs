@@ -7,7 +7,7 @@ use crate::results::evaluate::rename_field;
 use crate::results::weights::Weights;
 use crate::scene::scene_file::Scene;
 use crate::time::auto_ramp::RampFinder;
-use crate::time::check_paths::check_paths;
+use crate::time::check_paths::{check_cells, check_paths};
 use crate::time::frames::TimeFrames;
 use crate::time::indices::{is_met, said, AreaMeasures, TimeEvent, TimeIndices};
 use crate::time::judge::TimeTraces;
@@ -89,8 +89,9 @@ impl Played {
 ///
 /// # Errors
 /// As [`crate::render`]; events that overlap, ramps that do not fit or that the model's
-/// band cannot describe, a path that leaves the judged ground, weights of other tones, of
-/// another unit, or of actuators that the model lacks.
+/// band cannot describe, a path that leaves the judged ground, cells that hold no response or
+/// leave none to keep quiet, weights of other tones, of another unit, or of actuators that the
+/// model lacks.
 pub fn play(
     model: &ModalModel,
     scene: &Scene,
@@ -103,8 +104,10 @@ pub fn play(
     let table = scene.time.clone().unwrap_or_default();
     let plan = Plan::new(&table, &scene.zones)?;
     let only = scene.actuators.only.as_deref();
-    if !table.moves.is_empty() {
+    let names_cells = table.bursts.iter().any(|burst| burst.hot.is_some());
+    if names_cells || !table.fades.is_empty() || !table.moves.is_empty() {
         let operator = Operator::of_model(model, scene.frequency_hz, only)?;
+        check_cells(&operator, scene, &table)?;
         check_paths(&operator, scene, &table, &plan)?;
     }
     let voices = voices(model, scene, &plan, given, options)?;

@@ -200,7 +200,8 @@ fn bands_hz(tones_hz: &[f64]) -> Vec<[f64; 2]> {
 /// Judges a recorded drive in `scene` on the panel of `model`, and tells what the user
 /// must know.
 ///
-/// * `events`: those of its sidecar, where it has them: ramps that the scene leaves open
+/// * `events`: those of its sidecar, where it has them: ramps that the scene leaves open, and
+///   gains
 ///
 /// # Errors
 /// As [`crate::play`].
@@ -216,7 +217,7 @@ pub fn evaluate_signal(
     let chains = chains(&plan, events, &mut findings)?;
     let events: Vec<TimeEvent> = chains
         .iter()
-        .map(|chain| TimeEvent::of(chain, 1.0))
+        .map(|chain| TimeEvent::of(chain, told_gain(chain, events)))
         .collect();
     let ramp_s = events.iter().map(|event| event.ramp_s).fold(0.0, f64::max);
     let tones = scene.tones();
@@ -262,10 +263,39 @@ pub fn evaluate_signal(
         area,
         ramp_s,
         peak_drive: heard.peak_together,
-        steady_drive: 0.0,
+        steady_drive: steady_drive(&envelopes, &chains, &events),
         events,
     };
     Ok((indices, findings))
+}
+
+/// The gain of a chain as `events` tell it; 1 where they do not.
+fn told_gain(chain: &Chain, events: &[TimeEvent]) -> f64 {
+    let apart = |event: &&TimeEvent| (event.start_s - chain.start_s()).abs();
+    events
+        .iter()
+        .filter(|event| event.event == chain.name && event.gain > 0.0)
+        .min_by(|a, b| apart(a).total_cmp(&apart(b)))
+        .map_or(1.0, |event| event.gain)
+}
+
+/// The most that the drives of all tones together reach between the ramps, over the gains of
+/// `events`, one for each chain.
+fn steady_drive(tones: &[Envelopes], chains: &[Chain], events: &[TimeEvent]) -> f64 {
+    let actuators = tones.first().map_or(0, |tone| tone.0[0].ncols());
+    let mut most = 0.0;
+    for (chain, event) in chains.iter().zip(events) {
+        for ramps in chain.ramps.windows(2) {
+            let middle_s = 0.5 * (ramps[0].end_s() + ramps[1].start_s);
+            let sample = (middle_s / tolerances::JUDGE_STEP_S).round() as usize;
+            for actuator in 0..actuators {
+                let value = |tone: &Envelopes| tone.0[0].get([sample, actuator]).copied();
+                let sizes = tones.iter().filter_map(value).map(|value| value.norm());
+                most = f64::max(most, sizes.sum::<f64>() / event.gain);
+            }
+        }
+    }
+    most
 }
 
 /// The events of a scene; ramps that it leaves open are those of `events`, where it has

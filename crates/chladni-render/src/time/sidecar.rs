@@ -1,11 +1,12 @@
 //! The JSON file beside a signal: rate, channels, full scale, what happens when.
 
+use crate::scene::other_kind;
 use crate::time::indices::TimeEvent;
 use chladni_frf::{Dof, Error, ErrorKind, ReferenceUnit, Result, Source};
 use serde::{Deserialize, Serialize};
 
 /// Value of `format` in a signal's sidecar.
-pub const SIGNAL_FORMAT: &str = "chladni.signal";
+pub const SIGNAL_FORMAT: &str = other_kind::SIGNAL;
 /// Version of the layout.
 pub const SIGNAL_VERSION: u32 = 1;
 

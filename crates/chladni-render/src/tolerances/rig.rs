@@ -227,8 +227,8 @@ pub const SCAN_NIS: f64 = 3.0;
 /// Unexplained part of the mobility from which on a new scan is due.
 pub const SCAN_UNEXPLAINED: f64 = 0.03;
 
-/// Largest gain of a table: 30 dB, as [`LEVEL_REFUSED_DB`]. Percents lie beyond, and so do most
-/// volts per volt of an amplifier, which the model has in it already.
+/// Largest gain of a channel, or of its table: 30 dB, as [`LEVEL_REFUSED_DB`]. Percents lie
+/// beyond, and so do most volts per volt of an amplifier, which the model has in it already.
 pub const MOST_GAIN: f64 = 31.63;
 
 /// Responses of a field below which no two faults can be told apart: one has two numbers, as

@@ -142,9 +142,13 @@ fn an_actuator_that_the_data_lack_is_named() {
     let (scene, rendering) = corner();
     let mut weights = rendering.weights;
     weights.weights[5].reference = "999:+Z".parse().unwrap();
-    let error = evaluate(&weights, &scene, On::Model(truth()))
-        .unwrap_err()
-        .to_string();
+    let error = evaluate(&weights, &scene, On::Model(truth())).unwrap_err();
+    let help = error.help.as_deref();
+    assert_eq!(
+        help,
+        Some("render the scene again with this model or these data")
+    );
+    let error = error.to_string();
     assert!(
         error.contains("999:+Z") && error.contains("the weights drive"),
         "{error}"

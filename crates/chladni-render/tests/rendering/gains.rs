@@ -275,3 +275,82 @@ fn a_misspelt_key_is_refused_and_a_file_without_gains_says_nothing_of_them() {
     let findings = rendered(&with(empty, 300.0)).findings;
     assert!(findings.iter().all(|finding| finding.code != "calibrated"));
 }
+
+#[test]
+fn a_misspelt_key_inside_a_list_is_refused_with_the_known_ones() {
+    let dof = truth().references[0];
+    let gain = format!(
+        "{{\"reference\": \"{dof}\", \"re\": 1, \"im\": 0, \"std\": 0.01, \"odd\": false}}"
+    );
+    let mode = "{\"model_hz\": 100, \"frequency_hz\": 101, \"loss_factor\": 0.02, \"std\": 1e-3}";
+    let mut operator = String::from("{\"frequency_hz\": 300, \"fields\": 1, ");
+    operator += "\"estimator\": \"kalman\", \"responses\": [\"1:+Z\"], ";
+    operator += &format!("\"references\": [\"{dof}\"], ");
+    operator += "\"mobility\": {\"re\": [[1]], \"im\": [[0]]}, ";
+    operator += "\"covariance\": {\"re\": [[1]], \"im\": [[0]]}}";
+    for (list, entry) in [
+        ("gains", &*gain),
+        ("modes", mode),
+        ("operators", &*operator),
+    ] {
+        let parse = |entry: &str| {
+            Calibration::parse(&format!(
+                "{{\"format\": \"chladni.calibration\", \"version\": 1, \"{list}\": [{entry}]}}"
+            ))
+        };
+        parse(entry).unwrap();
+        let misspelt = entry.replacen('{', "{\"frequncy_hz\": 300, ", 1);
+        let error = parse(&misspelt).unwrap_err();
+        assert_eq!(error.found.as_deref(), Some("frequncy_hz"), "{error}");
+        let known = error.expected.as_deref().unwrap();
+        assert!(known.contains("one of"), "{error}");
+        assert!(error.line.is_some() && error.help.is_some(), "{error}");
+    }
+}
+
+#[test]
+fn a_gain_beyond_30_db_is_refused_in_every_list() {
+    let mut loud = constants(300.0);
+    loud.gains[4].im = 1e9;
+    loud.created_by = "chladni 0.1.0".into();
+    let learned = Calibration::parse(&loud.to_json().unwrap()).unwrap();
+    assert_eq!(learned.gains[4].im, 1e9);
+    loud.created_by.clear();
+    let error = Calibration::parse(&loud.to_json().unwrap()).unwrap_err();
+    assert_eq!(error.field.as_deref(), Some("gains[5]"), "{error}");
+    let found = error.found.as_deref().unwrap();
+    let named = truth().references[4].to_string();
+    assert!(
+        found.contains("1.000e9") && found.contains(&named),
+        "{error}"
+    );
+    let table =
+        r#"{"format": "chladni.calibration", "version": 1, "gain_tables": [{"gain": [1e9]}]}"#;
+    let other = Calibration::parse(table).unwrap_err();
+    assert_eq!(
+        other.field.as_deref(),
+        Some("gain_tables[1].gain"),
+        "{other}"
+    );
+    for error in [error, other] {
+        assert!(error.to_string().contains("at most 30 dB"), "{error}");
+        let help = error.help.as_deref().unwrap();
+        assert!(help.contains("divide percents by 100"), "{error}");
+    }
+    loud.gains[4].im = 0.0;
+    loud.gains[4].re = -31.6;
+    assert!(Calibration::parse(&loud.to_json().unwrap()).is_ok());
+}
+
+#[test]
+fn a_model_in_place_of_a_calibration_is_called_a_model() {
+    let text = serde_json::to_string(truth()).unwrap();
+    let error = Calibration::parse(&text).unwrap_err();
+    assert_eq!(error.message, "a model, not a calibration file");
+    assert_eq!(error.found.as_deref(), Some("chladni.model"));
+    assert_eq!(
+        error.expected.as_deref(),
+        Some("chladni.calibration version 1")
+    );
+    assert!(error.help.is_some());
+}

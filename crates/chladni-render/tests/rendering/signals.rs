@@ -2,7 +2,8 @@
 
 use chladni_frf::ReferenceUnit;
 use chladni_render::{
-    play, render, signal_csv, Method, PlayOptions, RenderOptions, SignalOptions, Weights,
+    evaluate_signal, play, render, signal_csv, Method, PlayOptions, Recorded, RenderOptions,
+    SignalOptions, TimeEvent, Weights,
 };
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -162,4 +163,41 @@ fn weights_of_another_panel_are_refused_and_actuators_left_out_are_named() {
     ] {
         assert_eq!(left_out(rest), count, "{rest}");
     }
+}
+
+#[test]
+fn a_recording_has_the_gains_and_the_steady_drive_of_what_was_played() {
+    let burst = "duration_s = 0.1\nramp_s = 0.02\n";
+    let scene = crate::common::cell_scene(
+        [2, 2],
+        1,
+        &format!(
+            "[time]\nlevel = \"compensated\"\n[[time.burst]]\n{burst}repeat = [2, 0.3]\n\
+             [[time.burst]]\nstart_s = 0.8\nhot = [4]\n{burst}"
+        ),
+    );
+    let options = PlayOptions {
+        area: false,
+        ..PlayOptions::default()
+    };
+    let played = play(crate::common::truth(), &scene, None, &options).unwrap();
+    let signal = played.signal(&SignalOptions::default(), "").unwrap();
+    let recorded = Recorded {
+        rate_hz: 48_000.0,
+        references: played.references.clone(),
+        drive: signal.drive,
+    };
+    let judged = |events: &[TimeEvent]| {
+        let judged = evaluate_signal(&recorded, events, &scene, crate::common::truth());
+        judged.unwrap().0
+    };
+    let own = judged(&played.indices.events);
+    assert_eq!(own.events, played.indices.events);
+    assert!(own.events[0].gain > 1.1, "{:?}", own.events);
+    let ratio = own.steady_drive / played.indices.steady_drive;
+    assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    // of another program: as loud as it is
+    let foreign = judged(&[]);
+    assert!(foreign.events.iter().all(|event| event.gain == 1.0));
+    assert!(foreign.steady_drive > own.steady_drive);
 }

@@ -138,3 +138,31 @@ fn a_ramp_that_the_band_cannot_describe_and_a_rate_below_it_are_refused() {
         "{error}"
     );
 }
+
+#[test]
+fn a_burst_or_a_fade_whose_cells_leave_nothing_quiet_is_blamed_itself() {
+    let burst = "[[time.burst]]\nduration_s = 0.1\n";
+    let all = "[1, 2, 3, 4]";
+    for (events, named) in [
+        (
+            format!("{burst}hot = [4, 3, 2, 1]\n"),
+            "[[time.burst]] 1 hot",
+        ),
+        (
+            format!("{burst}{burst}start_s = 1\nhot = {all}\n"),
+            "[[time.burst]] 2 hot",
+        ),
+        (
+            format!("[[time.fade]]\nfrom = [1]\nto = {all}\nstart_s = 1\nfade_s = 0.1\n"),
+            "[[time.fade]] 1 to",
+        ),
+    ] {
+        let scene = cell_scene([2, 2], 1, &format!("[time]\n{events}"));
+        let error = play(truth(), &scene, None, &PlayOptions::default()).unwrap_err();
+        assert_eq!(error.field.as_deref(), Some(named), "{error}");
+        assert_eq!(error.found.as_deref(), Some(all), "{error}");
+        assert!(error.message.contains("left to keep quiet"), "{error}");
+        assert!(error.line.is_some() && error.expected.is_some(), "{error}");
+        assert!(error.help.unwrap().starts_with("name fewer cells"));
+    }
+}

@@ -146,3 +146,19 @@ fn damaged_files_are_refused_with_the_reason() {
         .to_string()
         .contains("no weight"));
 }
+
+#[test]
+fn other_files_in_place_of_weights_are_called_by_their_kind() {
+    let model = serde_json::to_string(crate::common::truth()).unwrap();
+    let calibration = r#"{"format": "chladni.calibration", "version": 1}"#;
+    for (text, message) in [
+        (&*model, "a model, not a weights file"),
+        (calibration, "a calibration file, not a weights file"),
+    ] {
+        let error = Weights::parse(text).unwrap_err();
+        assert_eq!(error.message, message);
+        assert_eq!(error.field.as_deref(), Some("format"));
+        assert_eq!(error.expected.as_deref(), Some("chladni.weights version 1"));
+        assert!(error.help.is_some());
+    }
+}

@@ -47,7 +47,7 @@ pub(super) fn document(name: &str, functions: Vec<Function>) -> Document {
     Document {
         file: PathBuf::from(name),
         format: FileFormat::Uff,
-        checksum: Some(Checksum::Sha256("00".into())),
+        checksum: Some(Checksum::Sha256(name.into())),
         geometry: Geometry::default(),
         datasets: Vec::new(),
         frf: None,

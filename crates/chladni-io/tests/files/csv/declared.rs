@@ -1,6 +1,7 @@
 //! DOFs and sample rates that the files do not state.
 
 use super::reading::{c, read, read_with};
+use chladni_frf::Severity;
 use chladni_io::{read_document, read_frf, DeclaredDofs, ReadOptions};
 use std::path::PathBuf;
 
@@ -57,8 +58,8 @@ fn remarks_of_other_dofs_than_the_columns_are_not_used_with_a_word() {
     assert_eq!(set.responses[0].to_string(), "5:+Z");
     let said = warnings.join("\n");
     for words in [
-        "the remark response says 1:+Z, the table 5:+Z",
-        "the remark reference says 2:+Z, the table 6:+Z",
+        "line 1: the remark response says 1:+Z, the table 5:+Z",
+        "line 2: the remark reference says 2:+Z, the table 6:+Z",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
@@ -91,6 +92,25 @@ fn files_of_one_frf_are_numbered_in_natural_order() {
         );
         assert_eq!(set.responses[2].to_string(), "3:+Z");
         assert_eq!(sources.len(), 3);
+    }
+}
+
+#[test]
+fn a_file_given_twice_and_a_copy_under_another_name_are_told() {
+    let (_folder, paths) = written(&[ONE, "f,re,im\n1,2,3\n2,4,6\n", ONE]);
+    let told = |paths: &[PathBuf]| {
+        let (set, _, findings) = read_frf(paths, &ReadOptions::default()).unwrap();
+        let mut findings = findings.into_iter();
+        let of_copies = findings.find(|finding| finding.code == "same-files");
+        (set.responses.len(), of_copies)
+    };
+    assert_eq!(told(&paths[..2]), (2, None));
+    for (other, words) in [(0, "p1.csv of p1.csv"), (2, "p3.csv of p1.csv")] {
+        let (responses, finding) = told(&[paths[0].clone(), paths[other].clone()]);
+        let finding = finding.unwrap();
+        assert!(finding.contains(words), "{finding}");
+        assert!(finding.contains("leave copies out"), "{finding}");
+        assert_eq!((responses, finding.severity), (2, Severity::Caution));
     }
 }
 

@@ -157,7 +157,17 @@ fn remarks_that_contradict_each_other_are_refused_with_both_lines() {
 fn a_remark_and_a_column_of_different_phase_units_are_refused() {
     let text = "# phase_unit = rad\nf,mag,phase [deg]\n1,10,1\n2,1,3\n";
     let said = refusal(text);
-    for words in ["phase_unit", "two units of the phase", "`rad`", "[deg]"] {
+    for words in [
+        "line 1: phase_unit",
+        "two units of the phase",
+        "`rad`",
+        "[deg]",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let said =
+        refusal("# frf_kind = mobility\n# frequency_unit = kHz\nf [Hz],re,im\n1,2,3\n2,1,3\n");
+    for words in ["line 2: frequency_unit", "two units of the frequency"] {
         assert!(said.contains(words), "{words}: {said}");
     }
     let told = |phase_unit| ReadOptions {
