@@ -174,7 +174,7 @@ pub(crate) fn products<const K: usize>(
     let of_terms = terms.as_slice_memory_order_mut().unwrap_or_default();
     fill_terms(work, powers, of_terms);
     let beside: Vec<_> = std::iter::once(terms.view()).chain(others).collect();
-    // blocks of nearly one size, two for each pair of threads
+    // blocks of nearly one size, mostly an even number: two threads end together
     let pairs = n.div_ceil(2 * limits::POLES_IN_CACHE).max(1);
     let size = n.div_ceil(2 * pairs).max(1);
     let block = |memory: &mut Vec<Complex64>, poles: &[Complex64]| {
