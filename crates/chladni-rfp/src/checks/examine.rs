@@ -58,7 +58,9 @@ pub(crate) fn examine(
             noise_is_known: residual != Residual::NotWhite,
             noise,
         };
-        let found: Vec<Checked> = checks.par_iter().filter_map(|check| check(&case)).collect();
+        // the few that take long must not wait for one another
+        let each = checks.par_iter().with_max_len(1);
+        let found: Vec<Checked> = each.filter_map(|check| check(&case)).collect();
         for checked in found {
             join(model, checked);
         }

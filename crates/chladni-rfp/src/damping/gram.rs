@@ -1,13 +1,10 @@
 //! Pole columns and their derivatives, and the inner products of them all by partial
-//! fractions: one sum over lines for each pole in place of one for each pair.
-//!
-//! 1/((ā − x)(b − x)) = [1/(ā − x) − 1/(b − x)]/(b − ā), and derivatives of that. No
-//! digit is lost: ā lies below the real axis and b above, however near a and b are.
+//! fractions where the law has them: see [`crate::damping::partial_fractions`].
 
-use crate::damping::columns::inverse;
 use crate::damping::filled::{fill, fill_terms};
 use crate::damping::law::is_rational;
 use crate::damping::limits;
+use crate::damping::partial_fractions::{has_partial_fractions, rational_gram, viscous_gram, Kind};
 use crate::data::columns::Columns;
 use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_gram, blocked_matmul, blocked_matmul_h, tall_qr};
@@ -18,31 +15,30 @@ use rayon::prelude::*;
 
 /// The columns of one set of poles, all above the real axis, in the law of the lines.
 pub(crate) struct Cauchy<'a> {
+    work: &'a Columns,
     lambda: &'a [Complex64],
     /// Pole columns A, residual terms, and, unless left out, derivatives D of the pole
     /// columns, (line, n + terms + n): see [`crate::damping::basis::basis`].
     pub columns: Array2<Complex64>,
     /// Number of residual terms.
     terms: usize,
-    /// Σ g²/(λ − x) and, with derivatives, Σ g²/(λ − x)².
+    /// Σ g²/(λ − x) and, with derivatives, Σ g²/(λ − x)²: of the structural law.
     sums: Vec<[Complex64; 2]>,
-    /// The columns follow the structural law and nothing leaks.
-    rational: bool,
 }
 
 impl<'a> Cauchy<'a> {
     /// On the lines of `work`, with its weights.
-    pub fn new(work: &Columns, lambda: &'a [Complex64], powers: &[i32]) -> Self {
+    pub fn new(work: &'a Columns, lambda: &'a [Complex64], powers: &[i32]) -> Self {
         Self::with(work, lambda, powers, true)
     }
 
     /// The same without derivatives, at half the cost.
-    pub fn without_derivatives(work: &Columns, lambda: &'a [Complex64], powers: &[i32]) -> Self {
+    pub fn without_derivatives(work: &'a Columns, lambda: &'a [Complex64], powers: &[i32]) -> Self {
         Self::with(work, lambda, powers, false)
     }
 
     /// With the derivatives of all poles, or of none.
-    fn with(work: &Columns, lambda: &'a [Complex64], powers: &[i32], derivatives: bool) -> Self {
+    fn with(work: &'a Columns, lambda: &'a [Complex64], powers: &[i32], derivatives: bool) -> Self {
         let (n, m) = (lambda.len(), lambda.len() + powers.len());
         let mut columns = Array2::zeros((work.lines(), if derivatives { m + n } else { m }).f());
         let lines = work.lines().max(1);
@@ -58,20 +54,23 @@ impl<'a> Cauchy<'a> {
             .collect();
         fill_terms(work, powers, &mut plain[n * work.lines()..]);
         Self {
+            work,
             lambda,
             columns,
             terms: powers.len(),
             sums,
-            rational: has_partial_fractions(work),
         }
     }
 
     /// Inner products of all columns.
     pub fn gram(&self) -> Array2<Complex64> {
-        match self.rational {
-            true => self.by_partial_fractions(),
-            false => blocked_gram(self.columns.view()),
+        if !has_partial_fractions(self.work, self.lambda) {
+            return blocked_gram(self.columns.view());
         }
+        let n = self.lambda.len();
+        let terms = self.columns.slice(s![.., n..n + self.terms]);
+        let with_terms = matmul_h(self.columns.view(), terms);
+        by_partial_fractions(self.work, self.lambda, &self.sums, with_terms.view())
     }
 
     /// Thin QR of all columns: by Cholesky of their Gram matrix where each stands well outside
@@ -113,37 +112,32 @@ impl<'a> Cauchy<'a> {
         }
         Some((blocked_matmul(nearly.view(), inverse.view()), r))
     }
-
-    fn by_partial_fractions(&self) -> Array2<Complex64> {
-        let n = self.lambda.len();
-        let terms = self.columns.slice(s![.., n..n + self.terms]);
-        let with_terms = matmul_h(self.columns.view(), terms);
-        rational_gram(self.lambda, &self.sums, with_terms.view())
-    }
 }
 
-/// Inner products of all columns from the sums of a [`Cauchy`] and from their inner products
+/// Inner products of all columns from the `sums` of a [`Cauchy`] and from their inner products
 /// `with_terms`, (column, term): without derivatives where these have no rows.
-fn rational_gram(
+fn by_partial_fractions(
+    work: &Columns,
     lambda: &[Complex64],
     sums: &[[Complex64; 2]],
     with_terms: ArrayView2<Complex64>,
 ) -> Array2<Complex64> {
     let (all, terms) = with_terms.dim();
     let (n, m) = (lambda.len(), lambda.len() + terms);
+    let kinds: &[Kind] = match all > m {
+        true => &[Kind::Pole, Kind::Loss],
+        false => &[Kind::Pole],
+    };
+    let of_poles = match is_rational(work.law) {
+        true => rational_gram(lambda, sums, all > m),
+        false => viscous_gram(work, lambda, kinds),
+    };
     let mut gram = Array2::zeros((all, all).f());
-    for (q, (&b, of_b)) in lambda.iter().zip(sums).enumerate() {
-        for (p, (a, of_a)) in lambda.iter().zip(sums).enumerate() {
-            let over = inverse(b - a.conj());
-            let [first, second] = of_a.map(|sum| sum.conj());
-            let plain = (first - of_b[0]) * over;
-            gram[[p, q]] = plain;
-            if all == m {
-                continue;
-            }
-            gram[[p, m + q]] = (of_b[1] - plain) * over;
-            gram[[m + q, p]] = gram[[p, m + q]].conj();
-            gram[[m + p, m + q]] = (second + of_b[1] - 2.0 * plain) * over * over;
+    let parts = [(0..n, 0..n), (n..of_poles.nrows(), m..all)];
+    for (from, to) in &parts {
+        for (from_columns, to_columns) in &parts {
+            gram.slice_mut(s![to.clone(), to_columns.clone()])
+                .assign(&of_poles.slice(s![from.clone(), from_columns.clone()]));
         }
     }
     gram.slice_mut(s![.., n..m]).assign(&with_terms);
@@ -162,7 +156,7 @@ pub(crate) fn products<const K: usize>(
     derivatives: bool,
     others: [ArrayView2<Complex64>; K],
 ) -> (Array2<Complex64>, [Array2<Complex64>; K]) {
-    if !has_partial_fractions(work) {
+    if !has_partial_fractions(work, lambda) {
         let cauchy = Cauchy::with(work, lambda, powers, derivatives);
         let with = others.map(|other| blocked_matmul_h(cauchy.columns.view(), other));
         return (cauchy.gram(), with);
@@ -210,13 +204,8 @@ pub(crate) fn products<const K: usize>(
         whole
     };
     let sums: Vec<_> = parts.iter().flat_map(|(sums, _)| sums).copied().collect();
-    let gram = rational_gram(lambda, &sums, whole(0).view());
+    let gram = by_partial_fractions(work, lambda, &sums, whole(0).view());
     (gram, std::array::from_fn(|k| whole(k + 1)))
-}
-
-/// True where partial fractions give the inner products: in the structural law, without leakage.
-fn has_partial_fractions(work: &Columns) -> bool {
-    is_rational(work.law) && work.leakage.is_none()
 }
 
 #[cfg(test)]

@@ -73,6 +73,15 @@ pub(super) const SAVED_DIFFERENCE: f64 = 1e-4;
 /// double.
 pub(super) const SAVED_LOSS_BY_STEP: f64 = 0.5;
 
+// partial_fractions.rs
+
+/// Place of a viscous pole over that of the last line, from which on its products keep their digits:
+/// a tenth in frequency. Where lines weigh as ω³ and more, those of near poles keep ten there.
+pub(super) const LEAST_PLACE: f64 = 1e-2;
+/// Half-bandwidths within which a line must lie: products of derivatives lose the square of the
+/// distance.
+pub(super) const LINE_WITHIN: f64 = 30.0;
+
 // verdict.rs
 
 /// Shift of a frequency and a loss factor under the wrong law, relative and over η²: those of one
@@ -94,5 +103,8 @@ pub(super) const FORM_LEAST: f64 = -1.0;
 pub(super) const ANGLES_EXPLAINED: f64 = 4.0;
 /// Loss factor from which on a pole of the band is background.
 pub(super) const BROAD: f64 = 0.3;
+/// Distance from the end of the other law's search, in half-bandwidths and rad, within which a search
+/// has ended in the same minimum.
+pub(super) const SAME_END: f64 = 0.1;
 /// Searches at most that start again from the poles of the other law; two have sufficed.
 pub(super) const RESTARTS: usize = 4;

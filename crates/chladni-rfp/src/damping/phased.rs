@@ -7,10 +7,10 @@
 //! frequency turns all residues of its mode too.
 
 use crate::damping::basis::{basis, basis_derivative};
-use crate::damping::columns::loss;
 use crate::damping::gram::Cauchy;
 use crate::damping::limits;
 use crate::damping::mixing::Mixing;
+use crate::damping::partial_fractions::{viscous_gram_of, Kind};
 use crate::damping::places::in_plane_of;
 use crate::data::columns::Columns;
 use crate::data::information::answer;
@@ -314,13 +314,24 @@ fn columns(work: &Columns, lambda: &[Complex64]) -> (Array2<Complex64>, Array2<C
         let gram = cauchy.gram();
         return (cauchy.columns, gram);
     }
-    let mut all = cauchy.columns;
-    let across = all.slice(s![.., lambda.len()..]);
+    let columns = with_frequency(work, lambda, cauchy.columns);
+    let kinds = [Kind::Pole, Kind::Loss, Kind::Frequency];
+    let gram = viscous_gram_of(work, lambda, &kinds, &columns);
+    (columns, gram)
+}
+
+/// The columns φ and −j·∂φ/∂Im λ of the viscous law with ∂φ/∂Re λ beside them.
+fn with_frequency(
+    work: &Columns,
+    lambda: &[Complex64],
+    mut columns: Array2<Complex64>,
+) -> Array2<Complex64> {
+    let across = columns.slice(s![.., lambda.len()..]);
     let down = along_frequency(work, lambda, across.to_owned());
-    all.append(Axis(1), down.view()).expect("the same lines");
-    drop(down);
-    let gram = blocked_gram(all.view());
-    (all, gram)
+    columns
+        .append(Axis(1), down.view())
+        .expect("the same lines");
+    columns
 }
 
 /// ∂φ/∂Re λ of the viscous law from −j·∂φ/∂Im λ.
@@ -329,11 +340,13 @@ fn along_frequency(
     lambda: &[Complex64],
     mut across: Array2<Complex64>,
 ) -> Array2<Complex64> {
+    // λ − x → Re λ + j·Im λ·√(x/Re λ) − x
+    let over_y: Vec<f64> = work.x.iter().map(|x| 1.0 / x.sqrt()).collect();
     for (mut column, pole) in across.columns_mut().into_iter().zip(lambda) {
-        for (value, &x) in column.iter_mut().zip(&work.x) {
-            // λ − x → Re λ + j·Im λ·√(x/Re λ) − x
-            let loss = loss(work.law, *pole, x);
-            *value *= Complex64::new(1.0, -0.5 * pole.im * loss / pole.re) / loss;
+        let turn = -0.5 * pole.im / pole.re;
+        let root = pole.re.sqrt();
+        for (value, over_y) in column.iter_mut().zip(&over_y) {
+            *value *= Complex64::new(root * over_y, turn);
         }
     }
     across

@@ -11,7 +11,7 @@ use crate::damping::phased::{Common, LawFit};
 use crate::damping::places::in_plane_of;
 use crate::data::columns::Columns;
 use crate::data::information::answer;
-use chladni_frf::{Damping, Finding};
+use chladni_frf::Damping;
 use chladni_linalg::{matmul, LinalgError};
 use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
@@ -76,11 +76,13 @@ pub(crate) fn verdict(work: &Columns, fitted: &Fitted) -> Result<Verdict, Linalg
         0.5 * squares.arg()
     };
     let start = |law: Damping| -> Vec<(Complex64, f64)> {
-        let place = |pole: Complex64| match law == work.law {
-            true => Some(pole),
-            false => in_plane_of(law, pole),
+        let of_mode = |&n: &usize| {
+            let found = (fitted.lambda[n], angle(n));
+            match law == work.law {
+                true => Some(found),
+                false => read_in(law, found),
+            }
         };
-        let of_mode = |&n: &usize| Some((place(fitted.lambda[n])?, angle(n)));
         modes.iter().filter_map(of_mode).collect()
     };
     let fit = |law: Damping, start: &[(Complex64, f64)]| {
@@ -123,9 +125,19 @@ pub(crate) fn confusing_turn(work: &Columns, lambda: &[Complex64]) -> f64 {
     (limits::SHAPE_TURN * mean).to_degrees()
 }
 
+/// Pole and angle of a mode of the other law as they come out in `law`: the same resonance, its
+/// residue turned by half the loss factor.
+fn read_in(law: Damping, (pole, angle): (Complex64, f64)) -> Option<(Complex64, f64)> {
+    let turn = match law {
+        Damping::Structural => 0.5,
+        Damping::Viscous => -0.5,
+    };
+    Some((in_plane_of(law, pole)?, angle + turn * pole.im / pole.re))
+}
+
 /// Fits the law that explains less again, from the poles and angles of the other, where they
-/// differ enough to decide: a search may have ended in a minimum that is not the best. True where
-/// it now explains more than the other.
+/// differ enough to decide: a search may have ended in a minimum that is not the best. A fit that
+/// already stands there is not repeated. True where it now explains more than the other.
 fn overtaken(
     laws: &mut [LawFit; 2],
     variance: f64,
@@ -138,9 +150,17 @@ fn overtaken(
     }
     let start = laws[1 - worse].lambda.iter().zip(&laws[1 - worse].turn);
     let start: Option<Vec<(Complex64, f64)>> = start
-        .map(|(&pole, &turn)| Some((in_plane_of(LAWS[worse], pole)?, turn)))
+        .map(|(&pole, &turn)| read_in(LAWS[worse], (pole, turn)))
         .collect();
     let Some(start) = start else { return false };
+    let ended = laws[worse].lambda.iter().zip(&laws[worse].turn);
+    let stands_there = |((ended, turn), (pole, angle)): ((&Complex64, &f64), &(Complex64, f64))| {
+        let off = wrapped(&[turn - angle], 0.0)[0];
+        (ended - pole).norm() < limits::SAME_END * pole.im && off.abs() < limits::SAME_END
+    };
+    if ended.zip(&start).all(stands_there) {
+        return false;
+    }
     // both fits are kept if a third cannot be made
     let Ok(again) = fit(LAWS[worse], &start) else {
         return false;
@@ -254,81 +274,6 @@ pub(crate) fn shifts(loss_factor: f64) -> [f64; 3] {
         limits::LOSS_SHIFT * square * loss_factor,
         limits::SHAPE_TURN * loss_factor,
     ]
-}
-
-/// The finding where neither free residues nor common shapes decide; `most`: the largest
-/// [`shift`].
-pub(crate) fn undecidable(taken: Damping, most: f64) -> Finding {
-    Finding::note(
-        "law-undecidable",
-        format!(
-            "damping law undecidable: structural and viscous damping explain these data equally \
-             well; the numbers follow the {} law, and the error bars hold both (frequencies under the \
-             other one differ by about η²/4, up to {most:.0} error bars of noise)",
-            name(taken)
-        ),
-    )
-    .value("shift_over_error_bar", most)
-    .help("say which law holds, if you know it")
-}
-
-/// The finding where phases and shapes speak for different laws; `most`: the largest [`shift`].
-pub(crate) fn disputed(taken: Damping, most: f64) -> Finding {
-    Finding::note(
-        "law-undecidable",
-        format!(
-            "damping law undecidable: the phases of the residues speak for {} damping, but one \
-             shape per mode holds only under {} damping; the numbers follow the latter, and the \
-             error bars hold both (frequencies differ by about η²/4, up to {most:.0} error bars of \
-             noise)",
-            name(taken.other()),
-            name(taken)
-        ),
-    )
-    .value("shift_over_error_bar", most)
-    .help("say which law holds, if you know it")
-}
-
-/// The finding where only the phases as they were measured decide.
-pub(crate) fn if_phases_true(taken: Damping, degrees: f64) -> Finding {
-    Finding::note(
-        "law-if-phases-true",
-        format!(
-            "the damping law rests on the phases of the FRFs: {}, unless all of them share an \
-             error of {degrees:.2} degrees, which would pass for the other law",
-            name(taken)
-        ),
-    )
-    .value("phase_error_deg", degrees)
-    .help("say which law holds, if you know it")
-}
-
-/// The finding on a law that the data contradict; `degrees`: only if phases are true to
-/// better than this.
-pub(crate) fn contradicted(asked: Damping, degrees: Option<f64>) -> Finding {
-    let (own, other) = match asked {
-        Damping::Structural => (name(asked), name(Damping::Viscous)),
-        Damping::Viscous => (name(asked), name(Damping::Structural)),
-    };
-    let condition = degrees.map_or(String::new(), |degrees| {
-        format!(", if phases are true to better than {degrees:.2} degrees")
-    });
-    Finding::caution(
-        "law-contradicted",
-        format!(
-            "the data contradict the {own} damping that was asked for{condition}: {other} damping \
-             explains them better than noise allows; frequencies and loss factors are off by more \
-             than their error bars"
-        ),
-    )
-    .help("let the data choose the law")
-}
-
-fn name(damping: Damping) -> &'static str {
-    match damping {
-        Damping::Structural => "structural",
-        Damping::Viscous => "viscous",
-    }
 }
 
 #[cfg(test)]
@@ -458,21 +403,28 @@ mod tests {
         let work = lines(Damping::Viscous, &modes, &residues);
         let common = Common::new(&work, &[], &[-1, 0, 1]).unwrap();
         let variance = 1e-12;
+        let made = std::cell::Cell::new(0);
         let fit = |law: Damping, start: &[(Complex64, f64)]| {
+            made.set(made.get() + 1);
             common.fit(&work.axis().in_law(law), start, variance)
         };
         let start: Vec<(Complex64, f64)> = poles(&modes).into_iter().map(|p| (p, 0.0)).collect();
         let good = fit(Damping::Structural, &start).unwrap();
         let (sse, spoilt) = (good.sse, good.sse * 1e6 + 1.0);
         // as if the search in the true law had ended far away
+        let found = fit(Damping::Viscous, &start).unwrap();
         let lost = LawFit {
             sse: spoilt,
-            ..fit(Damping::Viscous, &start).unwrap()
+            lambda: found.lambda.iter().map(|pole| 1.1 * pole).collect(),
+            ..found
         };
         let mut laws = [good, lost];
         assert!(overtaken(&mut laws, variance, fit));
         assert!(laws[1].sse < 1e-2 * sse, "{} {sse}", laws[1].sse);
-        // what stands cannot be overtaken
+        // what stands cannot be overtaken, and a fit that stands there is not made again
+        laws[0].turn[1] += PI;
+        let before = made.get();
         assert!(!overtaken(&mut laws, variance, fit));
+        assert_eq!(made.get(), before);
     }
 }

@@ -149,6 +149,9 @@ pub(super) const SEEDS_MOST: usize = 100;
 pub(super) const DECIMATE_ABOVE_LINES: usize = 4000;
 /// Fewest lines that fourth differences, and peaks, are looked for on.
 pub(super) const DIFFERENCES_LEAST_LINES: usize = 6;
+/// Columns whose fourth differences are summed together; fixed, so that the bits do not depend on
+/// the number of threads.
+pub(super) const DIFFERENCES_BLOCK: usize = 8;
 /// See [`DIFFERENCES_LEAST_LINES`].
 pub(super) const PEAKS_LEAST_LINES: usize = 5;
 /// Values of a running median over half a window: between them it is held.

@@ -4,8 +4,9 @@ use crate::data::columns::Columns;
 use crate::data::fourth_difference::FourthDifference;
 use crate::data::limits;
 use crate::tolerances as tol;
-use ndarray::Array1;
+use ndarray::{Array1, ArrayView2, Axis};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// A local maximum of the mean |FRF|² above its surroundings.
 #[derive(Debug, Clone, Copy)]
@@ -54,18 +55,27 @@ pub(crate) fn fourth_difference_noise(work: &Columns, half_window: usize) -> Arr
     let differences: Vec<FourthDifference> = (2..n - 2)
         .map(|k| FourthDifference::new(about(k).map(|k| work.x[k].sqrt())))
         .collect();
-    let mut values = vec![Complex64::ZERO; n];
-    for column in b.columns() {
-        values
-            .iter_mut()
-            .zip(column)
-            .for_each(|(own, value)| *own = *value);
-        let sums = energy.iter_mut().skip(2).zip(&differences);
-        for ((sum, difference), five) in sums.zip(values.windows(5)) {
-            let five = std::array::from_fn(|k| five[k]);
-            *sum += difference.energy(five) / limits::DIFFERENCE_OF_NOISE;
+    let of_columns = |columns: ArrayView2<Complex64>| {
+        let mut energy = Array1::zeros(n);
+        let mut values = vec![Complex64::ZERO; n];
+        for column in columns.columns() {
+            values
+                .iter_mut()
+                .zip(column)
+                .for_each(|(own, value)| *own = *value);
+            let sums = energy.iter_mut().skip(2).zip(&differences);
+            for ((sum, difference), five) in sums.zip(values.windows(5)) {
+                let five = std::array::from_fn(|k| five[k]);
+                *sum += difference.energy(five) / limits::DIFFERENCE_OF_NOISE;
+            }
         }
-    }
+        energy
+    };
+    let blocks: Vec<_> = b
+        .axis_chunks_iter(Axis(1), limits::DIFFERENCES_BLOCK)
+        .collect();
+    let parts: Vec<Array1<f64>> = blocks.into_par_iter().map(of_columns).collect();
+    parts.iter().for_each(|part| energy += part);
     energy /= b.ncols() as f64;
     let raw: Vec<f64> = energy.iter().skip(2).take(n - 4).copied().collect();
     // median of χ²_{2r} over its mean, for the mean over r columns

@@ -51,10 +51,11 @@ impl Projected {
         let factor = data.factor();
         let half = inverse_root(gram)?;
         let columns = blocked_matmul(t.view(), half.view());
-        let complex = |(k, c): (usize, usize)| {
-            factor * Complex64::new(columns[[2 * k, c]], columns[[2 * k + 1, c]])
-        };
-        let b = Array2::from_shape_fn((lines, half.ncols()).f(), complex);
+        let parts = columns.as_slice_memory_order().unwrap_or_default();
+        let parts = parts.as_chunks().0.iter();
+        let values = parts.map(|&[re, im]| factor * Complex64::new(re, im));
+        let b = Array2::from_shape_vec((lines, half.ncols()).f(), values.collect());
+        let b = b.expect("two parts of each value");
         let mut beyond = line_energy.clone();
         add_energy(&mut beyond, &b, -1.0);
         for (energy, weight) in beyond.iter_mut().zip(weights) {

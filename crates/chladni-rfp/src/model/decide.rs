@@ -1,6 +1,7 @@
 //! Decisions on the structure: its damping law, and one shape per mode, complex or real, for all
 //! references.
 
+use crate::damping::findings;
 use crate::damping::verdict::{self, Fitted, Verdict};
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
@@ -179,19 +180,19 @@ pub(crate) fn note_law(
         _ => LawOpen::No,
     };
     match verdict {
-        Verdict::Decided(other) if other != law => Some(verdict::contradicted(law, None)),
+        Verdict::Decided(other) if other != law => Some(findings::contradicted(law, None)),
         // a phase that all modes share cannot contradict real shapes
         Verdict::IfPhasesTrue(other, degrees) if other != law && !real => {
-            Some(verdict::contradicted(law, Some(degrees)))
+            Some(findings::contradicted(law, Some(degrees)))
         }
         Verdict::IfPhasesTrue(own, degrees) if own == law && free && shift > limits::LAW_SHIFTS => {
-            Some(verdict::if_phases_true(law, degrees))
+            Some(findings::if_phases_true(law, degrees))
         }
         Verdict::Undecidable if free && shift > limits::LAW_SHIFTS => {
-            Some(verdict::undecidable(law, shift))
+            Some(findings::undecidable(law, shift))
         }
         Verdict::Disputed if free && shift > limits::LAW_SHIFTS => {
-            Some(verdict::disputed(law, shift))
+            Some(findings::disputed(law, shift))
         }
         _ => None,
     }

@@ -125,6 +125,9 @@ pub(super) const NARROWEST: f64 = 0.01;
 
 // rank.rs
 
+/// Part of the energy of a column outside those before it from which on singular values of a Gram
+/// matrix tell the rank: they are then off by a part of some 1e-4 at most.
+pub(super) const GRAM_TELLS_RANK: f64 = 1e-11;
 /// The noise is taken from the singular values after this share of them. Its floor is seen if fewer
 /// than this share stand out.
 pub(super) const BEFORE_NOISE: (usize, usize) = (3, 4);

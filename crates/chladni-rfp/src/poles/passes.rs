@@ -209,7 +209,10 @@ impl Pass {
             ..
         } = self;
         let (work, frfs) = (&projected.work, data.pairs.len());
-        if !self.refined.has_room(data.lines.len()) {
+        // of exact data the residual over all FRFs is the rounding of a difference
+        let left = projected.line_residual(&self.refined.projection.residual);
+        let is_rounding = left.sum() <= limits::EXPLAINED * work.energy();
+        if is_rounding || !self.refined.has_room(data.lines.len()) {
             return None;
         }
         let found = |unconfirmed| move |place| MissedPole { place, unconfirmed };

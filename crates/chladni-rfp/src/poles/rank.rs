@@ -2,7 +2,6 @@
 
 use crate::data::columns::Columns;
 use crate::poles::limits;
-use crate::tolerances as tol;
 use chladni_linalg::blocked::{blocked_gram, tall_r};
 use chladni_linalg::{cholesky, singular_values, LinalgError};
 use ndarray::Array2;
@@ -19,13 +18,13 @@ pub(crate) fn visible_rank(work: &Columns) -> Result<(usize, bool), LinalgError>
 }
 
 /// A small matrix with the singular values of `b`: the Cholesky factor of its Gram matrix if every
-/// column stands well outside those before it. Else it is R, for a Gram matrix squares the
-/// condition.
+/// column stands outside those before it by more than the rounding of these sums. Else it is R, for
+/// a Gram matrix squares the condition.
 fn triangle(b: &Array2<Complex64>) -> Result<Array2<Complex64>, LinalgError> {
     let gram = blocked_gram(b.view());
     let well_conditioned = |lower: &Array2<Complex64>| {
         let mut pivots = lower.diag().into_iter().zip(gram.diag());
-        pivots.all(|(pivot, whole)| pivot.norm_sqr() > tol::OUTSTANDING.powi(2) * whole.re)
+        pivots.all(|(pivot, whole)| pivot.norm_sqr() > limits::GRAM_TELLS_RANK * whole.re)
     };
     match cholesky(gram.view()).ok().filter(well_conditioned) {
         Some(lower) => Ok(lower),

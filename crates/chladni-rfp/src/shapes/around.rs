@@ -12,9 +12,7 @@ use crate::shapes::limits;
 use crate::shapes::step::State;
 use crate::shapes::target::Target;
 use crate::tolerances as tol;
-use chladni_linalg::blocked::{
-    blocked_gram, blocked_matmul, blocked_matmul_h, blocked_matmul_mixed, projected,
-};
+use chladni_linalg::blocked::{blocked_gram, blocked_matmul, blocked_matmul_h, projected};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -51,7 +49,7 @@ impl<'a> Rest<'a> {
         let columns = basis(work, &state.lambda, &[]);
         let (compressed, beside) = {
             let gram = blocked_gram(columns.view());
-            let compressed = blocked_matmul_mixed(&state.residues(), whole.back.t());
+            let compressed = whole.compressed(&state.shapes.shape, &state.participation);
             let along = blocked_matmul(gram.view(), compressed.view());
             // Σ rᴴGr over all FRFs is the trace of G·RRᴴ
             let all = (&gram * &state.residue_products()).sum().re;

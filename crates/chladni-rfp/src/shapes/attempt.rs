@@ -245,8 +245,8 @@ impl<'a> Attempt<'a> {
     ) -> Result<Option<State>, LinalgError> {
         let target = self.target();
         if self.asked != ShapeModel::Rank1 {
-            let (lambda, along) = (state.lambda.clone(), state.participation.clone());
-            let real = State::new(target, lambda, along, true)?.refined(target, Enough::Fine);
+            let real = state.with_real_shapes(target)?;
+            let real = real.refined(target, Enough::Fine);
             let rise = real.sse - state.sse;
             let phases = self.phases(&state);
             let sigmas = beyond_chance(rise, phases, self.found.variance, self.rounding());
@@ -343,7 +343,7 @@ fn leading_participations(
     sides: [usize; 2],
 ) -> Result<Array2<Complex64>, LinalgError> {
     let leading = |n: usize| -> Result<Array1<Complex64>, LinalgError> {
-        let matrix = Array2::from_shape_fn(sides, |(i, j)| residues[[n, i * sides[1] + j]]);
+        let matrix = Array2::from_shape_fn(sides.f(), |(i, j)| residues[[n, i * sides[1] + j]]);
         Ok(strongest(&matrix, 1)?.swap_remove(0).1)
     };
     let rows = (0..residues.nrows())

@@ -14,7 +14,7 @@ use crate::shapes::line_products::LineProducts;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::residues::alike;
 use crate::shapes::scale::Scale;
-use crate::shapes::tangent::{overlapping, taken, unknowns, Tangent, Unknown};
+use crate::shapes::tangent::{overlapping, pivots, taken, unknowns, Tangent, Unknown};
 use crate::shapes::term_noise::TermNoise;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{concatenate, s, Array1, Array2, Axis, ShapeBuilder};
@@ -246,7 +246,9 @@ impl ShapeErrors {
     ) -> Result<Vec<Bars>, LinalgError> {
         // poles first: where they come from free residues they have a covariance of their
         // own
-        let mut unknowns = unknowns(&modes, &self.participation, self.real);
+        let pivot = pivots(&self.participation);
+        let references = self.participation.ncols();
+        let mut unknowns = unknowns(&modes, &pivot, references, self.real);
         unknowns.sort_by_key(|unknown| unknown.other.is_some());
         let inside: Vec<Array2<Complex64>> = self
             .groups

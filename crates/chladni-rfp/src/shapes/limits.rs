@@ -214,11 +214,16 @@ pub(super) const STRUCTURED_STEP: f64 = 0.5;
 /// matrices: they change by about this part of themselves, so each later step still
 /// leaves a hundredth of the error, at a tenth of the cost.
 pub(super) const MATRIX_KEPT: f64 = 1e-2;
-/// The same where only a sum of squares is asked for.
+/// Step, in half-bandwidths, that ends it where only a sum of squares is asked for.
 pub(super) const STRUCTURED_ROUGH_STEP: f64 = 1e-4;
-/// Step, in half-bandwidths, that ends structured refinement: clusters stepped apart
-/// converge linearly, so the error left is of the step's own size.
-pub(super) const STRUCTURED_FINE_STEP: f64 = 1e-11;
+/// Error of a pole, in half-bandwidths, that ends structured refinement. Clusters stepped apart
+/// converge linearly, so the next step tells it.
+pub(super) const STRUCTURED_FINE: f64 = 1e-11;
+/// Factor by which each step is taken to shrink the next one at most: a cluster that converges fast
+/// must not hide a slow one.
+pub(super) const LEAST_RATE: f64 = 1e-2;
+/// A participation may be so many times as large as the pivot of its mode while steps are short.
+pub(super) const PIVOT_KEPT: f64 = 2.0;
 /// Part of its loss that a pole keeps at least by a step.
 pub(super) const STRUCTURED_LOSS_KEPT: f64 = 0.1;
 

@@ -11,7 +11,7 @@ use crate::data::columns::Columns;
 use crate::data::information::covariance;
 use crate::shapes::limits;
 use chladni_linalg::{matmul, matmul_h, singular_values, svd_thin, LinalgError};
-use ndarray::{Array1, Array2, ArrayView1, ShapeBuilder};
+use ndarray::{Array1, Array2, ArrayView1, Axis, ShapeBuilder};
 use num_complex::Complex64;
 
 /// Free residues, their weight, and which pairs exist.
@@ -50,17 +50,24 @@ pub(crate) fn strongest(
             .collect());
     }
     let squares = |values: ArrayView1<Complex64>| values.iter().map(|v| v.norm_sqr()).sum::<f64>();
-    let along = |v: &Array1<Complex64>| matrix.dot(&v.mapv(|v| v.conj()));
     let rows = matrix.rows().into_iter();
     let largest = rows.max_by(|a, b| squares(a.view()).total_cmp(&squares(b.view())));
-    let unit = |v: Array1<Complex64>| {
-        &v / Complex64::from(squares(v.view()).sqrt().max(f64::MIN_POSITIVE))
+    let conjugate = |v: ArrayView1<Complex64>| v.mapv(|v| v.conj());
+    // v̄, a column of unit norm
+    let unit = |v: Array2<Complex64>| {
+        let norm = v.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+        v / Complex64::from(norm.max(f64::MIN_POSITIVE))
     };
-    let mut v = unit(largest.expect("a response at least").to_owned());
+    let largest = largest.expect("a response at least");
+    let mut v = unit(conjugate(largest).insert_axis(Axis(1)));
     for _ in 0..limits::POWER_STEPS {
-        v = unit(along(&v).mapv(|u| u.conj()).dot(matrix));
+        v = unit(matmul_h(
+            matrix.view(),
+            matmul(matrix.view(), v.view()).view(),
+        ));
     }
-    Ok(vec![(along(&v), v)])
+    let u = matmul(matrix.view(), v.view());
+    Ok(vec![(u.column(0).to_owned(), conjugate(v.column(0)))])
 }
 
 /// A rise of the sum of squares over that of a wider model, against what chance allows:

@@ -9,11 +9,11 @@
 use crate::shapes::factor::Factor;
 use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
-use crate::shapes::tangent::{overlapping, pivot, taken, unknowns, Tangent, Unknown};
-use crate::shapes::target::{Products, Shapes, Target};
+use crate::shapes::tangent::{overlapping, pivots, taken, unknowns, Tangent, Unknown};
+use crate::shapes::target::{residues, Products, Shapes, Target};
 use crate::tolerances as tol;
 use chladni_linalg::{inverse_hermitian, matmul, LinalgError};
-use ndarray::{Array2, Axis, ShapeBuilder};
+use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -33,14 +33,14 @@ pub(crate) enum Enough {
 }
 
 impl Enough {
-    /// `largest`: step in half-bandwidths; `drop`: of the sum of squares by it.
-    fn is_reached(self, largest: f64, drop: f64) -> bool {
-        let step = match self {
-            Self::SumOfSquares(least) if drop < least => limits::STRUCTURED_ROUGH_STEP,
-            Self::Fine | Self::SumOfSquares(_) => limits::STRUCTURED_FINE_STEP,
-            Self::Rough => tol::ROUGH.tolerance,
-        };
-        largest < step
+    /// * `largest`: the last step in half-bandwidths, `drop` of the sum of squares by it
+    /// * `left`: the step that would follow
+    fn is_reached(self, largest: f64, drop: f64, left: f64) -> bool {
+        match self {
+            Self::SumOfSquares(least) if drop < least => largest < limits::STRUCTURED_ROUGH_STEP,
+            Self::Fine | Self::SumOfSquares(_) => left < limits::STRUCTURED_FINE,
+            Self::Rough => largest < tol::ROUGH.tolerance,
+        }
     }
 }
 
@@ -94,21 +94,48 @@ impl State {
     }
 
     /// Shapes by linear least squares at poles and participations.
+    ///
+    /// # Errors
+    /// A kernel that fails.
     pub fn new(
         target: &Target,
         lambda: Vec<Complex64>,
         participation: Array2<Complex64>,
         real: bool,
     ) -> Result<Self, LinalgError> {
-        let mut participation = participation;
-        let pivot: Vec<usize> = (0..lambda.len())
-            .map(|n| pivot(&participation, n))
-            .collect();
+        let products = Products::new(target, &lambda);
+        let pivot = pivots(&participation);
+        Self::at(target, (lambda, products), (participation, pivot), real)
+    }
+
+    /// The same poles with real shapes and participations.
+    ///
+    /// # Errors
+    /// A kernel that fails.
+    pub fn with_real_shapes(&self, target: &Target) -> Result<Self, LinalgError> {
+        let poles = (self.lambda.clone(), self.products.clone());
+        let along = (self.participation.clone(), pivots(&self.participation));
+        Self::at(target, poles, along, true)
+    }
+
+    /// True where no participation is much larger than the pivot of its mode.
+    fn pivots_hold(&self, participation: &Array2<Complex64>) -> bool {
+        let of_modes = participation.rows().into_iter().zip(&self.pivot);
+        let mut of_modes = of_modes.map(|(row, &pivot)| (row, row[pivot].norm()));
+        of_modes.all(|(row, pivot)| row.iter().all(|v| v.norm() <= limits::PIVOT_KEPT * pivot))
+    }
+
+    /// Shapes at poles with their products, and at participations with their pivots.
+    fn at(
+        target: &Target,
+        (lambda, products): (Vec<Complex64>, Products),
+        (mut participation, pivot): (Array2<Complex64>, Vec<usize>),
+        real: bool,
+    ) -> Result<Self, LinalgError> {
         for (mut row, &at) in participation.rows_mut().into_iter().zip(&pivot) {
             let value = row[at];
             row.mapv_inplace(|v| taken(real, v / value));
         }
-        let products = Products::new(target, &lambda);
         let along = matmul(conjugate(&participation).view(), participation.t());
         let gram_inverse = inverse_hermitian(
             (&products.lines.ff * &along)
@@ -131,27 +158,20 @@ impl State {
         })
     }
 
-    /// Residues ψ_i L_j of all modes, (mode, own·other).
+    /// Residues ψ_i·L_j of all modes, (mode, own·other).
     pub fn residues(&self) -> Array2<Complex64> {
-        let (shape, others) = (&self.shapes.shape, &self.participation);
-        let mut residues = Array2::zeros((shape.nrows(), shape.ncols() * others.ncols()).f());
-        let pairs = shape
-            .columns()
-            .into_iter()
-            .flat_map(|own| others.columns().into_iter().map(move |other| (own, other)));
-        for (mut column, (own, other)) in residues.columns_mut().into_iter().zip(pairs) {
-            let products = own.into_iter().zip(other).map(|(a, b)| a * b);
-            column
-                .iter_mut()
-                .zip(products)
-                .for_each(|(value, product)| *value = product);
-        }
-        residues
+        residues(self.shapes.shape.view(), self.participation.view())
     }
 
     /// R̄Rᵀ of [`Self::residues`], (mode, mode).
     pub fn residue_products(&self) -> Array2<Complex64> {
         &self.across * &self.along
+    }
+
+    /// The unknowns of some modes.
+    fn unknowns(&self, modes: &[usize]) -> Vec<Unknown> {
+        let references = self.participation.ncols();
+        unknowns(modes, &self.pivot, references, self.real)
     }
 
     /// Gauss–Newton matrix of the given unknowns, shapes eliminated. Two terms of one
@@ -210,7 +230,7 @@ impl State {
         overlapping(&self.lambda)
             .into_par_iter()
             .map(|modes| {
-                let unknowns = unknowns(&modes, &self.participation, self.real);
+                let unknowns = self.unknowns(&modes);
                 let mut matrix = self.information(&unknowns);
                 matrix.diag_mut().mapv_inplace(|d| {
                     Complex64::new(d.re * (1.0 + damping) + f64::MIN_POSITIVE, 0.0)
@@ -252,10 +272,16 @@ impl State {
                     .max(limits::STRUCTURED_LOSS_KEPT * self.lambda[n].im);
             }
         }
-        Ok((
-            Self::new(target, lambda, participation, self.real)?,
-            largest,
-        ))
+        // matrices that are kept are those of these pivots
+        let next = match largest < limits::MATRIX_KEPT && self.pivots_hold(&participation) {
+            true => {
+                let products = Products::new(target, &lambda);
+                let along = (participation, self.pivot.clone());
+                Self::at(target, (lambda, products), along, self.real)?
+            }
+            false => Self::new(target, lambda, participation, self.real)?,
+        };
+        Ok((next, largest))
     }
 
     /// Gauss–Newton with Levenberg–Marquardt damping until it is [`Enough`]. Short steps
@@ -263,7 +289,7 @@ impl State {
     /// else.
     pub fn refined(mut self, target: &Target, enough: Enough) -> Self {
         let mut damping = tol::LM_START;
-        let mut clusters = None;
+        let (mut clusters, mut before, mut slower) = (None, 0.0, 1.0);
         // the sum of squares is a difference of large numbers: near the end its rounding
         // must not refuse good steps
         let rounding = tol::STEP_ROUNDING * target.energy;
@@ -276,12 +302,18 @@ impl State {
                         (largest < limits::MATRIX_KEPT && next.pivot == self.pivot).then_some(kept);
                     self = next;
                     damping *= tol::LM_DOWN;
-                    if enough.is_reached(largest, drop) {
+                    // steps shrink about geometrically: the error left is about the next step,
+                    // by the slower of the last two rates
+                    let made = largest.min(limits::STRUCTURED_STEP);
+                    let rate = (made / before).clamp(limits::LEAST_RATE, 1.0);
+                    if enough.is_reached(largest, drop, largest * rate.max(slower)) {
                         break;
                     }
+                    (before, slower) = (made, rate);
                 }
-                Ok(((_, largest), _)) if largest < limits::STRUCTURED_FINE_STEP => break,
+                Ok(((_, largest), _)) if largest < limits::STRUCTURED_FINE => break,
                 _ => {
+                    (before, slower) = (0.0, 1.0);
                     damping = (damping * tol::LM_UP).max(tol::LM_LEAST);
                     if damping > tol::LM_GIVE_UP {
                         break;
@@ -295,7 +327,7 @@ impl State {
     /// Variances of Re λ and Im λ per mode for unit noise variance.
     pub fn spread(&self) -> Vec<[f64; 2]> {
         let of_cluster = |cluster: Vec<usize>| {
-            let unknowns = unknowns(&cluster, &self.participation, self.real);
+            let unknowns = self.unknowns(&cluster);
             let poles: Vec<usize> = (0..unknowns.len())
                 .filter(|&a| unknowns[a].other.is_none())
                 .collect();

@@ -6,7 +6,7 @@
 use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
 use chladni_linalg::{matmul, matmul_h};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
 
 /// One unknown: its mode, whether the pole or which participation, and the unit it moves
@@ -96,10 +96,11 @@ impl Tangent<'_> {
 }
 
 /// The unknowns of some modes, mode by mode: the pole, then all participations but the
-/// largest, which fixes the scale.
+/// pivot, which fixes the scale.
 pub(crate) fn unknowns(
     modes: &[usize],
-    participation: &Array2<Complex64>,
+    pivot: &[usize],
+    references: usize,
     real: bool,
 ) -> Vec<Unknown> {
     let units: &[Complex64] = if real {
@@ -114,7 +115,7 @@ pub(crate) fn unknowns(
             other: None,
             unit,
         }));
-        let others = (0..participation.ncols()).filter(|j| *j != pivot(participation, mode));
+        let others = (0..references).filter(|j| *j != pivot[mode]);
         list.extend(others.map(|j| Unknown {
             mode,
             other: Some(j),
@@ -124,13 +125,14 @@ pub(crate) fn unknowns(
     list
 }
 
-/// The largest participation of a mode.
-pub(crate) fn pivot(participation: &Array2<Complex64>, mode: usize) -> usize {
-    participation
-        .row(mode)
-        .indexed_iter()
-        .max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))
-        .map_or(0, |(j, _)| j)
+/// The largest participation of each mode.
+pub(crate) fn pivots(participation: &Array2<Complex64>) -> Vec<usize> {
+    let of_mode = |row: ArrayView1<Complex64>| {
+        row.indexed_iter()
+            .max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))
+            .map_or(0, |(j, _)| j)
+    };
+    participation.rows().into_iter().map(of_mode).collect()
 }
 
 /// Real part where shapes are real, all of it otherwise.

@@ -94,6 +94,29 @@ impl<'a> Target<'a> {
         projected(self.free.view(), columns.view()).1
     }
 
+    /// Residues ψ_i·L_j of every pair on the compressed columns, (mode, column).
+    ///
+    /// * `shape`, `participation`: (mode, own) and (mode, other)
+    pub fn compressed(
+        &self,
+        shape: &Array2<Complex64>,
+        participation: &Array2<Complex64>,
+    ) -> Array2<Complex64> {
+        let [own, other] = self.sides;
+        let size = own.div_ceil(tol::PASS_GROUPS).max(1);
+        let backs = self.back.axis_chunks_iter(Axis(1), size * other);
+        let blocks: Vec<_> = shape.axis_chunks_iter(Axis(1), size).zip(backs).collect();
+        let parts: Vec<Array2<Complex64>> = blocks
+            .into_par_iter()
+            .map(|(shape, back)| {
+                let residues = residues(shape, participation.view());
+                blocked_matmul_mixed(&residues, back.t())
+            })
+            .collect();
+        let none = Array2::zeros((shape.nrows(), self.back.nrows()));
+        parts.iter().fold(none, |sum, part| sum + part)
+    }
+
     /// columnsᴴ · data of every pair, (column, own·other).
     pub fn against(&self, columns: &Array2<Complex64>) -> Array2<Complex64> {
         blocked_matmul_mixed(
@@ -101,6 +124,29 @@ impl<'a> Target<'a> {
             self.back.view(),
         )
     }
+}
+
+/// Residues ψ_i·L_j of all modes, (mode, own·other).
+pub(crate) fn residues(
+    shape: ArrayView2<Complex64>,
+    participation: ArrayView2<Complex64>,
+) -> Array2<Complex64> {
+    let size = (shape.nrows(), shape.ncols() * participation.ncols());
+    let mut residues = Array2::zeros(size.f());
+    let pairs = shape.columns().into_iter().flat_map(|own| {
+        participation
+            .columns()
+            .into_iter()
+            .map(move |other| (own, other))
+    });
+    for (mut column, (own, other)) in residues.columns_mut().into_iter().zip(pairs) {
+        let products = own.into_iter().zip(other).map(|(a, b)| a * b);
+        column
+            .iter_mut()
+            .zip(products)
+            .for_each(|(value, product)| *value = product);
+    }
+    residues
 }
 
 /// Products over lines at one set of poles: F the pole columns, D their derivatives, B
@@ -261,4 +307,48 @@ pub(crate) fn free_residues(
     let residues = solve_hermitian(blocked_gram(f.view()).view(), against.view())?;
     let left = target.energy - inner(residues.view(), against.view());
     Ok((residues, left))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_frf::Damping;
+
+    #[test]
+    fn residues_on_columns_are_those_of_all_pairs() {
+        let work = Columns {
+            x: vec![0.1, 0.2],
+            g: vec![1.0; 2],
+            b: Array2::zeros((2, 3)),
+            law: Damping::Structural,
+            leakage: None,
+            neighbours: 0.0,
+        };
+        let value = |i: usize, j: usize| ((7 * i + 3 * j) % 11) as f64 - 5.0;
+        let complex = |(i, j): (usize, usize)| Complex64::new(value(i, j), value(j + 1, i));
+        // more DOFs than groups of them, and fewer
+        for (own, other) in [(21, 2), (3, 4), (1, 1)] {
+            let back = Array2::from_shape_fn((3, own * other).f(), |(i, j)| value(i, j));
+            let target = Target {
+                work: &work,
+                free: Array2::zeros((2, 0)),
+                data: work.b.clone(),
+                back: Cow::Borrowed(&back),
+                sides: [own, other],
+                energy: 0.0,
+            };
+            let shape = Array2::from_shape_fn((2, own).f(), complex);
+            let participation = Array2::from_shape_fn((2, other), complex);
+            let compressed = target.compressed(&shape, &participation);
+            let direct = Array2::from_shape_fn((2, 3), |(n, c)| -> Complex64 {
+                let pair = |l: usize| {
+                    let residue = shape[[n, l / other]] * participation[[n, l % other]];
+                    residue * back[[c, l]]
+                };
+                (0..own * other).map(pair).sum()
+            });
+            let near = |(a, b): (&Complex64, &Complex64)| (a - b).norm() < 1e-9;
+            assert!(compressed.iter().zip(&direct).all(near), "{own} {other}");
+        }
+    }
 }
