@@ -166,7 +166,9 @@ fn with_file(
             pair.field.frequency_hz != scene.frequency_hz && scene.other_tones.is_empty();
         return match error.field.as_deref() {
             Some("weights" | "weights.frequency_hz") => error.file(weights),
-            Some("weights_sha256" | "response" | "unit" | "velocity") => error.file(field),
+            Some("weights_sha256" | "response" | "unit" | "velocity" | "gains") => {
+                error.file(field)
+            }
             Some("frequency_hz") if elsewhere => error.file(field),
             _ => error,
         };

@@ -7,8 +7,8 @@ use crate::time_table::{stress_table, time_table};
 use chladni_console::input::{read_weights, source};
 use chladni_console::output::{make_folder, Output, PICTURE, SIGNALS};
 use chladni_console::table::significant;
-use chladni_console::{unbroken, Console, Outcome};
-use chladni_frf::{Error, ErrorKind, ModalModel, Result};
+use chladni_console::{unbroken, whole_number, Console, Outcome};
+use chladni_frf::{Error, ModalModel, Result};
 use chladni_io::{read_model, try_place};
 use chladni_render::{
     play, stress_in_time, ChannelMap, MethodChoice, PlayOptions, Played, Ramps, RenderOptions,
@@ -84,11 +84,8 @@ pub struct Args {
 
 /// `--rate` as a number.
 fn parse_rate(text: &str) -> Result<u32> {
-    text.parse().map_err(|_| {
-        Error::new(ErrorKind::Usage, "no sampling rate")
-            .expected(format!("a whole number of Hz from 1 to {}", u32::MAX))
-            .help("48000 is usual")
-    })
+    whole_number(text, 1..=u32::MAX, " of Hz", "no sampling rate")
+        .map_err(|error| error.help("48000 is usual"))
 }
 
 /// Value of a sample of 1; `None`: a round number above the peak.
@@ -304,7 +301,7 @@ mod tests {
     #[test]
     fn a_rate_out_of_range_is_told_the_range_in_hz() {
         assert_eq!(parse_rate("4294967295"), Ok(u32::MAX));
-        for text in ["4294967296", "-5", "44100.5", "48k"] {
+        for text in ["0", "4294967296", "-5", "44100.5", "48k"] {
             let expected = parse_rate(text).unwrap_err().expected.unwrap();
             assert_eq!(expected, "a whole number of Hz from 1 to 4294967295");
         }

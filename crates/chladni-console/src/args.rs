@@ -1,5 +1,8 @@
 //! The options that all commands have.
 
+use crate::limits::MOST_THREADS;
+use crate::numbers::whole_number;
+use chladni_frf::Result;
 use clap::{ArgAction, Args, ValueEnum};
 
 /// Options of all commands.
@@ -20,7 +23,7 @@ pub struct Common {
     pub no_color: bool,
     /// Threads to compute with; the result is the same for any number [default: all
     /// cores]
-    #[arg(long, global = true, value_name = "N", env = "CHLADNI_THREADS", hide_env_values = true, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, value_name = "N", env = "CHLADNI_THREADS", hide_env_values = true, allow_negative_numbers = true, value_parser = parse_threads)]
     pub threads: Option<u16>,
     /// Overwrite existing output files
     #[arg(long, global = true)]
@@ -28,6 +31,12 @@ pub struct Common {
     /// Progress on stderr: a bar on a terminal only, a line per stage, or nothing
     #[arg(long, global = true, value_name = "HOW", value_enum, default_value_t = ProgressChoice::Auto)]
     pub progress: ProgressChoice,
+}
+
+/// `--threads` as a number.
+fn parse_threads(text: &str) -> Result<u16> {
+    whole_number(text, 1..=MOST_THREADS, "", "no such number of threads")
+        .map_err(|error| error.help("leave --threads out to compute with all cores"))
 }
 
 /// Display of progress. (Plain comments below: documented values would make every help

@@ -2,6 +2,11 @@
 
 use std::time::Duration;
 
+// args.rs
+
+/// Most threads that may be asked for: more than any machine has cores that a fit keeps busy.
+pub(crate) const MOST_THREADS: u16 = 1024;
+
 // oddities.rs
 
 /// End of a frequency axis, Hz, below which it is doubtful: such an axis is probably in kHz.

@@ -2,6 +2,7 @@
 
 use crate::console::for_terminal;
 use crate::input::DofFile;
+use crate::numbers::in_range;
 use crate::stdout::print_error;
 use chladni_frf::{Error, ErrorKind};
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
@@ -201,6 +202,14 @@ fn reason(answer: &clap::Error) -> Option<&Error> {
     std::error::Error::source(answer).and_then(|reason| reason.downcast_ref())
 }
 
+/// Both ends of the range that clap's own parser of numbers asks for: `0 is not in 1..=20`.
+fn range_of(answer: &clap::Error) -> Option<(String, String)> {
+    let said = std::error::Error::source(answer)?.to_string();
+    let (_, range) = said.split_once(" is not in ")?;
+    let (low, high) = range.split_once("..=")?;
+    Some((low.to_owned(), high.to_owned()))
+}
+
 /// True for an option that occurs twice, which clap calls a conflict with itself.
 fn is_twice(answer: &clap::Error) -> bool {
     let of = |kind| context(answer, kind);
@@ -227,6 +236,9 @@ fn with_value(error: Error, answer: &clap::Error) -> Error {
     };
     if let Some(expected) = reason(answer).and_then(|reason| reason.expected.as_deref()) {
         return error.expected(expected);
+    }
+    if let Some((low, high)) = range_of(answer) {
+        return error.expected(in_range(low, high, ""));
     }
     match context(answer, ContextKind::ValidValue) {
         Some(valid) => error.expected(match context(answer, ContextKind::SuggestedValue) {
@@ -281,6 +293,7 @@ fn message(answer: &clap::Error) -> String {
         // the words of number parsers are for programmers
         return match reason.is::<std::num::ParseIntError>() {
             true => "not a whole number, 0 or more".into(),
+            false if range_of(answer).is_some() => "this number is out of its range".into(),
             false => reason.to_string(),
         };
     }
@@ -320,5 +333,33 @@ fn words(value: &ContextValue) -> String {
         ContextValue::Number(number) => number.to_string(),
         ContextValue::Bool(_) | ContextValue::None => String::new(),
         _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_of_the_parser_is_told_in_words() {
+        let seeds = Arg::new("seeds")
+            .long("seeds")
+            .value_name("N")
+            .value_parser(clap::value_parser!(u32).range(1..=20));
+        let program = Command::new("rig").arg(seeds);
+        let told = |value: &str| {
+            let arguments = ["rig", "--seeds", value];
+            let answer = program.clone().try_get_matches_from(arguments);
+            error_of(&answer.unwrap_err(), &program)
+        };
+        let error = told("40");
+        assert_eq!(error.message, "this number is out of its range");
+        assert_eq!(error.field.as_deref(), Some("--seeds"));
+        assert_eq!(error.found.as_deref(), Some("40"));
+        let expected = error.expected.as_deref();
+        assert_eq!(expected, Some("a whole number from 1 to 20"));
+        let error = told("many");
+        assert_eq!(error.message, "not a whole number, 0 or more");
+        assert_eq!(error.expected.as_deref(), Some("a whole number"));
     }
 }

@@ -14,6 +14,18 @@ pub enum Checksum {
 }
 
 impl Checksum {
+    /// The checksum of a file that holds the digits under one of these names.
+    ///
+    /// # Errors
+    /// The complaint that there is neither.
+    pub fn of_fields(sha256: Option<String>, blake3: Option<String>) -> Result<Self, &'static str> {
+        match (sha256, blake3) {
+            (Some(digits), _) => Ok(Self::Sha256(digits)),
+            (None, Some(digits)) => Ok(Self::Blake3(digits)),
+            (None, None) => Err("missing field `sha256` or `blake3`"),
+        }
+    }
+
     /// The digits.
     pub fn digits(&self) -> &str {
         match self {
@@ -103,14 +115,9 @@ impl TryFrom<Entry> for Source {
     type Error = &'static str;
 
     fn try_from(entry: Entry) -> Result<Self, Self::Error> {
-        let checksum = match (entry.sha256, entry.blake3) {
-            (Some(digits), _) => Checksum::Sha256(digits),
-            (None, Some(digits)) => Checksum::Blake3(digits),
-            (None, None) => return Err("missing field `sha256` or `blake3`"),
-        };
         Ok(Self {
             file: entry.file,
-            checksum,
+            checksum: Checksum::of_fields(entry.sha256, entry.blake3)?,
         })
     }
 }

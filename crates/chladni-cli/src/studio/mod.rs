@@ -17,8 +17,7 @@ mod session;
 mod token;
 
 use chladni_console::input::Reading;
-use chladni_console::Console;
-use chladni_console::{print_line, Outcome};
+use chladni_console::{print_line, whole_number, Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Result};
 use serde_json::json;
 use server::Door;
@@ -54,11 +53,8 @@ pub struct Args {
 
 /// `--port` as a number.
 fn parse_port(text: &str) -> Result<u16> {
-    text.parse().map_err(|_| {
-        Error::new(ErrorKind::Usage, "no port")
-            .expected(format!("a whole number from 0 to {}", u16::MAX))
-            .help("leave --port out to take any free one")
-    })
+    whole_number(text, 0..=u16::MAX, "", "no port")
+        .map_err(|error| error.help("leave --port out to take any free one"))
 }
 
 /// Runs the command; it ends by an interruption only.

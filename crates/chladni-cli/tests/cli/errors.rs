@@ -51,7 +51,8 @@ fit panel.h5 --method rfp --rfp-bands 0|2|usage|--rfp-bands|found 0|auto
 fit panel.h5 --method rfp --rfp-local --rfp-bands 2|2|usage|--rfp-local|--rfp-bands
 fit panel.h5 --window flat|2|usage|--window|flat|rectangular
 fit panel.h5 --exponential-window 0|2|usage|--exponential-window|record length
-fit panel.h5 --threads 0|2|usage|--threads|whole number
+fit panel.h5 --threads 0|2|usage|--threads|found 0|a whole number from 1 to 1024|all cores
+fit panel.h5 --threads 5000|2|usage|--threads|found 5000|no such number of threads|a whole number from 1 to 1024
 fit panel.h5 --seed -1|2|usage|--seed|-1|whole number
 fit panel.h5 --reference x|2|usage|--reference|found x|whole number
 fit panel.h5 --reference 7|2|usage|panel.h5|--reference|more than one reference
@@ -69,7 +70,7 @@ fix panel.h5|2|usage|fix|fit
 fit kindless.csv|65|unknown_frf_kind|kindless.csv|--frf-kind|mobility
 fit truth.json|65|bad_data|truth.json|a model
 fit truth.h5|65|bad_data|truth.h5|a model
-fit panel.h5 panel.h5|65|bad_data|1:+Z|--duplicates
+fit panel.h5 panel.h5|65|bad_data|1:+Z|copies of each other|only one of these two files|--duplicates
 fit panel.h5 -o old.json|73|cannot_create|old.json|exists|--force
 fit panel.h5 -o no/such/model.json|73|cannot_create|no such folder|no/such
 fit panel.h5 -o model.xyz|2|usage|.xyz|.json
@@ -120,7 +121,8 @@ render truth.json scene.toml --sweep 310:290|2|usage|--sweep|310:290|does not ri
 render truth.json scene.toml --sweep 290:290|2|usage|--sweep|290:290|does not rise|LO:HI
 render truth.json scene.toml --actuators auto --also deaf.toml|65|bad_data|deaf.toml|3000 Hz
 render scene.toml truth.json|65|bad_data|scene.toml|TOML|its own place
-play truth.json scene.toml --rate 0|2|usage|--rate|0 Hz
+play truth.json scene.toml --rate 0|2|usage|--rate|found 0|Hz from 1 to 4294967295|48000 is usual
+play truth.json scene.toml --rate 100|2|usage|--rate|100 Hz|twice the highest frequency
 play truth.json scene.toml --rate 5000000000|2|usage|--rate|found 5000000000|Hz from 1 to 4294967295|48000 is usual
 studio panel.h5 --port 70000|2|usage|--port|found 70000|0 to 65535|any free one
 play truth.json scene.toml --full-scale 1e-9|2|usage|--full-scale|nothing clips

@@ -104,6 +104,13 @@ fn a_sound_file_beside_the_sidecar_of_another_run_is_refused() {
         let all = [key, other, "drive.wav", "of different runs"];
         assert!(all.iter().all(|part| said.contains(part)), "{said}");
     }
+    folder.write("drive.json", folder.text("model.json"));
+    let run = folder
+        .run("evaluate drive.wav --scene burst.toml --on model.json")
+        .exits(65);
+    let said = run.stderr;
+    let all = ["drive.json", "a model, not the sidecar of a signal"];
+    assert!(all.iter().all(|part| said.contains(part)), "{said}");
 }
 
 #[test]

@@ -19,6 +19,8 @@ pub(super) struct Assembly {
     coherence: HashMap<(Dof, Dof), Vec<(Function, String)>>,
     /// Names of the documents, for messages.
     files: Vec<String>,
+    /// For each document the number of the first one of the same content.
+    pub(super) originals: Vec<usize>,
 }
 
 impl Assembly {
@@ -173,13 +175,16 @@ impl Assembly {
             mut records,
             responses,
             references,
+            originals,
             ..
         } = self;
         if options.lenient {
             record::lengthen(&mut records, warnings);
         }
         let duplicates = options.duplicates;
-        let mut set = grid::build(records, responses, references, duplicates, warnings)?;
+        let mut set = grid::build(
+            records, responses, references, duplicates, &originals, warnings,
+        )?;
         grid::clean(&mut set, "", warnings);
         Ok(set)
     }

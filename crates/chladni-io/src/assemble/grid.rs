@@ -2,6 +2,7 @@
 
 use super::super::Duplicates;
 use super::axis::common_axis;
+use super::copies::copies_among;
 use super::record::{Line, Record};
 use crate::limits::{LANES, NAMES_LISTED, SPARSE_BYTES, SPARSE_FACTOR};
 use chladni_frf::{
@@ -27,13 +28,16 @@ impl DofList {
     }
 }
 
-/// Builds the set; `responses` and `references` hold every DOF that a source names,
-/// measured or not.
+/// Builds the set.
+///
+/// * `responses`, `references`: every DOF that a source names, measured or not
+/// * `originals`: for each document the number of the first one of the same content; for messages
 pub(super) fn build(
     records: Vec<Record>,
     mut responses: DofList,
     mut references: DofList,
     duplicates: Duplicates,
+    originals: &[usize],
     warnings: &mut Vec<Finding>,
 ) -> Result<FrfSet> {
     let axis = common_axis(&records, warnings)?;
@@ -72,7 +76,7 @@ pub(super) fn build(
         estimation,
         geometry: Geometry::default(),
     };
-    fill(&mut set, pairs, duplicates, warnings)?;
+    fill(&mut set, pairs, duplicates, originals, warnings)?;
     set.checked()
 }
 
@@ -81,6 +85,7 @@ fn fill(
     set: &mut FrfSet,
     pairs: HashMap<(usize, usize), Vec<Record>>,
     duplicates: Duplicates,
+    originals: &[usize],
     warnings: &mut Vec<Finding>,
 ) -> Result<()> {
     let mut at: Vec<_> = pairs.into_iter().collect();
@@ -94,7 +99,7 @@ fn fill(
         if records.len() > 1 {
             let name = pair_name(set, pair);
             if duplicates == Duplicates::Error {
-                return Err(doubled_pair(&name, &records));
+                return Err(doubled_pair(&name, &records, originals));
             }
             doubled.push(name);
         }
@@ -113,16 +118,31 @@ fn fill(
     Ok(())
 }
 
-fn doubled_pair(name: &str, records: &[Record]) -> Error {
+/// The error of a pair that several records hold.
+fn doubled_pair(name: &str, records: &[Record], originals: &[usize]) -> Error {
     let count = records.len();
-    Error::bad_data(format!("the pair {name} is there {count} times"))
-        .field("response and reference")
-        .found(format!("{} and {}", records[0].place, records[1].place))
-        .expected("each pair once")
-        .help(
+    let copies = copies_among(records, originals);
+    let [one, other] = copies.unwrap_or([0, 1]).map(|place| &records[place].place);
+    let files = match count {
+        2 => "the two files",
+        _ => "two of the files",
+    };
+    let (why, help) = match copies {
+        Some(_) => (
+            format!(", and {files} are copies of each other"),
+            "give only one of these two files, or choose with `duplicates first|last`",
+        ),
+        None => (
+            String::new(),
             "choose with `duplicates first|last|mean`; files that all say reference node 1 need \
              `reference N`",
-        )
+        ),
+    };
+    Error::bad_data(format!("the pair {name} is there {count} times{why}"))
+        .field("response and reference")
+        .found(format!("{one} and {other}"))
+        .expected("each pair once")
+        .help(help)
 }
 
 fn doubled_pairs(names: Vec<String>, duplicates: Duplicates) -> Finding {

@@ -6,16 +6,19 @@
 
 mod assembly;
 mod axis;
+mod copies;
 mod geometry;
 mod grid;
 mod record;
 mod side;
 
+pub use copies::same_files;
 pub(crate) use record::clean_coherence;
 
 use super::{Contents, Document, Duplicates, FileFormat, Function, ReadOptions};
 use assembly::Assembly;
 use chladni_frf::{Dof, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, Source};
+use copies::told_copies;
 use grid::DofList;
 use num_complex::Complex64;
 use record::{place_of, Line, Record};
@@ -39,6 +42,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
     let mut assembly = Assembly::default();
     let mut with_frfs: Vec<Source> = Vec::new();
     let documents = without_results(documents, &mut contents.warnings);
+    assembly.originals = copies::originals(&documents);
     let count = documents.len();
     let as_in_files = options.dofs.rows.is_empty();
     let is_one_set = as_in_files
@@ -69,7 +73,6 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
         }
         assembly.take(document, number, options, &mut geometry, &mut contents)?;
     }
-    contents.warnings.extend(same_files(&with_frfs));
     if assembly.records.is_empty() && assembly.responses.dofs.is_empty() {
         let coherence = assembly.left_coherence().into_iter();
         contents
@@ -82,21 +85,18 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
     if !as_in_files {
         assembly.declare(&options.dofs)?;
     }
+    contents.warnings.extend(told_copies(
+        &with_frfs,
+        options.duplicates,
+        &assembly.records,
+        &assembly.originals,
+    ));
     assembly.apply_kind(options.frf_kind, &mut contents.warnings);
     let mut set = assembly.into_set(options, &mut contents.warnings)?;
     geometry::note_nodes_without_place(&geometry, &set, &mut contents.warnings);
     set.geometry = geometry;
     contents.frf = Some(set);
     Ok(contents)
-}
-
-/// The finding about files of FRFs with the content of another one.
-pub fn same_files(sources: &[Source]) -> Option<Finding> {
-    let words = format!(
-        "{}: FRFs kept from both count as two measurements, and error bars are too small",
-        Source::copies(sources)?
-    );
-    Some(Finding::caution("same-files", words).help("leave copies out"))
 }
 
 /// The documents of measurements. Results are left out and named in `warnings`.
@@ -244,6 +244,7 @@ pub(super) fn build_set(
         DofList::default(),
         DofList::default(),
         duplicates,
+        &[],
         warnings,
     )
 }

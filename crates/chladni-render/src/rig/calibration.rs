@@ -11,11 +11,13 @@ use super::gain_table::{too_large, GainTable};
 use crate::panel::operator::Operator;
 use crate::scene::other_kind::{self, other_kind};
 use crate::tolerances;
-use chladni_frf::{ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source, CREATED_BY};
+use chladni_frf::{
+    Checksum, ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source, CREATED_BY,
+};
 use chladni_text::{json_error_in, read_text};
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
 
 /// Value of `format` in a calibration file.
@@ -60,10 +62,15 @@ pub struct ChannelGain {
 }
 
 impl ChannelGain {
+    /// Amount of the factor.
+    fn size(&self) -> f64 {
+        self.re.hypot(self.im)
+    }
+
     /// True where the channel moves nothing beside others whose factors have the size `level`,
     /// and that is known.
     pub(crate) fn is_dead_beside(&self, level: f64) -> bool {
-        let size = self.re.hypot(self.im);
+        let size = self.size();
         let known = self.std <= level * tolerances::DEAD_GAIN_STD;
         self.odd && known && size <= level * tolerances::DEAD_GAIN
     }
@@ -81,7 +88,7 @@ pub struct Calibration {
     #[serde(default)]
     pub created_by: String,
     /// The files it was learned from; filled by whoever read them.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "known_sources")]
     pub source: Vec<Source>,
     /// Unit of the references, N or V; `None`: any, the factors have none.
     #[serde(default)]
@@ -110,6 +117,29 @@ pub struct Calibration {
     /// The mobility at the frequencies where fields were measured.
     #[serde(default)]
     pub operators: Vec<CalibratedOperator>,
+}
+
+/// Sources; a calibration refuses keys of them that other files pass over.
+fn known_sources<'de, D>(from: D) -> std::result::Result<Vec<Source>, D::Error>
+where
+    D: Deserializer<'de>,
+{
+    use serde::de::Error as _;
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Known {
+        file: String,
+        sha256: Option<String>,
+        blake3: Option<String>,
+    }
+    let source = |known: Known| {
+        let file = known.file;
+        Checksum::of_fields(known.sha256, known.blake3)
+            .map(|checksum| Source { file, checksum })
+            .map_err(D::Error::custom)
+    };
+    let known = Vec::<Known>::deserialize(from)?;
+    known.into_iter().map(source).collect()
 }
 
 /// The pole of a mode.
@@ -244,6 +274,37 @@ impl Calibration {
         Ok(self)
     }
 
+    /// Refuses gains that fields taught and that no calibration file may hold: products of those
+    /// before and of what the fields tell now.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`]: a gain above [`tolerances::MOST_GAIN`].
+    pub(super) fn check_learned(&self) -> Result<()> {
+        let is_too_large = |gain: &&ChannelGain| {
+            let size = gain.size();
+            size.is_nan() || size > tolerances::MOST_GAIN
+        };
+        let Some(gain) = self.gains.iter().find(is_too_large) else {
+            return Ok(());
+        };
+        let size = gain.size();
+        Err(Error::bad_data("the fields tell a gain that no channel has")
+            .field("gains")
+            .found(format!(
+                "a factor of {size:.3e} ({:+.1} dB), {}",
+                20.0 * size.log10(),
+                gain.reference
+            ))
+            .expected(format!(
+                "at most {} dB, with that of a calibration before",
+                tolerances::LEVEL_REFUSED_DB
+            ))
+            .help(
+                "check the unit of the field (m/s, mm/s, um/s; peak) and the amplifiers; where a \
+                 calibration before is of another rig, correct without it",
+            ))
+    }
+
     /// Checks gains and gain tables.
     fn check_gains(&self) -> Result<()> {
         for (k, gain) in self.gains.iter().enumerate() {
@@ -253,9 +314,8 @@ impl Calibration {
                     .found(gain.std)
                     .expected("0 or more"));
             }
-            let size = gain.re.hypot(gain.im);
-            // those that were learned are products of several corrections
-            if size > tolerances::MOST_GAIN && self.created_by.is_empty() {
+            let size = gain.size();
+            if size > tolerances::MOST_GAIN {
                 let found = format!("a factor of {size:.3e}, {}", gain.reference);
                 return Err(too_large(format!("gains[{}]", k + 1), found));
             }

@@ -33,7 +33,7 @@ use num_complex::Complex64;
 ///
 /// # Errors
 /// As [`crate::evaluate_field`]; no field, a scene of several tones, weights of another
-/// frequency than the scene's.
+/// frequency than the scene's, fields that tell a gain above 30 dB.
 pub fn correct(
     model: &ModalModel,
     scene: &Scene,
@@ -100,6 +100,7 @@ pub fn calibrate(
     let mobility = &setup.operator.mobility;
     findings_of_correction(&mut findings, &learned, (mobility, &seen), &correction)?;
     let calibration = learned.calibration([own, model], &corrected, before, &correction, swapped);
+    calibration.check_learned()?;
     let outcome = Outcome::of(&corrected, &given.drive)?;
     let touch = under_fingers(model, scene, &corrected, &given.drive);
     let fingers = touch.as_ref().zip(corrected.touch.as_deref());

@@ -264,6 +264,15 @@ impl Event {
         matches!(self.shape, Shape::Fade(_))
     }
 
+    /// Its beginning, s; of a fade by itself that of the passage.
+    pub(crate) fn start_s(&self) -> f64 {
+        match &self.shape {
+            Shape::Burst { start_s, .. } => *start_s,
+            Shape::Fade(passage) => passage.start_s,
+            Shape::Move(moving, _) => moving.start_s,
+        }
+    }
+
     /// The longest ramp that fits, s.
     pub(crate) fn longest_ramp_s(&self) -> f64 {
         match &self.shape {

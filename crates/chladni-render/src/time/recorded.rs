@@ -269,14 +269,22 @@ pub fn evaluate_signal(
     Ok((indices, findings))
 }
 
-/// The gain of a chain as `events` tell it; 1 where they do not.
-fn told_gain(chain: &Chain, events: &[TimeEvent]) -> f64 {
-    let apart = |event: &&TimeEvent| (event.start_s - chain.start_s()).abs();
+/// What `events` tell of an event: that of its name; of several, since a burst repeats, the one
+/// that begins nearest to it.
+fn told_of<'a>(events: &'a [TimeEvent], name: &str, start_s: f64) -> Option<&'a TimeEvent> {
+    let apart = |event: &&TimeEvent| (event.start_s - start_s).abs();
     events
         .iter()
-        .filter(|event| event.event == chain.name && event.gain > 0.0)
+        .filter(|event| event.event == name)
         .min_by(|a, b| apart(a).total_cmp(&apart(b)))
-        .map_or(1.0, |event| event.gain)
+}
+
+/// The gain of a chain as `events` tell it; 1 where they do not.
+fn told_gain(chain: &Chain, events: &[TimeEvent]) -> f64 {
+    told_of(events, &chain.name, chain.start_s())
+        .map(|event| event.gain)
+        .filter(|gain| *gain > 0.0)
+        .unwrap_or(1.0)
 }
 
 /// The most that the drives of all tones together reach between the ramps, over the gains of
@@ -301,7 +309,7 @@ fn steady_drive(tones: &[Envelopes], chains: &[Chain], events: &[TimeEvent]) -> 
 /// The events of a scene; ramps that it leaves open are those of `events`, where it has
 /// them.
 fn chains(plan: &Plan, events: &[TimeEvent], findings: &mut Vec<Finding>) -> Result<Vec<Chain>> {
-    let known = |event: &Event| events.iter().find(|known| known.event == event.name);
+    let known = |event: &Event| told_of(events, &event.name, event.start_s());
     let is_open = |event: &&Event| event.ramp == RampTime::Auto && known(event).is_none();
     if plan.events.iter().any(|event| is_open(&event)) {
         let taken_ms = 1e3 * tolerances::GUESSED_RAMP_S;
@@ -376,6 +384,32 @@ fn few_periods(tones_hz: &[f64], ramp_s: f64) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn each_burst_of_one_name_has_the_ramp_and_the_gain_that_are_told_of_it() {
+        let text = "frequency_hz = 300.0\n[zones]\ngrid = [2, 2]\nhot = [1]\n[time]\n\
+                    [[time.burst]]\nduration_s = 0.2\nramp_s = \"auto\"\nrepeat = [2, 0.5]\n";
+        let scene = Scene::parse(text, Path::new("")).unwrap();
+        let table = scene.time.clone().unwrap();
+        let plan = Plan::new(&table, &scene.zones).unwrap();
+        let of = |start_s: f64, ramp_s: f64, gain: f64| TimeEvent {
+            event: "[[time.burst]] 1".into(),
+            start_s,
+            end_s: start_s + 0.2,
+            ramp_s,
+            gain,
+        };
+        let events = [of(0.0, 0.02, 1.5), of(0.5, 0.04, 1.2)];
+        let mut findings = Vec::new();
+        let chains = chains(&plan, &events, &mut findings).unwrap();
+        let told: Vec<[f64; 2]> = chains
+            .iter()
+            .map(|chain| [chain.ramp_s, told_gain(chain, &events)])
+            .collect();
+        assert_eq!(told, [[0.02, 1.5], [0.04, 1.2]]);
+        assert!(findings.is_empty(), "{findings:?}");
+    }
 
     #[test]
     fn ramps_of_few_periods_are_named() {

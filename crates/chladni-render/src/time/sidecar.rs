@@ -1,8 +1,9 @@
 //! The JSON file beside a signal: rate, channels, full scale, what happens when.
 
-use crate::scene::other_kind;
+use crate::scene::other_kind::{self, other_kind};
 use crate::time::indices::TimeEvent;
 use chladni_frf::{Dof, Error, ErrorKind, ReferenceUnit, Result, Source};
+use chladni_text::json_error_in;
 use serde::{Deserialize, Serialize};
 
 /// Value of `format` in a signal's sidecar.
@@ -56,8 +57,12 @@ impl Sidecar {
     /// [`ErrorKind::BadData`]: no JSON, a missing field, another format, channels that
     /// cannot be.
     pub fn parse(text: &str) -> Result<Self> {
-        let sidecar: Self = serde_json::from_str(text)
-            .map_err(|error| chladni_text::json_error_in(text, "not a signal's sidecar", &error))?;
+        const AGAIN: &str = "give the file that was written beside the signal";
+        let sidecar: Self = serde_json::from_str(text).map_err(|error| {
+            other_kind(text, SIGNAL_FORMAT, SIGNAL_VERSION)
+                .unwrap_or_else(|| json_error_in(text, "not a signal's sidecar", &error))
+                .help(AGAIN)
+        })?;
         if sidecar.format != SIGNAL_FORMAT || sidecar.version != SIGNAL_VERSION {
             return Err(Error::bad_data("not a sidecar that this version reads")
                 .field("format")

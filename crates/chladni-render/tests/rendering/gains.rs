@@ -2,7 +2,7 @@
 
 use crate::common::rig::Rig;
 use crate::common::{cell_scene, truth};
-use chladni_frf::Finding;
+use chladni_frf::{Error, Finding};
 use chladni_render::{
     calibrate, evaluate, play, render, sweep, Calibration, ChannelGain, On, PlayOptions,
     PlayedField, RenderOptions, Scene, Weights,
@@ -309,21 +309,38 @@ fn a_misspelt_key_inside_a_list_is_refused_with_the_known_ones() {
 }
 
 #[test]
+fn a_misspelt_key_inside_sources_is_refused_with_the_known_ones() {
+    let parse = |source: &str| {
+        let head = "{\"format\": \"chladni.calibration\", \"version\": 1,\n";
+        Calibration::parse(&format!("{head}\"source\": [{source}]}}"))
+    };
+    parse("{\"file\": \"model.json\", \"sha256\": \"ab\"}").unwrap();
+    let refused = parse("{\"file\": \"model.json\", \"sha265\": \"ab\", \"sha256\": \"ab\"}");
+    let error = refused.unwrap_err();
+    assert_eq!(error.found.as_deref(), Some("sha265"), "{error}");
+    let expected = error.expected.as_deref();
+    assert!(expected.unwrap().contains("sha256"), "{error}");
+    assert_eq!(error.line, Some(2), "{error}");
+    assert!(error.help.is_some(), "{error}");
+}
+
+#[test]
 fn a_gain_beyond_30_db_is_refused_in_every_list() {
     let mut loud = constants(300.0);
     loud.gains[4].im = 1e9;
-    loud.created_by = "chladni 0.1.0".into();
-    let learned = Calibration::parse(&loud.to_json().unwrap()).unwrap();
-    assert_eq!(learned.gains[4].im, 1e9);
-    loud.created_by.clear();
-    let error = Calibration::parse(&loud.to_json().unwrap()).unwrap_err();
-    assert_eq!(error.field.as_deref(), Some("gains[5]"), "{error}");
-    let found = error.found.as_deref().unwrap();
-    let named = truth().references[4].to_string();
-    assert!(
-        found.contains("1.000e9") && found.contains(&named),
-        "{error}"
-    );
+    // by whomever it was written
+    for author in ["", "chladni 0.1.0"] {
+        loud.created_by = author.into();
+        let error = Calibration::parse(&loud.to_json().unwrap()).unwrap_err();
+        assert_eq!(error.field.as_deref(), Some("gains[5]"), "{error}");
+        let found = error.found.as_deref().unwrap();
+        let named = truth().references[4].to_string();
+        assert!(
+            found.contains("1.000e9") && found.contains(&named),
+            "{error}"
+        );
+        assert_has_advice(&error);
+    }
     let table =
         r#"{"format": "chladni.calibration", "version": 1, "gain_tables": [{"gain": [1e9]}]}"#;
     let other = Calibration::parse(table).unwrap_err();
@@ -332,14 +349,57 @@ fn a_gain_beyond_30_db_is_refused_in_every_list() {
         Some("gain_tables[1].gain"),
         "{other}"
     );
-    for error in [error, other] {
-        assert!(error.to_string().contains("at most 30 dB"), "{error}");
-        let help = error.help.as_deref().unwrap();
-        assert!(help.contains("divide percents by 100"), "{error}");
-    }
+    assert_has_advice(&other);
     loud.gains[4].im = 0.0;
     loud.gains[4].re = -31.6;
     assert!(Calibration::parse(&loud.to_json().unwrap()).is_ok());
+}
+
+/// The error says how large a gain may be, and what to do.
+fn assert_has_advice(error: &Error) {
+    assert!(error.to_string().contains("at most 30 dB"), "{error}");
+    let help = error.help.as_deref().unwrap();
+    assert!(help.contains("divide percents by 100"), "{error}");
+}
+
+#[test]
+fn a_gain_beyond_30_db_is_not_learned_and_what_is_learned_is_read_again() {
+    let mut before = Calibration::of_tables(Vec::new());
+    let references = truth().references.iter();
+    before.gains = references
+        .map(|&reference| ChannelGain {
+            reference,
+            re: 20.0,
+            im: 0.0,
+            std: 0.0,
+            odd: false,
+        })
+        .collect();
+    let mut scene = cell_scene([2, 2], 1, "");
+    scene.actuators.calibration = Some(Arc::new(before));
+    let weights = rendered(&scene);
+    // fields of a rig with one gain, which the calibration before has as 20
+    let taught = |gain: f64| {
+        let mut rig = Rig::new(300.0, 4);
+        rig.gains.mapv_inplace(|own| own * gain);
+        let field = rig.measured(&weights, 0.01, &(0..77).collect::<Vec<_>>());
+        let played = [PlayedField::new(weights.clone(), field)];
+        calibrate(truth(), &scene, &played, &RenderOptions::default())
+    };
+    let (_, learned) = taught(26.0).unwrap();
+    for gain in &learned.gains {
+        assert!((gain.re / 26.0 - 1.0).abs() < 0.1, "{gain:?}");
+    }
+    let again = Calibration::parse(&learned.to_json().unwrap()).unwrap();
+    assert_eq!(again, learned);
+    // +14 dB against the prediction, +40 dB against the model
+    let error = taught(100.0).unwrap_err();
+    assert_eq!(error.field.as_deref(), Some("gains"), "{error}");
+    let found = error.found.as_deref().unwrap();
+    assert!(found.contains("dB") && found.contains("101:+Z"), "{error}");
+    assert!(error.to_string().contains("at most 30 dB"), "{error}");
+    let help = error.help.as_deref().unwrap();
+    assert!(help.contains("unit of the field"), "{error}");
 }
 
 #[test]

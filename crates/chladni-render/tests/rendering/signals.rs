@@ -3,7 +3,7 @@
 use chladni_frf::ReferenceUnit;
 use chladni_render::{
     evaluate_signal, play, render, signal_csv, Method, PlayOptions, Recorded, RenderOptions,
-    SignalOptions, TimeEvent, Weights,
+    Sidecar, SignalOptions, TimeEvent, Weights,
 };
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -200,4 +200,22 @@ fn a_recording_has_the_gains_and_the_steady_drive_of_what_was_played() {
     let foreign = judged(&[]);
     assert!(foreign.events.iter().all(|event| event.gain == 1.0));
     assert!(foreign.steady_drive > own.steady_drive);
+}
+
+#[test]
+fn other_files_in_place_of_a_sidecar_are_called_by_their_kind() {
+    let model = serde_json::to_string(crate::common::truth()).unwrap();
+    let weights = r#"{"format": "chladni.weights", "version": 1}"#;
+    for (text, message) in [
+        (&*model, "a model, not the sidecar of a signal"),
+        (weights, "a weights file, not the sidecar of a signal"),
+    ] {
+        let error = Sidecar::parse(text).unwrap_err();
+        assert_eq!(error.message, message);
+        assert_eq!(error.field.as_deref(), Some("format"));
+        assert_eq!(error.expected.as_deref(), Some("chladni.signal version 1"));
+        assert!(error.help.is_some());
+    }
+    let own = Sidecar::parse(r#"{"format": "chladni.signal", "version": 1}"#).unwrap_err();
+    assert_eq!(own.field.as_deref(), Some("rate_hz"), "{own}");
 }

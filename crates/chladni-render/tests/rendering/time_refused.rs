@@ -166,3 +166,31 @@ fn a_burst_or_a_fade_whose_cells_leave_nothing_quiet_is_blamed_itself() {
         assert!(error.help.unwrap().starts_with("name fewer cells"));
     }
 }
+
+#[test]
+fn a_burst_or_a_fade_whose_cells_hold_no_response_is_blamed_itself() {
+    let burst = "[[time.burst]]\nduration_s = 0.1\n";
+    for (events, named, cells) in [
+        (format!("{burst}hot = [2]\n"), "[[time.burst]] 1 hot", "[2]"),
+        (
+            format!("{burst}{burst}start_s = 1\nhot = [4, 2]\n"),
+            "[[time.burst]] 2 hot",
+            "[2, 4]",
+        ),
+        (
+            "[[time.fade]]\nfrom = [1]\nto = [4]\nstart_s = 1\nfade_s = 0.1\n".to_owned(),
+            "[[time.fade]] 1 to",
+            "[4]",
+        ),
+    ] {
+        // what is judged ends before the cells on the right
+        let area = "area_m = [0.034, 0.025, 0.120, 0.145]\n";
+        let scene = cell_scene([2, 2], 1, &format!("{area}[time]\n{events}"));
+        let error = play(truth(), &scene, None, &PlayOptions::default()).unwrap_err();
+        assert_eq!(error.field.as_deref(), Some(named), "{error}");
+        assert_eq!(error.found.as_deref(), Some(cells), "{error}");
+        assert_eq!(error.message, "no response lies in these cells");
+        assert!(error.line.is_some() && error.expected.is_some(), "{error}");
+        assert!(error.help.unwrap().starts_with("compare area_m"));
+    }
+}

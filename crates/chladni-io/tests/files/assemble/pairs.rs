@@ -1,8 +1,8 @@
 //! The pairs of a set: single-reference surveys, duplicates, gaps.
 
 use super::documents::{document, frf, function, merge, names};
-use chladni_frf::ErrorKind;
-use chladni_io::{Duplicates, Function, Ordinate, ReadOptions};
+use chladni_frf::{ErrorKind, Severity};
+use chladni_io::{assemble, Document, Duplicates, Function, Ordinate, ReadOptions};
 use num_complex::{Complex32, Complex64};
 
 #[test]
@@ -103,6 +103,80 @@ fn duplicates_follow_the_rule() {
         assert_eq!(set.values.get(0, 0, 0).re, expected);
         assert!(warnings[0].contains("(1:+Z, 9:+Z)"), "{warnings:?}");
     }
+}
+
+/// A file that names its DOFs, and a copy under another name.
+fn copies() -> Vec<Document> {
+    let file = |name: &str| document(name, vec![frf("1:+Z", "9:+Z", 1.0)]);
+    let original = file("a.uff");
+    let copy = Document {
+        checksum: original.checksum.clone(),
+        ..file("b.uff")
+    };
+    vec![original, copy]
+}
+
+#[test]
+fn copies_of_which_one_is_kept_are_a_note() {
+    let told = |duplicates: Duplicates, references: Vec<u64>| {
+        let options = ReadOptions {
+            duplicates,
+            references,
+            ..ReadOptions::default()
+        };
+        let findings = assemble(copies(), &options).unwrap().warnings;
+        let mut findings = findings.into_iter();
+        let finding = findings.find(|finding| finding.code == "same-files");
+        finding.unwrap()
+    };
+    for duplicates in [Duplicates::First, Duplicates::Last] {
+        let finding = told(duplicates, Vec::new());
+        assert_eq!(finding.severity, Severity::Note, "{finding}");
+        assert!(finding.contains("b.uff of a.uff"), "{finding}");
+        assert!(
+            finding.contains("one FRF of each pair is kept"),
+            "{finding}"
+        );
+    }
+    // a mean of copies has error bars of two measurements
+    let mean = told(Duplicates::Mean, Vec::new());
+    assert_eq!(mean.severity, Severity::Caution, "{mean}");
+    // of other DOFs both are kept, whatever is said about pairs
+    let apart = told(Duplicates::First, vec![9, 10]);
+    assert_eq!(apart.severity, Severity::Caution, "{apart}");
+    assert!(apart.contains("two measurements"), "{apart}");
+}
+
+#[test]
+fn a_pair_of_two_copies_is_refused_with_that_word() {
+    let refused = |documents: Vec<Document>| {
+        let error = merge(documents, &ReadOptions::default()).unwrap_err();
+        (error.message.clone(), error.to_string())
+    };
+    let (message, text) = refused(copies());
+    assert!(
+        message.ends_with("2 times, and the two files are copies of each other"),
+        "{text}"
+    );
+    assert!(
+        text.contains("a.uff line 12 and b.uff line 12") && text.contains("only one of these two"),
+        "{text}"
+    );
+    // another measurement of the pair, before both
+    let mut three = vec![document("c.uff", vec![frf("1:+Z", "9:+Z", 2.0)])];
+    three.extend(copies());
+    let (message, text) = refused(three);
+    assert!(
+        message.ends_with("3 times, and two of the files are copies of each other"),
+        "{text}"
+    );
+    assert!(text.contains("found a.uff line 12 and b.uff"), "{text}");
+    let mut others = copies();
+    others.truncate(1);
+    others.push(document("c.uff", vec![frf("1:+Z", "9:+Z", 2.0)]));
+    let (message, text) = refused(others);
+    assert!(message.ends_with("2 times"), "{text}");
+    assert!(!text.contains("only one"), "{text}");
 }
 
 #[test]
