@@ -7,12 +7,11 @@ use crate::judging::indices::Indices;
 use crate::methods::modal_steps::ModalSteps;
 use crate::panel::drive::Drive;
 use crate::rig::Correction;
-use crate::scene::other_kind::{self, other_kind};
+use crate::scene::other_kind::{self, parse_as};
 use crate::scene::tones::is_same;
 use crate::tolerances;
 use crate::touch::TouchIndices;
 use chladni_frf::{Dof, Error, Finding, Findings, ReferenceUnit, Result, Severity, Source};
-use chladni_text::json_error_in;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -257,11 +256,8 @@ impl Weights {
     /// another format, an actuator twice, no weight.
     pub fn parse(text: &str) -> Result<Self> {
         const AGAIN: &str = "give a weights file of Chladni, or render the scene again";
-        let weights: Self = serde_json::from_str(text).map_err(|error| {
-            other_kind(text, WEIGHTS_FORMAT, WEIGHTS_VERSION)
-                .unwrap_or_else(|| json_error_in(text, "not a weights file", &error))
-                .help(AGAIN)
-        })?;
+        let kind = (WEIGHTS_FORMAT, WEIGHTS_VERSION);
+        let weights: Self = parse_as(text, kind, "not a weights file", AGAIN)?;
         weights.checked()
     }
 

@@ -9,12 +9,12 @@
 use super::gain_file;
 use super::gain_table::{too_large, GainTable};
 use crate::panel::operator::Operator;
-use crate::scene::other_kind::{self, other_kind};
+use crate::scene::other_kind::{self, parse_as};
 use crate::tolerances;
 use chladni_frf::{
     Checksum, ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source, CREATED_BY,
 };
-use chladni_text::{json_error_in, read_text};
+use chladni_text::read_text;
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -200,11 +200,8 @@ impl Calibration {
         {
             return Ok(Self::of_tables(gain_file::parse(text)?));
         }
-        let calibration: Self = serde_json::from_str(text).map_err(|error| {
-            other_kind(text, CALIBRATION_FORMAT, CALIBRATION_VERSION)
-                .unwrap_or_else(|| json_error_in(text, "not a calibration file", &error))
-                .help(AGAIN)
-        })?;
+        let kind = (CALIBRATION_FORMAT, CALIBRATION_VERSION);
+        let calibration: Self = parse_as(text, kind, "not a calibration file", AGAIN)?;
         calibration.checked().map_err(|error| Error {
             help: error.help.or_else(|| Some(AGAIN.into())),
             ..error

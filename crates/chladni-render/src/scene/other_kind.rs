@@ -1,6 +1,8 @@
-//! A JSON file of another kind than the one that is read.
+//! Reading a JSON file of one kind, and the error where it is of another.
 
-use chladni_frf::{Error, MODEL_FORMAT};
+use chladni_frf::{Error, Result, MODEL_FORMAT};
+use chladni_text::json_error_in;
+use serde::de::DeserializeOwned;
 use serde::Deserialize;
 
 /// `format` of the files of this crate.
@@ -22,8 +24,29 @@ struct Header {
     format: String,
 }
 
+/// The file that a JSON `text` holds.
+///
+/// * `wrong`: what another text is not, as in "not a weights file"
+/// * `again`: what to give in its place
+///
+/// # Errors
+/// [`chladni_frf::ErrorKind::BadData`] with the line: no JSON, a missing field; a text that says of
+/// itself to be of another known kind is called by that.
+pub(crate) fn parse_as<T: DeserializeOwned>(
+    text: &str,
+    (format, version): (&str, u32),
+    wrong: &str,
+    again: &str,
+) -> Result<T> {
+    serde_json::from_str(text).map_err(|error| {
+        other_kind(text, format, version)
+            .unwrap_or_else(|| json_error_in(text, wrong, &error))
+            .help(again)
+    })
+}
+
 /// The error of a JSON `text` that says of itself to be of another known kind than `format`.
-pub(crate) fn other_kind(text: &str, format: &str, version: u32) -> Option<Error> {
+fn other_kind(text: &str, format: &str, version: u32) -> Option<Error> {
     let found = serde_json::from_str::<Header>(text).ok()?.format;
     let name = |format: &str| {
         KINDS

@@ -269,8 +269,8 @@ pub fn evaluate_signal(
     Ok((indices, findings))
 }
 
-/// What `events` tell of an event: that of its name; of several, since a burst repeats, the one
-/// that begins nearest to it.
+/// The entry of an event among `events`: the one of its name. A burst that repeats has several; of
+/// these it is the one that begins nearest to the event.
 fn told_of<'a>(events: &'a [TimeEvent], name: &str, start_s: f64) -> Option<&'a TimeEvent> {
     let apart = |event: &&TimeEvent| (event.start_s - start_s).abs();
     events

@@ -1,9 +1,8 @@
 //! The JSON file beside a signal: rate, channels, full scale, what happens when.
 
-use crate::scene::other_kind::{self, other_kind};
+use crate::scene::other_kind::{self, parse_as};
 use crate::time::indices::TimeEvent;
 use chladni_frf::{Dof, Error, ErrorKind, ReferenceUnit, Result, Source};
-use chladni_text::json_error_in;
 use serde::{Deserialize, Serialize};
 
 /// Value of `format` in a signal's sidecar.
@@ -58,11 +57,8 @@ impl Sidecar {
     /// cannot be.
     pub fn parse(text: &str) -> Result<Self> {
         const AGAIN: &str = "give the file that was written beside the signal";
-        let sidecar: Self = serde_json::from_str(text).map_err(|error| {
-            other_kind(text, SIGNAL_FORMAT, SIGNAL_VERSION)
-                .unwrap_or_else(|| json_error_in(text, "not a signal's sidecar", &error))
-                .help(AGAIN)
-        })?;
+        let kind = (SIGNAL_FORMAT, SIGNAL_VERSION);
+        let sidecar: Self = parse_as(text, kind, "not a signal's sidecar", AGAIN)?;
         if sidecar.format != SIGNAL_FORMAT || sidecar.version != SIGNAL_VERSION {
             return Err(Error::bad_data("not a sidecar that this version reads")
                 .field("format")

@@ -8,12 +8,12 @@
 //! A viscous column has partial fractions on the axis y = √x = ω/ω_max. Its denominator
 //! Re λ + j·Im λ·y/√Re λ − y² has two zeros, y₁ and y₂ = −ȳ₁, both on the same side of the axis. The
 //! column and its derivatives are mixtures of 1/(y₁ − y), 1/(y₂ − y) and the derivatives of these.
-//! Where the two zeros are near each other, as seen from most lines, these mixtures lose digits: see
+//! These mixtures lose digits where the two zeros are near each other, as seen from most lines: see
 //! [`keeps_digits`].
 
 use crate::damping::columns::inverse;
 use crate::damping::filled::fill;
-use crate::damping::law::RATIONAL;
+use crate::damping::law::{is_rational, RATIONAL};
 use crate::damping::limits;
 use crate::data::columns::Columns;
 use chladni_linalg::blocked::{blocked_gram, blocked_matmul_h};
@@ -64,7 +64,7 @@ pub(super) enum Kind {
 /// True where partial fractions give the inner products of pole columns: without leakage, in the
 /// structural law or for viscous poles that [keep their digits](keeps_digits).
 pub(super) fn has_partial_fractions(work: &Columns, lambda: &[Complex64]) -> bool {
-    let in_law = work.law == RATIONAL || lambda.iter().all(|pole| keeps_digits(work, *pole));
+    let in_law = is_rational(work.law) || lambda.iter().all(|pole| keeps_digits(work, *pole));
     in_law && work.leakage.is_none()
 }
 
