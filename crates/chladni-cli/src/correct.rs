@@ -1,5 +1,6 @@
 //! `chladni correct`: a drive corrected by measured fields.
 
+use crate::blame::blame_model;
 use crate::indices::{indices_table, weights_table};
 use crate::render::{doubt, value_of, write_weights};
 use chladni_console::input::{read_weights, source};
@@ -170,7 +171,7 @@ fn with_file(
                 error.file(field)
             }
             Some("frequency_hz") if elsewhere => error.file(field),
-            _ => error,
+            _ => scene.blame(blame_model(error, &args.model)),
         };
     }
     error

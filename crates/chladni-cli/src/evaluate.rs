@@ -2,6 +2,7 @@
 
 mod field;
 
+use crate::blame::blame_model;
 use crate::indices::indices_table;
 use crate::time_table::time_table;
 use chladni_console::input::{expand, model_of, read_frf, read_weights, source, Reading};
@@ -83,7 +84,8 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     if !args.field.is_empty() {
         let model = model.ok_or_else(needs_model)?;
         sources.push(source(&files[0])?);
-        return field::run(args, &weights, &scene, &model, sources, console);
+        let model = (&model, files[0].as_path());
+        return field::run(args, &weights, &scene, model, sources, console);
     }
     let judge = |on: On| {
         console.stage("judging");
@@ -182,7 +184,7 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
         Recorded::from_samples(&samples, rate_hz, &sidecar).map_err(|error| error.file(file))?;
     console.stage("judging");
     let (indices, findings) = evaluate_signal(&recorded, &sidecar.events, &scene, &model)
-        .map_err(|error| scene.blame(error))?;
+        .map_err(|error| scene.blame(blame_model(error, &files[0])))?;
     console.find_all(&findings);
     let sources = [file, &beside, &args.scene, &files[0]]
         .into_iter()

@@ -7,6 +7,7 @@ mod text;
 pub use text::text;
 
 use crate::asked_model::AskedModel;
+use crate::blame::blame_model;
 use crate::explain::explain;
 use crate::limits::MOST_FILES;
 use crate::plan::Plan;
@@ -198,7 +199,8 @@ fn fitted(
         .scene
         .as_deref()
         .map(|scene| SceneBand::of(scene, frf, &options))
-        .transpose()?;
+        .transpose()
+        .map_err(|error| blame_model(error, file))?;
     if let Some(scene) = &scene {
         options.band_hz = Some(scene.band_hz());
         sources.push(scene.source.clone());

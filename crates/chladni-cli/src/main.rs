@@ -4,6 +4,7 @@
 mod args;
 mod asked_model;
 mod bench;
+mod blame;
 mod block;
 mod compare;
 mod convert;

@@ -1,5 +1,6 @@
 //! `chladni play`: drive signals of a scene in time.
 
+use crate::blame::blame_model;
 use crate::limits::{PLAY_FRAMES, PNG_SCALE, STRESS_DRAWS};
 use crate::render::doubt;
 use crate::signal_files::SignalFiles;
@@ -137,8 +138,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("rendering");
     let blame = |error: Error| match (error.field.as_deref(), &args.weights) {
         (Some("weights"), Some(weights)) => error.file(weights),
-        (Some("responses"), _) => error.file(&args.model),
-        _ => scene.blame(error),
+        _ => scene.blame(blame_model(error, &args.model)),
     };
     let played = play(&model, &scene, weights.as_ref(), &args.options()).map_err(blame)?;
     console.find_all(&played.findings);

@@ -4,6 +4,7 @@ mod drive;
 mod next_step;
 mod text;
 
+use crate::blame::blame_model;
 use crate::limits::SWEEP_HZ;
 use crate::signal_files::SignalFiles;
 use chladni_console::input::{expand, read_frf, source, Reading};
@@ -235,7 +236,8 @@ impl Args {
         let range_hz = self
             .sweep
             .unwrap_or([(hz - SWEEP_HZ).max(1.0), hz + SWEEP_HZ]);
-        let sweep = sweep(model, scene, options, range_hz).map_err(|error| scene.blame(error))?;
+        let sweep = sweep(model, scene, options, range_hz)
+            .map_err(|error| scene.blame(blame_model(error, &self.model)))?;
         scene.frequency_hz = sweep.suggested_hz.unwrap_or(hz);
         Ok(RangeSweep { range_hz, sweep })
     }
@@ -328,10 +330,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     console.stage("rendering");
     let options = args.options();
     let swept = args.set_frequency(&model, &mut scene, &options, console)?;
-    let blame = |error: Error| match error.field.as_deref() {
-        Some("responses") => error.file(&args.model),
-        _ => scene.blame(error),
-    };
+    let blame = |error: Error| scene.blame(blame_model(error, &args.model));
     let rendered =
         render_with_others(&model, &scene, &others, &options, measured.as_ref()).map_err(blame)?;
     let mut weights = rendered.weights.clone();

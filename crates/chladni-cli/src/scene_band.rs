@@ -36,7 +36,7 @@ impl SceneBand {
         };
         let needed = match chladni_rfp::fit(frf, &look) {
             Ok(quick) => {
-                needed_band(&quick.model, &scene, whole_hz).map_err(|error| error.file(file))?
+                needed_band(&quick.model, &scene, whole_hz).map_err(|error| scene.blame(error))?
             }
             Err(_) => NeededBand {
                 band_hz: whole_hz,

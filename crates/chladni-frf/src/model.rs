@@ -60,6 +60,24 @@ impl TryFrom<SplitVector> for ComplexVector {
 #[serde(try_from = "SplitMatrix", into = "SplitMatrix")]
 pub struct ComplexMatrix(pub Array2<Complex64>);
 
+impl ComplexMatrix {
+    /// The matrix with these real and imaginary parts, row by row.
+    ///
+    /// # Errors
+    /// The complaint that they are no rectangles of one size.
+    pub fn of_parts(re: &[Vec<f64>], im: &[Vec<f64>]) -> Result<Self, &'static str> {
+        let columns = re.first().map_or(0, Vec::len);
+        let even = |rows: &[Vec<f64>]| rows.iter().all(|row| row.len() == columns);
+        if re.len() != im.len() || !even(re) || !even(im) {
+            return Err("re and im must be rectangular and of one size");
+        }
+        Ok(Self(Array2::from_shape_fn(
+            (re.len(), columns),
+            |(i, j)| Complex64::new(re[i][j], im[i][j]),
+        )))
+    }
+}
+
 #[derive(Serialize, Deserialize)]
 struct SplitMatrix {
     re: Vec<Vec<f64>>,
@@ -84,17 +102,9 @@ impl From<ComplexMatrix> for SplitMatrix {
 }
 
 impl TryFrom<SplitMatrix> for ComplexMatrix {
-    type Error = String;
-    fn try_from(split: SplitMatrix) -> Result<Self, String> {
-        let columns = split.re.first().map_or(0, Vec::len);
-        let even = |rows: &[Vec<f64>]| rows.iter().all(|row| row.len() == columns);
-        if split.re.len() != split.im.len() || !even(&split.re) || !even(&split.im) {
-            return Err("re and im must be rectangular and of one size".into());
-        }
-        Ok(Self(Array2::from_shape_fn(
-            (split.re.len(), columns),
-            |(i, j)| Complex64::new(split.re[i][j], split.im[i][j]),
-        )))
+    type Error = &'static str;
+    fn try_from(split: SplitMatrix) -> Result<Self, &'static str> {
+        Self::of_parts(&split.re, &split.im)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::signatures::{is_npz, MAT_SIGNATURE, NPY_SIGNATURE};
 
 use chladni_frf::{Error, ErrorKind, Result, MODEL_FORMAT};
 use chladni_text::door;
-use chladni_text::json_error;
+use chladni_text::{json_error, json_kind};
 use serde::Deserialize;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -37,7 +37,7 @@ const WEIGHTS_FORMAT: &str = "chladni.weights";
 /// # Errors
 /// [`chladni_frf::ErrorKind::NoInput`] without the file; [`chladni_frf::ErrorKind::BadData`] for an
 /// empty file, a universal file below other lines, other JSON and other binary files, with
-/// the way to export what can be read.
+/// the way to export what can be read. Other files of this program are called by their kind.
 pub fn detect_format(file: &Path) -> Result<FileFormat> {
     let on_read = |error: std::io::Error| Error::from_read(&error, file);
     let mut input = door::open(file)?;
@@ -232,12 +232,23 @@ fn foreign_binary(head: &[u8]) -> Option<Error> {
     if is_wide_text(head) {
         return None; // full of zero bytes
     }
-    head.contains(&0).then(|| {
+    if !head.contains(&0) {
+        return None;
+    }
+    own_binary(head).or_else(|| {
         refuse(
             "a binary file of unknown kind",
             "export universal file (UFF 58), CSV or HDF5 from the program that wrote it",
         )
-    })?
+    })
+}
+
+/// The error of a binary file of this program: its first line is JSON that names the kind.
+fn own_binary(head: &[u8]) -> Option<Error> {
+    let first_line = head.split(|&byte| byte == b'\n').next()?;
+    let header: Header = serde_json::from_slice(first_line).ok()?;
+    let own = header.format.filter(|format| json_kind(format).is_some())?;
+    Some(other_json(Some(&own)))
 }
 
 /// The text after a byte-order mark and blanks.
@@ -248,34 +259,55 @@ fn text_start(bytes: &[u8]) -> &[u8] {
         .trim_ascii_start()
 }
 
+/// The part of JSON that names its kind.
+#[derive(Deserialize)]
+struct Header {
+    format: Option<String>,
+}
+
 fn json_format(bytes: &[u8]) -> Result<FileFormat> {
-    #[derive(Deserialize)]
-    struct Header {
-        format: Option<String>,
-    }
     let header: Header = serde_json::from_slice(bytes).map_err(|error| {
         json_error("begins like JSON", &error).help("copy or write the file again")
     })?;
     match header.format.as_deref() {
         Some(MODEL_FORMAT) => Ok(FileFormat::Model),
         Some(WEIGHTS_FORMAT) => Ok(FileFormat::Weights),
-        other => Err(Error::bad_data("JSON of unknown format")
-            .field("format")
-            .found(other.unwrap_or("nothing"))
-            .expected(format!("{MODEL_FORMAT} or {WEIGHTS_FORMAT}"))
-            .help(match other {
-                Some("chladni.calibration") => {
-                    "it is what a rig was found to do: name it as `calibration` in a scene"
-                }
-                Some(own) if own.starts_with("chladni.") => {
-                    "it is no data: give it where such a file is asked for"
-                }
-                _ => {
-                    "give a model or weights that this program wrote, or export the data as a \
-                     universal file, HDF5 or a table"
-                }
-            })),
+        other => Err(other_json(other)),
     }
+}
+
+/// The error of JSON that is neither a model nor weights, by its kind where it is known.
+fn other_json(format: Option<&str>) -> Error {
+    let message = match format.and_then(json_kind) {
+        Some(kind) => format!("{kind}, neither measured data nor a model nor weights"),
+        None => "JSON of unknown format".into(),
+    };
+    let advice = match format {
+        Some("chladni.calibration") => {
+            "a calibration file of Chladni says what a rig was found to do: name it as \
+             `calibration` in a scene"
+        }
+        Some("chladni.signal") => {
+            "it says which actuator is on which channel of the sound file beside it: give that \
+             sound file, or the model that it was made with"
+        }
+        Some("chladni.comparison") => "give one of the models that were compared",
+        Some("chladni.partial") => "merge it with the partials of the other blocks, and solve them",
+        Some("chladni.poles") => "reduce the blocks again with these poles",
+        Some("chladni.resume") => "repeat the interrupted fit, and let it go on from there",
+        Some(own) if own.starts_with("chladni.") => {
+            "it is no data: give it where such a file is asked for"
+        }
+        _ => {
+            "give a model or weights that this program wrote, or export the data as a universal \
+             file, HDF5 or a table"
+        }
+    };
+    Error::bad_data(message)
+        .field("format")
+        .found(format.unwrap_or("nothing"))
+        .expected(format!("{MODEL_FORMAT} or {WEIGHTS_FORMAT}"))
+        .help(advice)
 }
 
 #[cfg(test)]
@@ -328,6 +360,50 @@ mod tests {
             assert_eq!(format_of(counted).unwrap(), FileFormat::Csv);
         }
         assert_eq!(format_of(b"\xff\xfef\0,\0").unwrap(), FileFormat::Csv);
+    }
+
+    #[test]
+    fn other_files_of_this_program_are_called_by_their_kind() {
+        for (bytes, kind, advice) in [
+            (
+                &b"{\n  \"version\": 1,\n  \"format\": \"chladni.calibration\"}"[..],
+                "a calibration file, neither measured data nor a model",
+                "a calibration file of Chladni",
+            ),
+            (
+                b"{\"format\": \"chladni.signal\"}",
+                "the sidecar of a signal, neither",
+                "sound file",
+            ),
+            (
+                b"{\"format\": \"chladni.comparison\"}",
+                "a comparison of models, neither",
+                "models that were compared",
+            ),
+            (
+                b"{\"format\":\"chladni.partial\",\"bytes\":2}\n\x00\x01",
+                "a partial of a fit in pieces, neither",
+                "other blocks",
+            ),
+            (
+                b"{\"format\":\"chladni.poles\"}\n\x00",
+                "poles of a fit in pieces, neither",
+                "blocks again",
+            ),
+            (
+                b"{\"format\":\"chladni.resume\"}\n{}\n\x00",
+                "the state of an interrupted fit, neither",
+                "go on from there",
+            ),
+        ] {
+            let error = format_of(bytes).unwrap_err();
+            assert!(error.message.starts_with(kind), "{error}");
+            assert_eq!(error.field.as_deref(), Some("format"), "{error}");
+            assert!(error.found.is_some() && error.expected.is_some(), "{error}");
+            assert!(error.help.unwrap().contains(advice), "{kind}");
+        }
+        let foreign = format_of(b"{\"format\":\"music\"}\n\x00").unwrap_err();
+        assert_eq!(foreign.message, "not a format that can be read");
     }
 
     #[test]

@@ -7,6 +7,7 @@
 pub mod door;
 mod file;
 mod json;
+mod json_kind;
 mod limits;
 mod spool;
 #[doc(hidden)]
@@ -15,4 +16,5 @@ mod words;
 
 pub use file::{file_name, read_text};
 pub use json::{json_error, json_error_in};
+pub use json_kind::{json_format, json_kind};
 pub use words::{line_of_byte, parser_complaint, toml_complaint};

@@ -1,6 +1,7 @@
 //! For messages about text that people write: the line a byte stands in, what a parser
 //! says.
 
+use crate::json_kind::{json_format, json_kind};
 use chladni_frf::Error;
 
 /// The words of a parser (serde_json, toml) in parts: `invalid type: null, expected f64`
@@ -61,8 +62,12 @@ fn plain(said: &str) -> &str {
     }
 }
 
-/// The complaint of a TOML parser about syntax, at byte `at` of `text`.
+/// The complaint of a TOML parser about syntax, at byte `at` of `text`. A JSON file of this
+/// program is called by its kind.
 pub fn toml_complaint(said: &str, text: &str, at: usize) -> Error {
+    if let Some(error) = json_for_toml(text) {
+        return error;
+    }
     let line = line_of_byte(text, at);
     let found = text
         .lines()
@@ -88,6 +93,16 @@ pub fn toml_complaint(said: &str, text: &str, at: usize) -> Error {
         found
     })
     .help("correct that line; a key is written as `name = value`, a table as `[name]`")
+}
+
+/// The error of a JSON file of this program in the place of TOML.
+fn json_for_toml(text: &str) -> Option<Error> {
+    let format = json_format(text)?;
+    let error = Error::bad_data(format!("{}, not TOML", json_kind(&format)?))
+        .field("format")
+        .found(format)
+        .expected("TOML, as of a scene or a panel");
+    Some(error.help("give the TOML file here, and this file in its own place"))
 }
 
 /// Line of a byte of `text`, counted from 1.
@@ -126,6 +141,19 @@ mod tests {
             let error = parser_complaint(said);
             assert_eq!(error.found.as_deref(), Some(found), "{error}");
             assert_eq!(error.expected.as_deref(), Some(expected), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_json_file_in_the_place_of_toml_is_called_by_its_kind() {
+        let complaint = |text: &str| toml_complaint("invalid key", text, 0);
+        let error = complaint("{\n\"format\": \"chladni.signal\", \"version\": 1}");
+        assert_eq!(error.message, "the sidecar of a signal, not TOML");
+        assert_eq!(error.found.as_deref(), Some("chladni.signal"));
+        assert!(error.expected.is_some() && error.help.is_some(), "{error}");
+        for other in ["{\"format\": \"music\"}", "{\"keep\": [1]}", "[frf\n"] {
+            let error = complaint(other);
+            assert!(error.message.starts_with("this is no TOML"), "{error}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! `chladni evaluate --field`: measured fields against their prediction.
 
 use super::Args;
+use crate::blame::blame_model;
 use crate::field_words::{cause, deviation, sentence};
 use crate::indices::indices_table;
 use crate::limits::CAUSES_SHOWN;
@@ -11,8 +12,9 @@ use chladni_frf::{ModalModel, Result, Source};
 use chladni_io::{read_field, sha256_of};
 use chladni_render::{evaluate_field, FieldEvaluation, Scene, Weights};
 use serde_json::{json, Value};
+use std::path::Path;
 
-/// Judges every field of `--field`.
+/// Judges every field of `--field` on a model, which comes with its file.
 ///
 /// # Errors
 /// Those of reading, and a field that is not of these weights or not of this model.
@@ -20,7 +22,7 @@ pub fn run(
     args: &Args,
     weights: &Weights,
     scene: &Scene,
-    model: &ModalModel,
+    (model, model_file): (&ModalModel, &Path),
     mut sources: Vec<Source>,
     console: &Console,
 ) -> Result<Outcome> {
@@ -35,7 +37,7 @@ pub fn run(
             .tones()
             .find(|tone| tone.frequency_hz == field.frequency_hz);
         let judged = evaluate_field(tone.unwrap_or(weights), scene, model, &field, Some(&sha256))
-            .map_err(|error| error.file(file))?;
+            .map_err(|error| blame_model(error, model_file).file(file))?;
         console.find_all(&judged.findings);
         text += &format!(
             "{} at {} Hz\n",

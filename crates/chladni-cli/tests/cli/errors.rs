@@ -1,6 +1,7 @@
 //! Wrong inputs: messages as text and as JSON, and the exit status.
 
 use crate::common::Folder;
+use serde_json::Value;
 
 /// One wrong input.
 struct Wrong {
@@ -113,6 +114,17 @@ render truth.json modelled.toml|65|bad_data|truth.json|a model, not a calibratio
 render versionless.json scene.toml|65|bad_data|versionless.json|missing field|version
 render short.json scene.toml|65|bad_data|short.json|modes[0].shape_std|found 23|expected 24
 render weights.json scene.toml|65|bad_data|weights.json|not a model
+render rig.json scene.toml|65|bad_data|rig.json|a calibration file, neither|(`chladni correct` writes one)
+render drive.json scene.toml|65|bad_data|drive.json|the sidecar of a signal, neither|sound file beside it
+render truth.json weights.json|65|bad_data|weights.json|a weights file, not TOML|its own place
+render sideways.json scene.toml --frequency auto|65|bad_data|sideways.json: responses|can be judged
+render sideways.json scene.toml|65|bad_data|sideways.json: responses|can be judged
+play sideways.json scene.toml|65|bad_data|sideways.json: responses|can be judged
+correct sideways.json scene.toml --weights weights.json --field field.csv|65|bad_data|sideways.json: responses|can be judged
+correct truth.json actuator.toml --weights weights.json --field field.csv|65|bad_data|actuator.toml|999:+Z|101:+Z
+evaluate weights.json --scene scene.toml --on sideways.json --field field.csv|65|bad_data|sideways.json: responses|can be judged
+evaluate drive.wav --scene scene.toml --on sideways.json|65|bad_data|sideways.json: responses|can be judged
+fit panel.h5 --dofs sideways.csv --scene scene.toml|65|bad_data|panel.h5: responses|can be judged
 render truth.json scene.toml --method magic|2|usage|--method|magic|mls
 render truth.json scene.toml --actuators -5|2|usage|--actuators|found -5|above 0
 render truth.json scene.toml --frequency -5|2|usage|--frequency|found -5
@@ -146,7 +158,7 @@ report truth.json -o new.pdf|2|usage|.pdf|.html
 info nowhere.uff|66|no_input|nowhere.uff
 info empty|66|no_input|empty
 info binary.dat|65|bad_data|binary.dat
-info rig.json|65|bad_data|rig.json|chladni.calibration|in a scene
+info rig.json|65|bad_data|rig.json|a calibration file, neither|chladni.calibration|in a scene
 demo -o no/such/demo|73|cannot_create|no/such/demo
 demo -o panel.h5|73|cannot_create|panel.h5|a file
 man fix|2|usage|fix
@@ -247,10 +259,29 @@ fn prepared() -> Folder {
         "stranger.json",
         folder.text("weights.json").replacen("101:+Z", "999:+Z", 1),
     );
-    let mut truth: serde_json::Value = serde_json::from_str(&folder.text("truth.json")).unwrap();
+    let mut truth: Value = serde_json::from_str(&folder.text("truth.json")).unwrap();
     truth["modes"][0]["shape_std"].as_array_mut().unwrap().pop();
     folder.write("short.json", truth.to_string());
+    turn_sideways(&folder);
     folder
+}
+
+/// The model and the FRFs as if the responses were along X; a field and a drive signal.
+fn turn_sideways(folder: &Folder) {
+    let mut model: Value = serde_json::from_str(&folder.text("truth.json")).unwrap();
+    let mut rows = String::new();
+    let references = model["references"].clone();
+    for response in model["responses"].as_array_mut().unwrap() {
+        *response = response.as_str().unwrap().replace("+Z", "+X").into();
+        for reference in references.as_array().unwrap() {
+            let [response, reference] = [&*response, reference].map(|dof| dof.as_str().unwrap());
+            rows += &format!("{response},{reference}\n");
+        }
+    }
+    folder.write("sideways.json", model.to_string());
+    folder.write("sideways.csv", rows);
+    folder.run("simulate panel.toml --play weights.json -o field.csv -q");
+    folder.run("play truth.json scene.toml -o drive.wav -q");
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod agreement;
 mod bench;
 mod burst_studio;
 mod by_hand;
+mod calibrations;
 mod common;
 mod compare;
 mod conventions;

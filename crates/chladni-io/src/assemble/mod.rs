@@ -78,6 +78,7 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
         contents
             .functions
             .extend(coherence.map(|(function, _)| function));
+        contents.warnings.extend(same_files(&with_frfs));
         contents.other_geometry = geometry;
         return Ok(contents);
     }

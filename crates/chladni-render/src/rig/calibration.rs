@@ -8,16 +8,15 @@
 
 use super::gain_file;
 use super::gain_table::{too_large, GainTable};
+use super::known_keys;
 use crate::panel::operator::Operator;
 use crate::scene::other_kind::{self, parse_as};
 use crate::tolerances;
-use chladni_frf::{
-    Checksum, ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source, CREATED_BY,
-};
+use chladni_frf::{ComplexMatrix, Dof, Error, Finding, ReferenceUnit, Result, Source, CREATED_BY};
 use chladni_text::read_text;
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Value of `format` in a calibration file.
@@ -88,7 +87,7 @@ pub struct Calibration {
     #[serde(default)]
     pub created_by: String,
     /// The files it was learned from; filled by whoever read them.
-    #[serde(default, deserialize_with = "known_sources")]
+    #[serde(default, deserialize_with = "known_keys::sources")]
     pub source: Vec<Source>,
     /// Unit of the references, N or V; `None`: any, the factors have none.
     #[serde(default)]
@@ -117,29 +116,6 @@ pub struct Calibration {
     /// The mobility at the frequencies where fields were measured.
     #[serde(default)]
     pub operators: Vec<CalibratedOperator>,
-}
-
-/// Sources; a calibration refuses keys of them that other files pass over.
-fn known_sources<'de, D>(from: D) -> std::result::Result<Vec<Source>, D::Error>
-where
-    D: Deserializer<'de>,
-{
-    use serde::de::Error as _;
-    #[derive(Deserialize)]
-    #[serde(deny_unknown_fields)]
-    struct Known {
-        file: String,
-        sha256: Option<String>,
-        blake3: Option<String>,
-    }
-    let source = |known: Known| {
-        let file = known.file;
-        Checksum::of_fields(known.sha256, known.blake3)
-            .map(|checksum| Source { file, checksum })
-            .map_err(D::Error::custom)
-    };
-    let known = Vec::<Known>::deserialize(from)?;
-    known.into_iter().map(source).collect()
 }
 
 /// The pole of a mode.
@@ -171,8 +147,10 @@ pub struct CalibratedOperator {
     /// Reference DOFs, one per column.
     pub references: Vec<Dof>,
     /// Velocity along +Z per unit weight, (m/s)/N or (m/s)/V.
+    #[serde(deserialize_with = "known_keys::matrix")]
     pub mobility: ComplexMatrix,
     /// Covariance of its rows, mean of δhᴴδh.
+    #[serde(deserialize_with = "known_keys::matrix")]
     pub covariance: ComplexMatrix,
 }
 

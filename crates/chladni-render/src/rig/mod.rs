@@ -8,8 +8,8 @@
 //! itself) → `estimators` → `learned` (which of them counts) → `explained` (whether a faulty
 //! rig makes such a field) → `correct` (the drive; `given`: or the best measured one).
 //! `calibration` keeps what was learned (`gain_table`: over frequency, `gain_file`: as people
-//! write it), `calibrated` starts the next scene with it; `prior` is what stands before any
-//! field. `poles_of_fields` moves the poles of a model alone.
+//! write it; `known_keys` refuses misspelt keys), `calibrated` starts the next scene with it;
+//! `prior` is what stands before any field. `poles_of_fields` moves the poles of a model alone.
 
 mod agreement;
 mod calibrated;
@@ -29,6 +29,7 @@ mod gain_table;
 mod given;
 mod hypothesis;
 mod kalman;
+mod known_keys;
 mod learned;
 mod lone_points;
 mod normal;

@@ -1,28 +1,13 @@
 //! Reading a JSON file of one kind, and the error where it is of another.
 
-use chladni_frf::{Error, Result, MODEL_FORMAT};
-use chladni_text::json_error_in;
+use chladni_frf::{Error, Result};
+use chladni_text::{json_error_in, json_format, json_kind};
 use serde::de::DeserializeOwned;
-use serde::Deserialize;
 
 /// `format` of the files of this crate.
 pub(crate) const WEIGHTS: &str = "chladni.weights";
 pub(crate) const CALIBRATION: &str = "chladni.calibration";
 pub(crate) const SIGNAL: &str = "chladni.signal";
-
-/// Kinds of files by their `format`.
-const KINDS: [(&str, &str); 4] = [
-    (MODEL_FORMAT, "a model"),
-    (WEIGHTS, "a weights file"),
-    (CALIBRATION, "a calibration file"),
-    (SIGNAL, "the sidecar of a signal"),
-];
-
-/// The part of a file that names its kind.
-#[derive(Deserialize)]
-struct Header {
-    format: String,
-}
 
 /// The file that a JSON `text` holds.
 ///
@@ -47,14 +32,8 @@ pub(crate) fn parse_as<T: DeserializeOwned>(
 
 /// The error of a JSON `text` that says of itself to be of another known kind than `format`.
 fn other_kind(text: &str, format: &str, version: u32) -> Option<Error> {
-    let found = serde_json::from_str::<Header>(text).ok()?.format;
-    let name = |format: &str| {
-        KINDS
-            .iter()
-            .find(|kind| kind.0 == format)
-            .map(|kind| kind.1)
-    };
-    let (is, wanted) = (name(&found)?, name(format)?);
+    let found = json_format(text)?;
+    let (is, wanted) = (json_kind(&found)?, json_kind(format)?);
     (found != format).then(|| {
         Error::bad_data(format!("{is}, not {wanted}"))
             .field("format")

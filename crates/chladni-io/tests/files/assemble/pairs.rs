@@ -1,8 +1,9 @@
 //! The pairs of a set: single-reference surveys, duplicates, gaps.
 
 use super::documents::{document, frf, function, merge, names};
-use chladni_frf::{ErrorKind, Severity};
+use chladni_frf::{ErrorKind, FrfSet, FrfValues, Severity};
 use chladni_io::{assemble, Document, Duplicates, Function, Ordinate, ReadOptions};
+use ndarray::Array3;
 use num_complex::{Complex32, Complex64};
 
 #[test]
@@ -145,6 +146,28 @@ fn copies_of_which_one_is_kept_are_a_note() {
     let apart = told(Duplicates::First, vec![9, 10]);
     assert_eq!(apart.severity, Severity::Caution, "{apart}");
     assert!(apart.contains("two measurements"), "{apart}");
+}
+
+#[test]
+fn copies_of_a_set_without_responses_are_told() {
+    let one = vec![document("a.uff", vec![frf("1:+Z", "9:+Z", 1.0)])];
+    let (set, _) = merge(one, &ReadOptions::default()).unwrap();
+    let empty = FrfSet {
+        values: FrfValues::F64(Array3::zeros((0, 1, 3))),
+        responses: Vec::new(),
+        ..set
+    };
+    let sets = copies().into_iter().map(|copy| Document {
+        frf: Some(empty.clone()),
+        functions: Vec::new(),
+        ..copy
+    });
+    let contents = assemble(sets.collect(), &ReadOptions::default()).unwrap();
+    assert!(contents.frf.is_none());
+    let findings = contents.warnings;
+    let told = findings.iter().find(|finding| finding.code == "same-files");
+    let told = told.unwrap();
+    assert!(told.contains("b.uff of a.uff"), "{told}");
 }
 
 #[test]
