@@ -39,7 +39,8 @@ use crate::poles::scan::{scan, usual_loss, Scan};
 use crate::poles::settle::keep_strongest;
 use crate::poles::significance::threshold;
 use crate::tolerances::{self as tol, Precision};
-use chladni_linalg::{qr_thin, LinalgError};
+use chladni_linalg::blocked::tall_qr;
+use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
 /// Poles at the maximum of the likelihood.
@@ -57,7 +58,7 @@ pub(crate) fn lean(survey: Survey, options: &FitOptions) -> Result<PoleEstimate,
     rough.extend(poles_beyond_ends(&all, &rough, 0.0));
     let measured = {
         let columns = basis(&all, &rough, &RESIDUAL_POWERS);
-        measured_basis(data, &qr_thin(columns.view())?.0, &[])
+        measured_basis(data, &tall_qr(columns.view())?.0, &[])
     };
     let projected = project(data, measured, &survey.energy, &[])?;
     let needed = needed(&projected.work, &rough, data.pairs.len())?;

@@ -14,8 +14,8 @@ use crate::poles::scan::{residual_peak, Scan};
 use crate::poles::settle::{settle, OrderHistory};
 use crate::poles::significance::threshold;
 use crate::tolerances as tol;
-use chladni_linalg::blocked::projected;
-use chladni_linalg::{qr_thin, LinalgError};
+use chladni_linalg::blocked::{projected, tall_qr};
+use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 
@@ -283,7 +283,7 @@ pub(crate) fn on_weighted_lines(
     weights: &[f64],
 ) -> Result<Array2<Complex64>, LinalgError> {
     let axis = data.axis().reweighted(weights);
-    Ok(qr_thin(basis(&axis, lambda, &RESIDUAL_POWERS).view())?.0)
+    Ok(tall_qr(basis(&axis, lambda, &RESIDUAL_POWERS).view())?.0)
 }
 
 /// Noise variance from the residual of all FRFs.

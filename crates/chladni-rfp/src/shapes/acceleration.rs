@@ -6,7 +6,7 @@
 
 use crate::shapes::limits;
 use chladni_linalg::solve_hermitian;
-use ndarray::Array2;
+use ndarray::{Array2, Zip};
 use num_complex::Complex64;
 use std::collections::VecDeque;
 
@@ -35,10 +35,9 @@ impl Acceleration {
             self.changes.pop_front();
         }
         let along = |a: &Array2<Complex64>, b: &Array2<Complex64>| {
-            a.iter()
-                .zip(b)
-                .map(|(a, b)| a.conj() * b)
-                .sum::<Complex64>()
+            Zip::from(a)
+                .and(b)
+                .fold(Complex64::ZERO, |sum, a, b| sum + a.conj() * b)
         };
         let size: Vec<f64> = self
             .changes

@@ -7,8 +7,8 @@ use crate::data::inner_products::inner;
 use crate::shapes::limits;
 use crate::shapes::residues::{ridge, Residues};
 use chladni_linalg::blocked::blocked_matmul;
-use chladni_linalg::{matmul, LinalgError};
-use ndarray::{s, Array2, ArrayView2, Axis, ShapeBuilder};
+use chladni_linalg::{matmul, wide, LinalgError};
+use ndarray::{s, Array2, Axis, ShapeBuilder};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -22,8 +22,8 @@ pub(crate) struct Problem<'a> {
 /// The right-hand sides of its two halves.
 pub(crate) struct Halves<'a> {
     problem: &'a Problem<'a>,
-    /// K·r̂, (term, pair).
-    weighted: Array2<Complex64>,
+    /// K·r̂, the terms of a pair one after another; the pairs of a response, too.
+    weighted: Vec<Complex64>,
     /// r̂ᴴK·r̂ over all pairs.
     pub total: f64,
 }
@@ -89,12 +89,9 @@ impl<'a> Halves<'a> {
         } = problem;
         let of_poles = blocked_matmul(residues.weight.view(), residues.values.view());
         let total = inner(residues.values.view(), of_poles.view());
-        let mut weighted = Array2::zeros((owner.len(), of_poles.ncols()).f());
-        for (mut terms, poles) in weighted.columns_mut().into_iter().zip(of_poles.columns()) {
-            terms
-                .iter_mut()
-                .zip(*owner)
-                .for_each(|(term, &n)| *term = poles[n]);
+        let mut weighted = Vec::with_capacity(owner.len() * of_poles.ncols());
+        for of_pair in of_poles.columns() {
+            weighted.extend(owner.iter().map(|&n| of_pair[n]));
         }
         Self {
             problem,
@@ -104,15 +101,32 @@ impl<'a> Halves<'a> {
     }
 
     /// The weighted residues of blocks of responses, with the first response of each.
-    fn blocks(&self) -> Vec<(usize, ArrayView2<'_, Complex64>)> {
-        let references = self.problem.residues.present.ncols();
-        let blocks = self
-            .weighted
-            .axis_chunks_iter(Axis(1), limits::ALTERNATION_BLOCK * references);
-        blocks
+    fn blocks(&self) -> Vec<(usize, &[Complex64])> {
+        let pairs = limits::ALTERNATION_BLOCK * self.problem.residues.present.ncols();
+        self.weighted
+            .chunks(pairs * self.problem.owner.len())
             .enumerate()
             .map(|(number, block)| (number * limits::ALTERNATION_BLOCK, block))
             .collect()
+    }
+
+    /// Calls `add` with each measured pair of a block, and with its weighted residues.
+    #[inline(always)]
+    fn each_pair(
+        &self,
+        (first, block): (usize, &[Complex64]),
+        mut add: impl FnMut([usize; 2], &[Complex64]),
+    ) {
+        let Problem {
+            residues, owner, ..
+        } = self.problem;
+        let references = residues.present.ncols();
+        for (pair, values) in block.chunks_exact(owner.len()).enumerate() {
+            let at = [first + pair / references, pair % references];
+            if residues.present[at] {
+                add(at, values);
+            }
+        }
     }
 
     /// Best shapes (row, response) for given participations.
@@ -121,26 +135,31 @@ impl<'a> Halves<'a> {
         participation: &Array2<Complex64>,
     ) -> Result<Array2<Complex64>, LinalgError> {
         let (responses, references) = self.problem.residues.present.dim();
-        let mut rights = Array2::zeros((self.problem.owner.len(), responses).f());
-        let outs: Vec<_> = rights
-            .axis_chunks_iter_mut(Axis(1), limits::ALTERNATION_BLOCK)
-            .zip(self.blocks())
-            .collect();
-        outs.into_par_iter()
-            .for_each(|(mut right, (first, block))| {
-                for (pair, values) in block.columns().into_iter().enumerate() {
-                    let (i, j) = (pair / references, pair % references);
-                    if self.problem.residues.present[[first + i, j]] {
-                        add_product(right.column_mut(i), participation.column(j), values);
-                    }
-                }
-            });
+        let terms = self.problem.owner.len();
+        let fixed = by_dof(participation);
+        let mut rights = vec![Complex64::ZERO; terms * responses];
+        let outs = rights.par_chunks_mut(limits::ALTERNATION_BLOCK * terms);
+        outs.zip(self.blocks()).for_each(|(out, block)| {
+            wide(
+                #[inline(always)]
+                || {
+                    self.each_pair(
+                        block,
+                        #[inline(always)]
+                        |[i, j], values| {
+                            let right = &mut out[(i - block.0) * terms..][..terms];
+                            add_products(right, &fixed[j * terms..][..terms], values);
+                        },
+                    );
+                },
+            );
+        });
         let partners = |i: usize| {
             (0..references)
                 .filter(|&j| self.problem.residues.present[[i, j]])
                 .collect()
         };
-        self.solved(participation, &rights, partners)
+        self.solved(participation, &of_dofs(terms, rights), partners)
     }
 
     /// Best participations (row, reference) for given shapes, and what both together
@@ -150,21 +169,27 @@ impl<'a> Halves<'a> {
         shape: &Array2<Complex64>,
     ) -> Result<(Array2<Complex64>, f64), LinalgError> {
         let (responses, references) = self.problem.residues.present.dim();
-        let parts: Vec<Array2<Complex64>> = self
-            .blocks()
-            .into_par_iter()
-            .map(|(first, block)| {
-                let mut right = Array2::zeros((self.problem.owner.len(), references).f());
-                for (pair, values) in block.columns().into_iter().enumerate() {
-                    let (i, j) = (first + pair / references, pair % references);
-                    if self.problem.residues.present[[i, j]] {
-                        add_product(right.column_mut(j), shape.column(i), values);
-                    }
-                }
-                right
-            })
-            .collect();
-        let mut rights = Array2::zeros((self.problem.owner.len(), references).f());
+        let terms = self.problem.owner.len();
+        let fixed = by_dof(shape);
+        let of_block = |block: (usize, &[Complex64])| {
+            let mut right = vec![Complex64::ZERO; terms * references];
+            wide(
+                #[inline(always)]
+                || {
+                    self.each_pair(
+                        block,
+                        #[inline(always)]
+                        |[i, j], values| {
+                            let right = &mut right[j * terms..][..terms];
+                            add_products(right, &fixed[i * terms..][..terms], values);
+                        },
+                    );
+                },
+            );
+            of_dofs(terms, right)
+        };
+        let parts: Vec<_> = self.blocks().into_par_iter().map(of_block).collect();
+        let mut rights = Array2::zeros((terms, references).f());
         parts.iter().for_each(|part| rights += part);
         let partners = |j: usize| {
             (0..responses)
@@ -201,16 +226,15 @@ impl<'a> Halves<'a> {
     }
 }
 
-/// sum += conj(factor)·value, term by term; fast where all lie in memory in turn.
-fn add_product(
-    mut sum: ndarray::ArrayViewMut1<Complex64>,
-    factor: ndarray::ArrayView1<Complex64>,
-    value: ndarray::ArrayView1<Complex64>,
-) {
-    match (sum.as_slice_mut(), factor.to_slice(), value.to_slice()) {
-        (Some(sum), Some(factor), Some(value)) => add_products(sum, factor, value),
-        _ => add_products(&mut sum, factor, value),
-    }
+/// Values (term, DOF), the terms of a DOF one after another.
+fn by_dof(values: &Array2<Complex64>) -> Vec<Complex64> {
+    values.t().iter().copied().collect()
+}
+
+/// Values (term, DOF) from those of `terms` terms of each DOF.
+fn of_dofs(terms: usize, values: Vec<Complex64>) -> Array2<Complex64> {
+    let size = (terms, values.len() / terms);
+    Array2::from_shape_vec(size.f(), values).expect("as many values of each DOF")
 }
 
 /// sum += conj(factor)·value, term by term.

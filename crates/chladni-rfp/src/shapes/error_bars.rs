@@ -8,13 +8,13 @@
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use crate::poles::pole::Pole;
-use crate::shapes::inverse_root::{finite, inverse_root};
+use crate::shapes::inverse_root::{finite, inverse_root, inverse_root_beside};
 use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
 use crate::shapes::low_rank::Shapes;
 use crate::shapes::residues::alike;
 use crate::shapes::scale::Scale;
-use crate::shapes::tangent::{overlapping, pivots, taken, unknowns, Tangent, Unknown};
+use crate::shapes::tangent::{mixing, overlapping, pivots, taken, unknowns, Tangent, Unknown};
 use crate::shapes::term_noise::TermNoise;
 use chladni_linalg::{matmul, matmul_h, LinalgError};
 use ndarray::{concatenate, s, Array1, Array2, Axis, ShapeBuilder};
@@ -331,15 +331,20 @@ impl ShapeErrors {
         );
         let deviation = self.seen_variance().sqrt();
         let noisy = self.noise.times(columns, unknowns);
+        let idle = mixing(unknowns, &self.lambda, &self.participation);
         if self.joint && self.real {
-            let real = |a: &Array2<Complex64>| a.mapv(|v| v.re);
+            let [idle, information, noisy] =
+                [idle, information, noisy].map(|all| all.mapv(|v| v.re));
             return Ok(
-                inverse_root(real(&information).view(), real(&noisy).view())?
+                inverse_root_beside(idle.view(), information.view(), noisy.view())?
                     .mapv(|v| (v * deviation).into()),
             );
         }
         if self.joint {
-            return Ok(inverse_root(information.view(), noisy.view())?.mapv(|v| v * deviation));
+            return Ok(
+                inverse_root_beside(idle.view(), information.view(), noisy.view())?
+                    .mapv(|v| v * deviation),
+            );
         }
         // poles came from free residues; participations follow them, and have an error of
         // their own besides
@@ -349,12 +354,9 @@ impl ShapeErrors {
             .split_at(Axis(0), modes.len())
             .1
             .split_at(Axis(1), modes.len());
-        let both = inverse_root(
-            of_own,
-            concatenate(Axis(1), &[of_others, of_all])
-                .expect("as many participations")
-                .view(),
-        )?;
+        let idle = idle.slice(s![modes.len().., ..]);
+        let both = concatenate(Axis(1), &[of_others, of_all]).expect("as many participations");
+        let both = inverse_root_beside(idle, of_own, both.view())?;
         let (own, follow) = both.view().split_at(Axis(1), columns.ncols());
         let through = matmul(
             self.free_pole_root(modes)?.view(),
@@ -363,7 +365,7 @@ impl ShapeErrors {
         // the way in which participations follow has no noise
         let own = match noisy == *columns {
             true => own.to_owned(),
-            false => inverse_root(of_own, noisy.slice(s![modes.len().., ..]))?,
+            false => inverse_root_beside(idle, of_own, noisy.slice(s![modes.len().., ..]))?,
         };
         let own = own.mapv(|v| v * deviation);
         Ok(concatenate(Axis(0), &[through.view(), own.view()]).expect("as many directions"))

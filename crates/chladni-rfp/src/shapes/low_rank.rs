@@ -51,7 +51,7 @@ pub(crate) fn low_rank(residues: &Residues, ranks: &[usize]) -> Result<Shapes, L
     balance(&mut shape, &mut participation);
     let problem = Problem::new(residues, &owner);
     let mut rise = 0.0;
-    if references > 1 || residues.present.iter().any(|p| !p) {
+    if !owner.is_empty() && (references > 1 || residues.present.iter().any(|p| !p)) {
         let halves = Halves::new(&problem);
         let (mut from, mut acceleration) = (participation.clone(), Acceleration::default());
         let mut before = f64::MAX;

@@ -5,8 +5,9 @@
 
 use crate::shapes::limits;
 use crate::shapes::line_products::LineProducts;
+use crate::tolerances as tol;
 use chladni_linalg::{matmul, matmul_h};
-use ndarray::{Array2, ArrayView1};
+use ndarray::{Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 
 /// One unknown: its mode, whether the pole or which participation, and the unit it moves
@@ -125,6 +126,38 @@ pub(crate) fn unknowns(
     list
 }
 
+/// The directions in which terms of one pole mix, (unknown, direction): participations of one move
+/// along those of another, and its pivot stays. Where the shapes follow, no FRF changes by it.
+///
+/// * `lambda`: of each term; terms of one pole have the same
+pub(crate) fn mixing(
+    unknowns: &[Unknown],
+    lambda: &[Complex64],
+    participation: &Array2<Complex64>,
+) -> Array2<Complex64> {
+    let pivot = pivots(participation);
+    let is_met = |n: usize| unknowns.iter().any(|unknown| unknown.mode == n);
+    let pairs: Vec<[usize; 2]> = (0..lambda.len())
+        .filter(|&n| is_met(n))
+        .flat_map(|n| (0..lambda.len()).map(move |m| [n, m]))
+        .filter(|&[n, m]| n != m && lambda[n] == lambda[m])
+        .collect();
+    let all = Array2::from_shape_fn((unknowns.len(), pairs.len()), |(a, c)| {
+        let ([n, m], Unknown { mode, other, .. }) = (pairs[c], unknowns[a]);
+        let [own, along] = [n, m].map(|term| participation.row(term));
+        match other {
+            Some(j) if mode == n => along[j] - own[j] * (along[pivot[n]] / own[pivot[n]]),
+            _ => Complex64::ZERO,
+        }
+    });
+    // between terms of the same participations the rest is rounding
+    let size = |row: ArrayView1<Complex64>| row.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+    let told: Vec<usize> = (0..pairs.len())
+        .filter(|&c| size(all.column(c)) > tol::FREE_RANK * size(participation.row(pairs[c][1])))
+        .collect();
+    all.select(Axis(1), &told)
+}
+
 /// The largest participation of each mode.
 pub(crate) fn pivots(participation: &Array2<Complex64>) -> Vec<usize> {
     let of_mode = |row: ArrayView1<Complex64>| {
@@ -164,4 +197,62 @@ pub(crate) fn overlapping(lambda: &[Complex64]) -> Vec<Vec<usize>> {
         }
     }
     clusters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_linalg::inverse_hermitian;
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Two of three terms share a pole.
+    #[test]
+    fn terms_of_one_pole_mix_without_a_change_of_any_frf() {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let mut draw = |size: (usize, usize)| {
+            Array2::from_shape_fn(size, |_| {
+                let [re, im] = [(); 2].map(|()| random.random_range(-1.0..1.0));
+                Complex64::new(re, im)
+            })
+        };
+        let terms = [0, 1, 1];
+        let [columns, derivatives] =
+            [draw((20, 2)), draw((20, 2))].map(|all| all.select(Axis(1), &terms));
+        let (participation, shape) = (draw((3, 4)), draw((3, 5)));
+        let gram = |a: &Array2<Complex64>, b: &Array2<Complex64>| matmul_h(a.view(), b.view());
+        let over = |rows: &Array2<Complex64>| gram(&rows.t().to_owned(), &rows.t().to_owned());
+        let lines = LineProducts {
+            whole: vec![1.0; 3],
+            ff: gram(&columns, &columns),
+            fd: gram(&columns, &derivatives),
+            dd: gram(&derivatives, &derivatives),
+        };
+        let (along, across) = (over(&participation), over(&shape));
+        let normal = &lines.ff * &along;
+        let tangent = Tangent {
+            lines: &lines,
+            participation: &participation,
+            measured: &[true; 4],
+            along: &along,
+            across: &across,
+            gram_inverse: &inverse_hermitian(normal.view()).unwrap(),
+            real: false,
+        };
+        let unknowns = unknowns(&[0, 1, 2], &pivots(&participation), 4, false);
+        let information = tangent.information(&unknowns, &tangent.inside(&unknowns), 0.0);
+        let lambda = terms.map(|n| Complex64::new(1.0 + n as f64, 0.01));
+        let idle = mixing(&unknowns, &lambda, &participation);
+        assert_eq!(idle.ncols(), 2);
+        let seen = matmul(information.view(), idle.view());
+        assert!(seen.iter().all(|v| v.norm() < 1e-11), "{seen}");
+        // a term without participations, and one that repeats another, mix in no way
+        let mut still = participation.clone();
+        still.row_mut(1).fill(Complex64::ZERO);
+        assert_eq!(mixing(&unknowns, &lambda, &still).ncols(), 0);
+        let mut twice = participation;
+        let first = twice.row(1).mapv(|v| v * Complex64::I);
+        twice.row_mut(2).assign(&first);
+        assert_eq!(mixing(&unknowns, &lambda, &twice).ncols(), 0);
+    }
 }

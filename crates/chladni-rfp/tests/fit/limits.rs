@@ -160,3 +160,36 @@ fn a_driving_point_at_a_node_is_named_and_its_error_bars_hold_all_the_same() {
     }
     assert!(covered * 10 >= count * 9, "{covered} of {count}");
 }
+
+/// One pole beyond the band stands for several modes there. Its shapes may mix, which changes no
+/// FRF: that is no error of theirs.
+#[test]
+fn shapes_that_share_a_pole_beyond_the_band_are_known() {
+    let set = Synthetic {
+        natural_frequency_hz: vec![40.0, 70.0, 110.0, 160.0, 165.0, 170.0, 175.0],
+        responses: 12,
+        references: 6,
+        snr_db: 60.0,
+        ..Synthetic::default()
+    }
+    .build()
+    .expect("a set");
+    let model = fitted(&set);
+    let outside = || model.modes.iter().filter(|mode| !mode.in_band);
+    let shares = |mode: &&Mode| {
+        let same = |other: &&Mode| other.frequency_hz == mode.frequency_hz;
+        outside().filter(same).count() > 1
+    };
+    let sharing: Vec<&Mode> = outside().filter(shares).collect();
+    assert!(!sharing.is_empty(), "{:?}", model.quality.path);
+    for mode in sharing {
+        let peak = mode.shape.0.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        let known = |std: &f64| *std > 0.0 && *std < 0.5 * peak;
+        assert!(
+            mode.shape_std.iter().all(known),
+            "{:?} of {peak} at {} Hz",
+            mode.shape_std,
+            mode.frequency_hz
+        );
+    }
+}
