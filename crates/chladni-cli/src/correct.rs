@@ -1,6 +1,6 @@
 //! `chladni correct`: a drive corrected by measured fields.
 
-use crate::blame::blame_model;
+use crate::blame::blame_field;
 use crate::indices::{indices_table, weights_table};
 use crate::render::{doubt, value_of, write_weights};
 use chladni_console::input::{read_weights, source};
@@ -166,12 +166,8 @@ fn with_file(
         let elsewhere =
             pair.field.frequency_hz != scene.frequency_hz && scene.other_tones.is_empty();
         return match error.field.as_deref() {
-            Some("weights" | "weights.frequency_hz") => error.file(weights),
-            Some("weights_sha256" | "response" | "unit" | "velocity" | "gains") => {
-                error.file(field)
-            }
             Some("frequency_hz") if elsewhere => error.file(field),
-            _ => scene.blame(blame_model(error, &args.model)),
+            _ => blame_field(error, (field, weights), &args.model, scene),
         };
     }
     error

@@ -183,8 +183,14 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
     let recorded =
         Recorded::from_samples(&samples, rate_hz, &sidecar).map_err(|error| error.file(file))?;
     console.stage("judging");
-    let (indices, findings) = evaluate_signal(&recorded, &sidecar.events, &scene, &model)
-        .map_err(|error| scene.blame(blame_model(error, &files[0])))?;
+    let (indices, findings) =
+        evaluate_signal(&recorded, &sidecar.events, &scene, &model).map_err(|error| match error
+            .field
+            .as_deref()
+        {
+            Some("channels") => error.file(&beside),
+            _ => scene.blame(blame_model(error, &files[0])),
+        })?;
     console.find_all(&findings);
     let sources = [file, &beside, &args.scene, &files[0]]
         .into_iter()

@@ -13,7 +13,7 @@ use crate::limits::MOST_FILES;
 use crate::plan::Plan;
 use crate::scene_band::SceneBand;
 use crate::streaming::{too_large, Resume, Stream};
-use chladni_console::input::{expand, read_frf, Reading};
+use chladni_console::input::{expand, read_frf, DofFile, Reading};
 use chladni_console::memory::{parse_memory, MEMORY};
 use chladni_console::next_step::report;
 use chladni_console::output::{Output, MODEL};
@@ -200,7 +200,10 @@ fn fitted(
         .as_deref()
         .map(|scene| SceneBand::of(scene, frf, &options))
         .transpose()
-        .map_err(|error| blame_model(error, file))?;
+        .map_err(|error| {
+            let listed = args.reading.dofs.as_ref();
+            blame_model(error, listed.map_or(file, DofFile::path))
+        })?;
     if let Some(scene) = &scene {
         options.band_hz = Some(scene.band_hz());
         sources.push(scene.source.clone());

@@ -80,6 +80,11 @@ fn read_dofs(path: &str) -> Result<DofFile> {
 }
 
 impl DofFile {
+    /// The file.
+    pub fn path(&self) -> &Path {
+        Path::new(&self.name)
+    }
+
     /// True where the list comes from the standard input.
     pub fn is_standard_input(&self) -> bool {
         self.name == "-"

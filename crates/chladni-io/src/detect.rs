@@ -6,7 +6,7 @@ use crate::signatures::{is_npz, MAT_SIGNATURE, NPY_SIGNATURE};
 
 use chladni_frf::{Error, ErrorKind, Result, MODEL_FORMAT};
 use chladni_text::door;
-use chladni_text::{json_error, json_kind};
+use chladni_text::{json_error, json_format, json_kind};
 use serde::Deserialize;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -90,7 +90,7 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
         input.seek(SeekFrom::Start(0)).map_err(on_read)?;
         let mut bytes = Vec::new();
         input.read_to_end(&mut bytes).map_err(on_read)?;
-        return json_format(text_start(&bytes)).map_err(|error| error.file(file));
+        return format_of_json(text_start(&bytes)).map_err(|error| error.file(file));
     }
     Ok(FileFormat::Csv)
 }
@@ -244,11 +244,10 @@ fn foreign_binary(head: &[u8]) -> Option<Error> {
 }
 
 /// The error of a binary file of this program: its first line is JSON that names the kind.
-fn own_binary(head: &[u8]) -> Option<Error> {
-    let first_line = head.split(|&byte| byte == b'\n').next()?;
-    let header: Header = serde_json::from_slice(first_line).ok()?;
-    let own = header.format.filter(|format| json_kind(format).is_some())?;
-    Some(other_json(Some(&own)))
+fn own_binary(bytes: &[u8]) -> Option<Error> {
+    let first_line = bytes.split(|&byte| byte == b'\n').next()?;
+    let format = json_format(std::str::from_utf8(first_line).ok()?)?;
+    json_kind(&format).map(|_| other_json(Some(&format)))
 }
 
 /// The text after a byte-order mark and blanks.
@@ -259,15 +258,16 @@ fn text_start(bytes: &[u8]) -> &[u8] {
         .trim_ascii_start()
 }
 
-/// The part of JSON that names its kind.
-#[derive(Deserialize)]
-struct Header {
-    format: Option<String>,
-}
-
-fn json_format(bytes: &[u8]) -> Result<FileFormat> {
+fn format_of_json(bytes: &[u8]) -> Result<FileFormat> {
+    #[derive(Deserialize)]
+    struct Header {
+        format: Option<String>,
+    }
     let header: Header = serde_json::from_slice(bytes).map_err(|error| {
-        json_error("begins like JSON", &error).help("copy or write the file again")
+        // the first line of such a file may be longer than its head
+        own_binary(bytes).unwrap_or_else(|| {
+            json_error("begins like JSON", &error).help("copy or write the file again")
+        })
     })?;
     match header.format.as_deref() {
         Some(MODEL_FORMAT) => Ok(FileFormat::Model),
@@ -288,8 +288,8 @@ fn other_json(format: Option<&str>) -> Error {
              `calibration` in a scene"
         }
         Some("chladni.signal") => {
-            "it says which actuator is on which channel of the sound file beside it: give that \
-             sound file, or the model that it was made with"
+            "it says which actuator is on which channel of the sound file beside it: give the \
+             model or the data that the signal was made with"
         }
         Some("chladni.comparison") => "give one of the models that were compared",
         Some("chladni.partial") => "merge it with the partials of the other blocks, and solve them",
@@ -364,6 +364,9 @@ mod tests {
 
     #[test]
     fn other_files_of_this_program_are_called_by_their_kind() {
+        let inputs = "\"scan.h5\",".repeat(HEAD_BYTES);
+        let long_first_line =
+            format!("{{\"format\":\"chladni.resume\",\"inputs\":[{inputs}0]}}\n\0").into_bytes();
         for (bytes, kind, advice) in [
             (
                 &b"{\n  \"version\": 1,\n  \"format\": \"chladni.calibration\"}"[..],
@@ -374,6 +377,11 @@ mod tests {
                 b"{\"format\": \"chladni.signal\"}",
                 "the sidecar of a signal, neither",
                 "sound file",
+            ),
+            (
+                &long_first_line,
+                "the state of an interrupted fit, neither",
+                "go on from there",
             ),
             (
                 b"{\"format\": \"chladni.comparison\"}",

@@ -1,7 +1,7 @@
 //! `chladni evaluate --field`: measured fields against their prediction.
 
 use super::Args;
-use crate::blame::blame_model;
+use crate::blame::blame_field;
 use crate::field_words::{cause, deviation, sentence};
 use crate::indices::indices_table;
 use crate::limits::CAUSES_SHOWN;
@@ -37,7 +37,10 @@ pub fn run(
             .tones()
             .find(|tone| tone.frequency_hz == field.frequency_hz);
         let judged = evaluate_field(tone.unwrap_or(weights), scene, model, &field, Some(&sha256))
-            .map_err(|error| blame_model(error, model_file).file(file))?;
+            .map_err(|error| match error.field.as_deref() {
+            Some("frequency_hz") => error.file(file),
+            _ => blame_field(error, (file, &args.weights), model_file, scene),
+        })?;
         console.find_all(&judged.findings);
         text += &format!(
             "{} at {} Hz\n",

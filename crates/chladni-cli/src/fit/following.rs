@@ -82,9 +82,12 @@ impl Args {
             common_shift,
             common_shift_std,
             ..
-        } = poles_of_fields(&known, &played).map_err(|error| match files {
-            [only] => error.file(only),
-            _ => error,
+        } = poles_of_fields(&known, &played).map_err(|error| {
+            match (error.field.as_deref(), files) {
+                (Some("responses" | "modes"), _) => error.file(file),
+                (_, [only]) => error.file(only),
+                _ => error,
+            }
         })?;
         let inputs = files.iter().chain(&self.weights);
         let sources = inputs

@@ -123,8 +123,9 @@ play sideways.json scene.toml|65|bad_data|sideways.json: responses|can be judged
 correct sideways.json scene.toml --weights weights.json --field field.csv|65|bad_data|sideways.json: responses|can be judged
 correct truth.json actuator.toml --weights weights.json --field field.csv|65|bad_data|actuator.toml|999:+Z|101:+Z
 evaluate weights.json --scene scene.toml --on sideways.json --field field.csv|65|bad_data|sideways.json: responses|can be judged
+evaluate weights.json --scene dead.toml --on truth.json --field field.csv|65|bad_data|dead.toml|actuators.dead|999:+Z
 evaluate drive.wav --scene scene.toml --on sideways.json|65|bad_data|sideways.json: responses|can be judged
-fit panel.h5 --dofs sideways.csv --scene scene.toml|65|bad_data|panel.h5: responses|can be judged
+fit panel.h5 --dofs sideways.csv --scene scene.toml|65|bad_data|sideways.csv: responses|can be judged
 render truth.json scene.toml --method magic|2|usage|--method|magic|mls
 render truth.json scene.toml --actuators -5|2|usage|--actuators|found -5|above 0
 render truth.json scene.toml --frequency -5|2|usage|--frequency|found -5
@@ -239,6 +240,11 @@ fn prepared() -> Folder {
             "profile.toml",
             "frequency_hz = 300\n[threshold]\nprofile = \"clasic\"\n[zones]\ngrid = \
                           [2, 2]\nhot = [1]\n",
+        ),
+        (
+            "dead.toml",
+            "frequency_hz = 300\n[actuators]\ndead = [\"999:+Z\"]\n[zones]\ngrid = \
+                           [2, 2]\nhot = [1]\n",
         ),
         (
             "actuator.toml",

@@ -78,7 +78,9 @@ pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Conte
         contents
             .functions
             .extend(coherence.map(|(function, _)| function));
-        contents.warnings.extend(same_files(&with_frfs));
+        let copies = Source::copies(&with_frfs);
+        let told = copies.map(|words| Finding::note("same-files", words));
+        contents.warnings.extend(told);
         contents.other_geometry = geometry;
         return Ok(contents);
     }

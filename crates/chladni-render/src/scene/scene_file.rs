@@ -14,7 +14,7 @@ use crate::scene::zones::Zones;
 use crate::time::{read_time, TimeTable};
 use crate::tolerances;
 use crate::touch::{read_touch, Touch};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, ErrorKind, Result};
 use chladni_text::read_text;
 use chladni_text::toml_reader::{parse, Table};
 use std::path::{Path, PathBuf};
@@ -58,8 +58,10 @@ pub struct Scene {
 impl Scene {
     /// The error with the scene's file, where it names no other.
     pub fn blame(&self, error: Error) -> Error {
-        // responses are those of the model
-        let is_own = error.file.is_none() && error.field.as_deref() != Some("responses");
+        // responses are those of the model, and an internal error is nobody's
+        let is_own = error.file.is_none()
+            && error.kind != ErrorKind::Internal
+            && error.field.as_deref() != Some("responses");
         match &self.file {
             Some(file) if is_own => error.file(file),
             _ => error,
