@@ -183,14 +183,12 @@ fn of_signal(args: &Args, console: &Console) -> Result<Outcome> {
     let recorded =
         Recorded::from_samples(&samples, rate_hz, &sidecar).map_err(|error| error.file(file))?;
     console.stage("judging");
+    let blame = |error: Error| match error.field.as_deref() {
+        Some("channels") => error.file(&beside),
+        _ => scene.blame(blame_model(error, &files[0])),
+    };
     let (indices, findings) =
-        evaluate_signal(&recorded, &sidecar.events, &scene, &model).map_err(|error| match error
-            .field
-            .as_deref()
-        {
-            Some("channels") => error.file(&beside),
-            _ => scene.blame(blame_model(error, &files[0])),
-        })?;
+        evaluate_signal(&recorded, &sidecar.events, &scene, &model).map_err(blame)?;
     console.find_all(&findings);
     let sources = [file, &beside, &args.scene, &files[0]]
         .into_iter()

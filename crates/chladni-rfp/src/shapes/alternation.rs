@@ -110,23 +110,34 @@ impl<'a> Halves<'a> {
             .collect()
     }
 
-    /// Calls `add` with each measured pair of a block, and with its weighted residues.
-    #[inline(always)]
-    fn each_pair(
+    /// Adds conj(`fixed`)·residues of each measured pair of a block to `sums`, which are by DOF as
+    /// `fixed` is.
+    ///
+    /// * `dofs`: place in `sums` and place in `fixed` of the pair (response, reference)
+    fn add_pairs(
         &self,
         (first, block): (usize, &[Complex64]),
-        mut add: impl FnMut([usize; 2], &[Complex64]),
+        sums: &mut [Complex64],
+        fixed: &[Complex64],
+        dofs: impl Fn([usize; 2]) -> [usize; 2],
     ) {
         let Problem {
             residues, owner, ..
         } = self.problem;
-        let references = residues.present.ncols();
-        for (pair, values) in block.chunks_exact(owner.len()).enumerate() {
-            let at = [first + pair / references, pair % references];
-            if residues.present[at] {
-                add(at, values);
-            }
-        }
+        let (references, terms) = (residues.present.ncols(), owner.len());
+        wide(
+            #[inline(always)]
+            || {
+                for (pair, values) in block.chunks_exact(terms).enumerate() {
+                    let at = [first + pair / references, pair % references];
+                    if residues.present[at] {
+                        let [sum, factor] = dofs(at).map(|dof| dof * terms);
+                        let factor = &fixed[factor..][..terms];
+                        add_products(&mut sums[sum..][..terms], factor, values);
+                    }
+                }
+            },
+        );
     }
 
     /// Best shapes (row, response) for given participations.
@@ -140,19 +151,7 @@ impl<'a> Halves<'a> {
         let mut rights = vec![Complex64::ZERO; terms * responses];
         let outs = rights.par_chunks_mut(limits::ALTERNATION_BLOCK * terms);
         outs.zip(self.blocks()).for_each(|(out, block)| {
-            wide(
-                #[inline(always)]
-                || {
-                    self.each_pair(
-                        block,
-                        #[inline(always)]
-                        |[i, j], values| {
-                            let right = &mut out[(i - block.0) * terms..][..terms];
-                            add_products(right, &fixed[j * terms..][..terms], values);
-                        },
-                    );
-                },
-            );
+            self.add_pairs(block, out, &fixed, |[i, j]| [i - block.0, j]);
         });
         let partners = |i: usize| {
             (0..references)
@@ -173,19 +172,7 @@ impl<'a> Halves<'a> {
         let fixed = by_dof(shape);
         let of_block = |block: (usize, &[Complex64])| {
             let mut right = vec![Complex64::ZERO; terms * references];
-            wide(
-                #[inline(always)]
-                || {
-                    self.each_pair(
-                        block,
-                        #[inline(always)]
-                        |[i, j], values| {
-                            let right = &mut right[j * terms..][..terms];
-                            add_products(right, &fixed[i * terms..][..terms], values);
-                        },
-                    );
-                },
-            );
+            self.add_pairs(block, &mut right, &fixed, |[i, j]| [j, i]);
             of_dofs(terms, right)
         };
         let parts: Vec<_> = self.blocks().into_par_iter().map(of_block).collect();
