@@ -19,6 +19,7 @@ Arrays are NumPy's, in SI units; names carry theirs. Errors are `ChladniError`, 
 """
 
 import json as _json
+import os as _os
 
 import numpy as _numpy
 
@@ -96,7 +97,8 @@ def fit(frf, *, progress=None, **options):
     seed : int
         Of the random mixtures of FRFs.
     progress : bool or callable, optional
-        True: a bar (with tqdm where installed). A function is called with the name of each stage.
+        True: a bar (with tqdm where installed). A function is called with the name of each stage; where it raises, the
+        fit stops there. Ctrl-C stops it at its next stage.
 
     Returns
     -------
@@ -115,13 +117,14 @@ def solve_poles(partial, *, progress=None, **options):
     partial : Partial
         All blocks, merged.
     progress : bool or callable, optional
-        As of `fit`.
+        As of `fit`; an error that it raises comes at the end.
     **options
         ``modes``, ``damping``, ``shapes``, ``exponential_window_per_s``, as of `fit`.
 
     Returns
     -------
     Poles or Model
+        Blocks that are missing (``blocks`` of `reduce_block`) are a finding of the model, and a warning beside poles.
     """
     with _told(progress, "solve") as tell:
         return _chladni.solve_poles(partial, progress=tell, **options)
@@ -218,7 +221,7 @@ def select(model, *, keep=None, drop=None, near_hz=(), within_hz=0.5, add=(), fr
         mode at each, which is graded like all others. Places in `keep` and `drop` are
         those of `model`.
     frf : FrfSet, optional
-        The FRFs that the model was fitted to; needed with `add`.
+        The FRFs that the model was fitted to; needed with `add`. Those without a DOF pair of the model are refused.
 
     Returns
     -------
@@ -331,7 +334,7 @@ def correct(model, scene, weights, fields, *, output=None, calibration=None, for
         The model that the weights were rendered with.
     scene : path, str or dict
         As of `render`; a calibration that it names is where the correction starts.
-    weights, fields : sequence of path
+    weights, fields : path or sequence of path
         Weights files that were played, oldest first, and the measured field of each.
     output, calibration : path, optional
         Weights file and calibration file to write, none of the files that are read.
@@ -343,7 +346,8 @@ def correct(model, scene, weights, fields, *, output=None, calibration=None, for
     dict
         The weights file.
     """
-    return _json.loads(_chladni.correct(model, _text_or_path(scene), list(weights), list(fields), output, calibration, force))
+    files = [[paths] if isinstance(paths, (str, bytes, _os.PathLike)) else list(paths) for paths in (weights, fields)]
+    return _json.loads(_chladni.correct(model, _text_or_path(scene), *files, output, calibration, force))
 
 
 def evaluate(rendering, scene, on):

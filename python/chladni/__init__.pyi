@@ -49,14 +49,14 @@ class FrfSet:
     FRFs of a structure in SI units of the kind, per N or V.
 
     With a driving point (a reference that is also a response), shapes are scaled to unit modal
-    mass.
+    mass. A set pickles.
 
     Parameters
     ----------
     frequency_hz : array_like of float, shape (line,)
         Lines, Hz.
     values : array_like of complex, shape (response, reference, line)
-        The FRFs; complex64 stays what it is.
+        The FRFs; complex64 stays what it is, in the byte order of the machine.
     responses, references : list of str, optional
         Names such as ``"12:+Z"`` (node 12, +Z); without them responses are nodes 1, 2, ...
         and references the nodes after those.
@@ -182,6 +182,9 @@ class Model:
     def kind(self) -> FrfKind:
         """receptance, mobility or accelerance: the kind of the FRFs that were fitted."""
     @property
+    def reference_unit(self) -> Unit:
+        """Unit of the references, N or V."""
+    @property
     def scaling(self) -> Literal["unit_modal_mass", "unscaled"]:
         """unit_modal_mass where a driving point or the panel set the scale, else unscaled."""
     @property
@@ -263,9 +266,9 @@ class Model:
         Parameters
         ----------
         response, reference : int or str
-            Place or name of the DOFs, such as ``"12:+Z"``.
+            Place (from the end where negative) or name of the DOFs, such as ``"12:+Z"``.
         frf : FrfSet, optional
-            The measured FRFs, drawn below the model's.
+            The measured FRFs, drawn below the model's, in the kind of the model.
         frequency_hz : array_like, optional
             Lines, Hz; those of `frf`, or 2000 over the band.
         ax : matplotlib.axes.Axes, optional
@@ -282,7 +285,7 @@ class Model:
         Parameters
         ----------
         mode : int
-            Place of the mode, from 0.
+            Place of the mode, from 0; from the end where negative.
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure without it.
 
@@ -499,6 +502,7 @@ def reduce_block(
     band: Sequence[float] | None = None,
     window: str | None = None,
     seed: int | None = None,
+    blocks: int | None = None,
 ) -> Partial: ...
 def merge(partials: Iterable[Partial]) -> Partial: ...
 def solve_poles(
@@ -554,7 +558,9 @@ def report(
     title: str = "Chladni",
     force: bool = False,
 ) -> None: ...
-def scene(model: Model, frequency_hz: float, hot: Mask, *, cold: Mask | None = None, **tables: Any) -> dict[str, Any]: ...
+def scene(
+    model: Model, frequency_hz: float | Sequence[float | Sequence[float]], hot: Mask, *, cold: Mask | None = None, **tables: Any
+) -> dict[str, Any]: ...
 def scene_to_toml(scene: dict[str, Any]) -> str: ...
 def load_model(path: str | PathLike[str]) -> Model: ...
 def render(
@@ -612,7 +618,7 @@ class Playing:
         force: bool = False,
     ) -> None:
         """
-        Writes what a rig plays: .wav with a .json beside it, .csv or .npz.
+        Writes what a rig plays: .wav with a .json beside it (both or none), .csv or .npz.
 
         Parameters
         ----------
@@ -641,8 +647,8 @@ def play(
 def correct(
     model: Model,
     scene: Scene,
-    weights: Sequence[str | PathLike[str]],
-    fields: Sequence[str | PathLike[str]],
+    weights: str | PathLike[str] | Sequence[str | PathLike[str]],
+    fields: str | PathLike[str] | Sequence[str | PathLike[str]],
     *,
     output: str | PathLike[str] | None = None,
     calibration: str | PathLike[str] | None = None,

@@ -39,8 +39,10 @@ class Comparison:
         def column(key):
             return np.array([np.nan if pair[key] is None else pair[key] for pair in pairs], dtype=float)
 
+        # every mode has a partner or has none; of a model without modes the lists do not tell the other's number
+        shape = tuple(len(pairs) + len(found[key]) for key in ("only_in_a", "only_in_b"))
         for key in ("mac", "mac_std", "mac_noise_bias"):
-            setattr(self, key, np.array(found[key], dtype=float))
+            setattr(self, key, np.array(found[key], dtype=float).reshape(shape))
         for key in ("frequency_shift_hz", "frequency_shift_sigmas", "loss_factor_shift", "loss_factor_shift_sigmas"):
             setattr(self, key, column(key))
         self.pairs = np.array([[pair["a"] - 1, pair["b"] - 1] for pair in pairs], dtype=int).reshape(-1, 2)
@@ -98,7 +100,7 @@ def compare(a, b, *, pair_dofs="auto", least_mac=0.5):
     pair_dofs : {"auto", "name", "nearest"}
         How DOFs find their partners.
     least_mac : float
-        Least MAC of two modes that are one.
+        Least MAC of two modes that are one, 0 to 1.
 
     Returns
     -------

@@ -46,8 +46,8 @@ def to_toml(scene):
 
 
 def text_or_path(scene):
-    """Scene as `render` and `evaluate` take it: a dictionary becomes the text of a file."""
-    return to_toml(scene) if isinstance(scene, dict) else scene
+    """Scene as `render` and `evaluate` take it: a dictionary becomes the text of a file, an empty one an empty text."""
+    return to_toml(scene) or "\n" if isinstance(scene, dict) else scene
 
 
 def _rectangles(points_m, spacing_m):
@@ -84,27 +84,31 @@ def scene(model, frequency_hz, hot, *, cold=None, **tables):
     Parameters
     ----------
     model : Model
-        Its `points_m` are what the masks select.
-    frequency_hz : float
-        Drive frequency, Hz.
+        Its `points_m` are what the masks select. Responses that do not point along Z are not looked at, as in `render`.
+    frequency_hz : float or sequence
+        Drive frequency, Hz, or what sounds at once: frequencies, and bands ``[low, high]``.
     hot : array_like of bool, shape (response,)
         Points to be felt.
     cold : array_like of bool, shape (response,), optional
         Points to be quiet; the others are not judged. Without it all points that are not hot are cold.
     **tables : dict
-        Further tables of a scene: ``threshold``, ``actuators``, ``drift``, ...
+        Further tables of a scene: ``threshold``, ``actuators``, ``drift``, ...; ``zones`` may hold ``transition_m`` and ``area_m``.
 
     Returns
     -------
     dict
         What `render` and `evaluate` take, and `scene_to_toml` writes.
     """
-    points_m = np.asarray(model.points_m)[:, :2]
-    masks = {name: None if mask is None else _mask(name, mask, len(points_m)) for name, mask in (("hot", hot), ("cold", cold))}
+    along_z = np.array([name.rpartition(":")[2] in ("+Z", "-Z") for name in model.responses], dtype=bool)
+    if not along_z.any():
+        raise _chladni.refusal("model", "no response of the model points along Z", ", ".join(model.responses[:5]), "responses such as 12:+Z")
+    points_m = np.asarray(model.points_m)[along_z, :2]
+    given = {"hot": hot} if cold is None else {"hot": hot, "cold": cold}
+    masks = {name: _mask(name, mask, len(along_z))[along_z] for name, mask in given.items()}
     if not np.isfinite(points_m).all():
         raise _chladni.refusal("model", "a model that does not know where its responses are", "NaN in points_m", "`nodes_m` given to FrfSet")
     if not masks["hot"].any():
-        raise _chladni.refusal("hot", "no point is hot", "no True", "at least one True")
+        raise _chladni.refusal("hot", "no point is hot", "no True", "at least one True, at a response along Z")
     if cold is not None and (masks["hot"] & masks["cold"]).any():
         raise _chladni.refusal("cold", "a point is hot or cold, not both", "True in `hot` and `cold`", "one of them")
     apart = np.linalg.norm(points_m[:, None] - points_m[None], axis=2)
@@ -115,8 +119,35 @@ def scene(model, frequency_hz, hot, *, cold=None, **tables):
     polygons = [
         {"kind": kind, "points_m": corners}
         for kind, mask in masks.items()
-        if mask is not None
         for corners in _rectangles(points_m[mask], spacing_m)
     ]
-    zones = {"polygon": polygons, "transition_m": 0.0, **tables.pop("zones", {})}
-    return {"frequency_hz": float(frequency_hz), "zones": zones, **tables}
+    zones = {"polygon": polygons, "transition_m": 0.0, **_beside_masks(tables.pop("zones", None))}
+    return {"frequency_hz": _tones(frequency_hz), "zones": zones, **tables}
+
+
+def _beside_masks(zones):
+    """Keys of the table `zones` that say nothing of the places which the masks say."""
+    zones = {} if zones is None else zones
+    expected = "transition_m or area_m; or the whole scene as a dictionary, without masks"
+    if not isinstance(zones, dict):
+        raise _chladni.refusal("zones", "no table of a scene", repr(zones), f"a dictionary with {expected}")
+    other = [key for key in zones if key not in ("transition_m", "area_m")]
+    if other:
+        raise _chladni.refusal("zones", "the masks say already what is hot and cold", ", ".join(map(str, other)), expected)
+    return zones
+
+
+def _tones(frequency_hz):
+    """A frequency, or a list of frequencies and bands, as plain numbers."""
+    expected = "a frequency in Hz, or a list of what sounds at once: frequencies, and bands [low, high]"
+    try:
+        if np.ndim(frequency_hz) == 0:
+            return float(frequency_hz)
+    except ValueError:  # frequencies beside bands: no array
+        pass
+    except TypeError:
+        raise _chladni.refusal("frequency_hz", "no frequency", repr(frequency_hz), expected) from None
+    try:
+        return [float(tone) if np.ndim(tone) == 0 else [float(end) for end in tone] for tone in frequency_hz]
+    except (TypeError, ValueError):
+        raise _chladni.refusal("frequency_hz", "no frequency", repr(frequency_hz), expected) from None

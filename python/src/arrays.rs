@@ -1,8 +1,9 @@
 //! Arrays and words of a caller: FRFs, nodes, DOFs, kinds and units.
 
 use crate::error::{raised, wrong_option, wrong_word};
+use crate::memory::check_room;
 use chladni_frf::{Direction, Dof, Error, ErrorKind, FrfKind, FrfValues, Node, ReferenceUnit};
-use ndarray::{Array1, Array3};
+use ndarray::{Array1, Array3, ArrayView3};
 use num_complex::{Complex32, Complex64};
 use numpy::{
     PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3,
@@ -85,6 +86,12 @@ pub fn axis_of(values: &Bound<'_, PyAny>) -> PyResult<Array1<f64>> {
         let found = format!("{} axes", array.ndim());
         no_array(values.py(), FIELD, found, "one axis: line")
     })?;
+    check_room::<f64>(
+        values.py(),
+        FIELD,
+        array.shape(),
+        "take fewer lines at a time",
+    )?;
     let lines = lines.as_array().to_owned();
     match lines.iter().find(|hz| !(hz.is_finite() && **hz >= 0.0)) {
         None => Ok(lines),
@@ -111,22 +118,27 @@ pub fn values_of(py: Python<'_>, values: &Bound<'_, PyAny>) -> PyResult<FrfValue
         let expected = "at least one response, reference and line";
         return Err(no_array(py, FIELD, found, expected));
     }
-    if let Ok(values) = array.extract::<PyReadonlyArray3<'_, Complex32>>() {
-        return Ok(FrfValues::F32(standard(values.as_array().to_owned())));
+    // either byte order; numbers of another precision become double ones
+    let is_single = array.dtype().itemsize() == size_of::<Complex32>();
+    const HELP: &str =
+        "take fewer FRFs or lines, complex64, or reduce_block for one part at a time";
+    let native = |name: &str| {
+        let numpy = py.import("numpy")?;
+        numpy.call_method1("asarray", (&array, name))
+    };
+    if is_single {
+        check_room::<Complex32>(py, FIELD, array.shape(), HELP)?;
+        let values: PyReadonlyArray3<'_, Complex32> = native("complex64")?.extract()?;
+        return Ok(FrfValues::F32(standard(values.as_array())));
     }
-    let values = py
-        .import("numpy")?
-        .call_method1("asarray", (array, "complex128"))?;
-    let values: PyReadonlyArray3<'_, Complex64> = values.extract()?;
-    Ok(FrfValues::F64(standard(values.as_array().to_owned())))
+    check_room::<Complex64>(py, FIELD, array.shape(), HELP)?;
+    let values: PyReadonlyArray3<'_, Complex64> = native("complex128")?.extract()?;
+    Ok(FrfValues::F64(standard(values.as_array())))
 }
 
-fn standard<T: Clone>(values: Array3<T>) -> Array3<T> {
-    if values.is_standard_layout() {
-        values
-    } else {
-        values.as_standard_layout().into_owned()
-    }
+/// A copy with lines side by side.
+fn standard<T: Clone>(values: ArrayView3<'_, T>) -> Array3<T> {
+    values.as_standard_layout().into_owned()
 }
 
 /// Nodes 1, 2, ... at the places of the rows, m.

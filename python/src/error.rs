@@ -1,11 +1,13 @@
 //! One exception with the fields of the error contract.
 
 use chladni_frf::{Error, ErrorKind};
+use chladni_io::extension_of;
 use chladni_rfp::pieces::PieceError;
 use chladni_rfp::{FitError, FitOptions};
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::path::Path;
 
 create_exception!(
     chladni,
@@ -61,6 +63,17 @@ pub fn refusal(
 /// The exception of a word that an option does not know: "`x` is no ...; write ...".
 pub fn wrong_word(py: Python<'_>, field: &str, found: &str, message: &str) -> PyErr {
     wrong_option(py, field, Error::bad_word(message, found))
+}
+
+/// The exception of a path whose extension is none of `expected`.
+pub fn wrong_extension(py: Python<'_>, path: &Path, expected: &str) -> PyErr {
+    let found = match extension_of(path) {
+        none if none.is_empty() => "no extension".into(),
+        extension => format!(".{extension}"),
+    };
+    let message = "the extension of the path names no format that can be written";
+    let error = Error::new(ErrorKind::Usage, message).file(path);
+    wrong_option(py, "path", error.found(found).expected(expected))
 }
 
 /// The exception of a fit that cannot be made.

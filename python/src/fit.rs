@@ -6,8 +6,12 @@ use crate::frf::FrfSet;
 use crate::model::Model;
 use crate::progress::telling;
 use chladni_frf::{Damping, Error, ErrorKind};
-use chladni_rfp::{CancelToken, FitOptions, Method, RfpOptions, RfpWeight, ShapeModel, Window};
+use chladni_rfp::{FitOptions, Method, RfpOptions, RfpWeight, ShapeModel, Window};
 use pyo3::prelude::*;
+
+/// Most bands of the methods rfp and grfp: as on the command line, and more than any band
+/// has peaks to tell apart.
+const MOST_BANDS: usize = 1000;
 
 /// Identifies the modes in an FRF set.
 ///
@@ -18,7 +22,8 @@ use pyo3::prelude::*;
 /// (all three: methods rfp and grfp alone). window: of the records that the FRFs were
 /// averaged from, as the set says where it is None: hann, hamming, blackman, flattop,
 /// rectangular, kaiser:BETA, burst:PART, hann-burst:PART, transient or none.
-/// exponential_window_per_s: decay of a hammer test's window. progress: called with the name of each stage.
+/// exponential_window_per_s: decay of a hammer test's window. progress: called with the
+/// name of each stage; where it raises, and at Ctrl-C, the fit stops at its next stage.
 #[pyfunction]
 #[pyo3(signature = (frf, *, band=None, modes=None, damping=None, method="auto", shapes="auto", window=None, exponential_window_per_s=None, rfp_weight=None, rfp_bands=None, rfp_local=false, seed=0, progress=None))]
 #[allow(clippy::too_many_arguments)] // keywords on the Python side
@@ -33,7 +38,7 @@ pub fn fit(
     window: Option<&str>,
     exponential_window_per_s: Option<f64>,
     rfp_weight: Option<&str>,
-    rfp_bands: Option<usize>,
+    rfp_bands: Option<Bound<'_, PyAny>>,
     rfp_local: bool,
     seed: u64,
     progress: Option<Py<PyAny>>,
@@ -56,17 +61,17 @@ pub fn fit(
                 name.parse::<RfpWeight>()
                     .map_err(|message| wrong_word(py, "rfp_weight", name, &message))
             })?,
-            bands: rfp_bands,
+            bands: bands_of(rfp_bands.as_ref())?,
             local: rfp_local,
         },
         shapes: shape_model(py, shapes)?,
         window: window_of(py, window)?,
-        exponential_window_per_s,
+        exponential_window_per_s: decay_of(py, exponential_window_per_s)?,
         seed,
         ..FitOptions::default()
     };
-    let fitted = telling(py, progress, |tell| {
-        chladni_rfp::fit_watched(&frf.set, &options, tell, &CancelToken::new())
+    let fitted = telling(py, progress.as_ref(), |tell, stop| {
+        chladni_rfp::fit_watched(&frf.set, &options, tell, stop)
     })?;
     fitted
         .map(|fitted| Model::new(fitted.model))
@@ -101,6 +106,40 @@ pub fn count_of(modes: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
             Err(wrong_option(modes.py(), "modes", error.expected(expected)))
         }
         _ => Ok(count),
+    }
+}
+
+/// A number of bands of the methods rfp and grfp.
+fn bands_of(bands: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
+    let message = "no number of bands";
+    let expected = "a whole number from 1 to 1000, or None: by the visible peaks";
+    let count = whole_number("rfp_bands", bands, [message, expected])?;
+    match (
+        count.filter(|count| !(1..=MOST_BANDS).contains(count)),
+        bands,
+    ) {
+        (Some(count), Some(bands)) => {
+            let error = Error::new(ErrorKind::Usage, message).found(count);
+            Err(wrong_option(
+                bands.py(),
+                "rfp_bands",
+                error.expected(expected),
+            ))
+        }
+        _ => Ok(count),
+    }
+}
+
+/// A decay of an exponential window, 1/s.
+pub fn decay_of(py: Python<'_>, decay_per_s: Option<f64>) -> PyResult<Option<f64>> {
+    match decay_per_s.filter(|decay| !(decay.is_finite() && *decay > 0.0)) {
+        None => Ok(decay_per_s),
+        Some(decay) => {
+            let error = Error::new(ErrorKind::Usage, "no decay of a window").found(decay);
+            let expected = "a decay in 1/s above 0, such as 3.7 (ln(1/end value)/record length)";
+            let error = error.expected(expected);
+            Err(wrong_option(py, "exponential_window_per_s", error))
+        }
     }
 }
 

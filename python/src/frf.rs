@@ -1,26 +1,30 @@
 //! FRF sets: read, simulated, or made of NumPy arrays.
 
 use crate::arrays::{axis_of, dofs, kind_of, nodes_of, unit, values_of, Word};
+use crate::detached::detached;
 use crate::error::{raised, wrong_word};
 use crate::findings::{findings_json, sentences};
+use crate::frf_pickle::{of_parts, parts_of, Arrays, Made, Names, Parts, Places};
 use chladni_frf::{Finding, FrfKind, FrfValues, Geometry};
 use chladni_io::{read_frf, write_frf, DeclaredDofs, DeclaredRow, ReadOptions};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use ndarray::{Array, Dimension};
+use numpy::{Element, IntoPyArray, PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 /// FRFs of a structure in SI units of the kind, per N or V.
 ///
 /// With a driving point (a reference that is also a response), shapes are scaled to unit modal
-/// mass.
+/// mass. A set pickles.
 ///
 /// Parameters
 /// ----------
 /// frequency_hz : array_like of float, shape (line,)
 ///     Lines, Hz.
 /// values : array_like of complex, shape (response, reference, line)
-///     The FRFs; complex64 stays what it is.
+///     The FRFs; complex64 stays what it is, in the byte order of the machine.
 /// responses, references : list of str, optional
 ///     Names such as ``"12:+Z"`` (node 12, +Z); without them responses are nodes 1, 2, ...
 ///     and references the nodes after those.
@@ -93,31 +97,16 @@ impl FrfSet {
     /// Lines, Hz: (line,).
     #[getter]
     fn frequency_hz<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<f64>> {
-        // SAFETY: the set is frozen and lives as long as the array, which holds a
-        // reference to it
-        let array = unsafe {
-            PyArray1::borrow_from_array(&slf.get().set.frequency_hz, slf.clone().into_any())
-        };
-        array.readwrite().make_nonwriteable();
-        array
+        lent(slf, &slf.get().set.frequency_hz)
     }
 
     /// FRFs without a copy, read-only: (response, reference, line), complex128 or
     /// complex64.
     #[getter]
     fn values<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyAny> {
-        // SAFETY: as above
         match &slf.get().set.values {
-            FrfValues::F64(values) => {
-                let array = unsafe { PyArray3::borrow_from_array(values, slf.clone().into_any()) };
-                array.readwrite().make_nonwriteable();
-                array.into_any()
-            }
-            FrfValues::F32(values) => {
-                let array = unsafe { PyArray3::borrow_from_array(values, slf.clone().into_any()) };
-                array.readwrite().make_nonwriteable();
-                array.into_any()
-            }
+            FrfValues::F64(values) => lent(slf, values).into_any(),
+            FrfValues::F32(values) => lent(slf, values).into_any(),
         }
     }
 
@@ -157,6 +146,25 @@ impl FrfSet {
             .into_pyarray(py)
     }
 
+    /// Pickled as its arrays, names, places, estimation and findings.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Parts<'py>)> {
+        Ok((slf.get_type().getattr("_from_parts")?, parts_of(slf)?))
+    }
+
+    /// The set of the parts that `__reduce__` gives.
+    #[classmethod]
+    fn _from_parts(
+        class: &Bound<'_, PyType>,
+        arrays: Arrays<'_>,
+        names: Names,
+        places: Places,
+        estimation: Option<Made>,
+        findings: String,
+    ) -> PyResult<Self> {
+        let parts = (arrays, names, places, estimation, findings);
+        of_parts(class.py(), parts)
+    }
+
     /// Writes the set; the format follows from the name (.h5, .uff, .unv, .csv, .npz).
     ///
     /// Parameters
@@ -172,8 +180,7 @@ impl FrfSet {
     ///     What the format cannot hold.
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<Vec<String>> {
-        let lost = py
-            .detach(|| write_frf(&path, &self.set, force))
+        let lost = detached(py, || write_frf(&path, &self.set, force))?
             .map_err(|error| raised(py, &error))?;
         Ok(lost.into_iter().map(|finding| finding.text).collect())
     }
@@ -185,6 +192,17 @@ impl FrfSet {
             self.kind().unwrap_or("kind unknown")
         )
     }
+}
+
+/// A NumPy array of numbers that the set holds, without a copy, read-only.
+pub fn lent<'py, T: Element, D: Dimension>(
+    frf: &Bound<'py, FrfSet>,
+    values: &Array<T, D>,
+) -> Bound<'py, PyArray<T, D>> {
+    // SAFETY: the set is frozen and lives as long as the array, which holds a reference to it
+    let array = unsafe { PyArray::borrow_from_array(values, frf.clone().into_any()) };
+    array.readwrite().make_nonwriteable();
+    array
 }
 
 /// One node for all files, or one for each.
@@ -295,9 +313,8 @@ pub fn read(
         lenient,
         ..ReadOptions::default()
     };
-    let (set, _, findings) = py
-        .detach(|| read_frf(&paths, &options))
-        .map_err(|error| raised(py, &error))?;
+    let (set, _, findings) =
+        detached(py, || read_frf(&paths, &options))?.map_err(|error| raised(py, &error))?;
     Ok(FrfSet { set, findings })
 }
 

@@ -7,10 +7,13 @@
 //! machines. Long work runs without the interpreter's lock.
 
 mod arrays;
+mod detached;
 mod error;
 mod findings;
 mod fit;
 mod frf;
+mod frf_pickle;
+mod memory;
 mod model;
 mod pieces;
 mod playing;
@@ -25,6 +28,7 @@ use pyo3::prelude::*;
 /// The compiled half of the package `chladni`.
 #[pymodule]
 fn _chladni(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    detached::set_home();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add(
         "ChladniError",

@@ -1,12 +1,15 @@
 //! Modal models: loaded, selected, compared, and what notebooks ask of them.
 
 use crate::arrays::axis_of;
-use crate::error::{raised, unfitted, wrong_word};
-use crate::findings::findings_json;
+use crate::detached::detached;
+use crate::error::{raised, unfitted, wrong_option, wrong_word};
+use crate::findings::{findings_json, warn};
 use crate::frf::FrfSet;
-use chladni_frf::{Damping, Error, ModalModel, Mode, Scaling, ShapeSet, Trust};
+use crate::memory::check_room;
+use crate::progress::telling;
+use chladni_frf::{Damping, Error, ErrorKind, ModalModel, Mode, Scaling, ShapeSet, Trust};
 use chladni_io::{read_model, write_model};
-use chladni_rfp::{CompareOptions, FitOptions};
+use chladni_rfp::{CompareOptions, FitOptions, Method};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
@@ -169,6 +172,12 @@ impl Model {
         self.model.frf_kind.as_str()
     }
 
+    /// Unit of the references, N or V.
+    #[getter]
+    fn reference_unit(&self) -> String {
+        self.model.reference_unit.to_string()
+    }
+
     /// unit_modal_mass where a driving point or the panel set the scale, else unscaled.
     #[getter]
     fn scaling(&self) -> &'static str {
@@ -251,7 +260,26 @@ impl Model {
         frequency_hz: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray3<Complex64>>> {
         let lines = axis_of(frequency_hz)?;
+        let [responses, references] = [&self.model.responses, &self.model.references].map(Vec::len);
+        let shape = [responses, references, lines.len()];
+        check_room::<Complex64>(py, "frequency_hz", &shape, "take fewer lines at a time")?;
         Ok(py.detach(|| self.model.synthesise(&lines)).into_pyarray(py))
+    }
+
+    /// One FRF of `synthesise`, by the places of its DOFs: (line,).
+    fn _synthesise_one<'py>(
+        &self,
+        py: Python<'py>,
+        response: usize,
+        reference: usize,
+        frequency_hz: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<Complex64>>> {
+        let lines = axis_of(frequency_hz)?;
+        let frf = py.detach(|| {
+            let pair = self.model.at_dofs(&[response], &[reference]);
+            pair.synthesise(&lines).into_iter().collect::<Array1<_>>()
+        });
+        Ok(frf.into_pyarray(py))
     }
 
     /// MAC between the shapes of this model and of another at the DOFs that both have, paired by
@@ -276,8 +304,8 @@ impl Model {
             pair_dofs: chladni_rfp::PairDofs::Name,
             ..CompareOptions::default()
         };
-        let comparison = chladni_rfp::compare(&sets[0], &sets[1], &options)
-            .map_err(|error| raised(py, &error))?;
+        let compared = detached(py, || chladni_rfp::compare(&sets[0], &sets[1], &options))?;
+        let comparison = compared.map_err(|error| raised(py, &error))?;
         Ok(comparison.mac_matrix(|mac| mac.value).into_pyarray(py))
     }
 
@@ -297,7 +325,7 @@ impl Model {
     ///     Overwrite it.
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
-        write_model(&path, &self.model, force).map_err(|error| raised(py, &error))
+        detached(py, || write_model(&path, &self.model, force))?.map_err(|error| raised(py, &error))
     }
 
     /// Pickled as the model file's text.
@@ -354,7 +382,23 @@ pub fn select(
     let mut again = None;
     if let (Some(frf), false) = (frf, selection.added_hz().is_empty()) {
         let options = FitOptions::adding_to(before, selection.added_hz());
-        let fitted = py.detach(|| chladni_rfp::fit(&frf.set, &options));
+        if options.method != Method::Auto {
+            let error = Error::bad_data("modes are added to fits of the method auto");
+            let error = error.field("model").found(options.method).expected("auto");
+            return Err(failed(error.help("fit again without `method`")));
+        }
+        let unlike = detached(py, || chladni_report::unlike(before, &frf.set))?;
+        let of_argument = |error: Error| Error {
+            field: Some("frf".into()),
+            help: Some("give the FRFs that the model was fitted to".into()),
+            ..error
+        };
+        if let Some(finding) = unlike.map_err(of_argument).map_err(failed)? {
+            warn(py, &finding)?;
+        }
+        let fitted = telling(py, None, |tell, stop| {
+            chladni_rfp::fit_watched(&frf.set, &options, tell, stop)
+        })?;
         let mut fitted = fitted
             .map_err(|error| unfitted(py, &error, &options))?
             .model;
@@ -375,7 +419,7 @@ fn shape_set(py: Python<'_>, modes: &Bound<'_, PyAny>) -> PyResult<ShapeSet> {
         return Ok(ShapeSet::from(&model.get().model));
     }
     let path: PathBuf = modes.extract()?;
-    chladni_io::read_shape_set(&path)
+    detached(py, || chladni_io::read_shape_set(&path))?
         .map(|(set, _)| set)
         .map_err(|error| raised(py, &error))
 }
@@ -389,6 +433,11 @@ pub fn compare(
     pair_dofs: &str,
     least_mac: f64,
 ) -> PyResult<String> {
+    if !(0.0..=1.0).contains(&least_mac) {
+        let error = Error::new(ErrorKind::Usage, "no MAC").found(least_mac);
+        let error = error.expected("a number from 0 to 1, such as 0.8");
+        return Err(wrong_option(py, "least_mac", error));
+    }
     let options = CompareOptions {
         pair_dofs: pair_dofs
             .parse()
@@ -396,7 +445,7 @@ pub fn compare(
         least_mac,
     };
     let (a, b) = (shape_set(py, a)?, shape_set(py, b)?);
-    py.detach(|| chladni_rfp::compare(&a, &b, &options))
+    detached(py, || chladni_rfp::compare(&a, &b, &options))?
         .map(|comparison| comparison.to_json().to_string())
         .map_err(|error| raised(py, &error))
 }
@@ -413,7 +462,7 @@ pub fn compare(
 /// Model
 #[pyfunction]
 pub fn load_model(py: Python<'_>, path: PathBuf) -> PyResult<Model> {
-    read_model(&path)
+    detached(py, || read_model(&path))?
         .map(Model::new)
         .map_err(|error| raised(py, &error))
 }

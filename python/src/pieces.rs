@@ -1,11 +1,14 @@
 //! The fit in pieces, with partials and poles that pickle: what Dask and its like carry
 //! from one worker to the next.
 
-use crate::error::{raised, unpieced};
-use crate::fit::{band_of, count_of, law, shape_model, window_of};
+use crate::detached::detached;
+use crate::error::{raised, unpieced, wrong_option};
+use crate::findings::warn;
+use crate::fit::{band_of, count_of, decay_of, law, shape_model, window_of};
 use crate::frf::FrfSet;
 use crate::model::Model;
 use crate::progress::telling;
+use chladni_frf::{Error, ErrorKind};
 use chladni_rfp::pieces::{self, Solved};
 use chladni_rfp::FitOptions;
 use ndarray::Array1;
@@ -54,7 +57,7 @@ impl Partial {
     #[classmethod]
     fn from_bytes(class: &Bound<'_, PyType>, data: Cow<'_, [u8]>) -> PyResult<Self> {
         let py = class.py();
-        py.detach(|| pieces::Partial::from_bytes(&data))
+        detached(py, || pieces::Partial::from_bytes(&data))?
             .map(Self)
             .map_err(|error| raised(py, &error))
     }
@@ -144,7 +147,7 @@ impl Poles {
     #[classmethod]
     fn from_bytes(class: &Bound<'_, PyType>, data: Cow<'_, [u8]>) -> PyResult<Self> {
         let py = class.py();
-        py.detach(|| pieces::Poles::from_bytes(&data))
+        detached(py, || pieces::Poles::from_bytes(&data))?
             .map(Self)
             .map_err(|error| raised(py, &error))
     }
@@ -192,12 +195,16 @@ impl Poles {
 ///     Window of the records that the FRFs were averaged from.
 /// seed : int, optional
 ///     Of the random mixtures of FRFs.
+/// blocks : int, optional
+///     Number of all blocks, which are then 0 to ``blocks - 1``, the same for each:
+///     `solve_poles` names those that are missing.
 ///
 /// Returns
 /// -------
 /// Partial
 #[pyfunction]
-#[pyo3(signature = (frf, number, *, poles=None, band=None, window=None, seed=None))]
+#[pyo3(signature = (frf, number, *, poles=None, band=None, window=None, seed=None, blocks=None))]
+#[allow(clippy::too_many_arguments)] // keywords on the Python side
 pub fn reduce_block(
     py: Python<'_>,
     frf: &FrfSet,
@@ -206,15 +213,27 @@ pub fn reduce_block(
     band: Option<&Bound<'_, PyAny>>,
     window: Option<&str>,
     seed: Option<u64>,
+    blocks: Option<u64>,
 ) -> PyResult<Partial> {
+    if let Some(blocks) = blocks.filter(|&blocks| number >= blocks) {
+        let error = Error::new(ErrorKind::Usage, "there is no such block").found(number);
+        let error = error.expected(format!("a number below {blocks}, that of all blocks"));
+        return Err(wrong_option(
+            py,
+            "number",
+            error.help("blocks are counted from 0"),
+        ));
+    }
     let poles = poles.map(|poles| &poles.0);
     let mut options = poles.map(pieces::Poles::options).unwrap_or_default();
     options.band_hz = band_of(py, band)?.or(options.band_hz);
     options.window = window_of(py, window)?.or(options.window);
     options.seed = seed.unwrap_or(options.seed);
-    let reduced = py.detach(|| pieces::reduce(&frf.set, &options, number, Vec::new(), poles));
+    let reduced = detached(py, || {
+        pieces::reduce(&frf.set, &options, number, Vec::new(), poles)
+    })?;
     reduced
-        .map(Partial)
+        .map(|partial| Partial(partial.of_blocks(blocks)))
         .map_err(|error| unpieced(py, &error, &options))
 }
 
@@ -234,8 +253,9 @@ pub fn merge(py: Python<'_>, partials: &Bound<'_, PyAny>) -> PyResult<Partial> {
         .try_iter()?
         .map(|partial| Ok(partial?.extract()?))
         .collect::<PyResult<_>>()?;
-    let merged = py
-        .detach(|| pieces::Partial::merge(partials.iter().map(|partial| partial.get().0.clone())));
+    let merged = detached(py, || {
+        pieces::Partial::merge(partials.iter().map(|partial| partial.get().0.clone()))
+    })?;
     merged.map(Partial).map_err(|error| raised(py, &error))
 }
 
@@ -248,7 +268,8 @@ pub fn merge(py: Python<'_>, partials: &Bound<'_, PyAny>) -> PyResult<Partial> {
 /// passes over them), damping: "structural" or "viscous"; None: decided; shapes: auto,
 /// free, rank1 or real; exponential_window_per_s: decay of a hammer test's window. The
 /// number of modes stays that of the first pass. progress: called with the name of each
-/// stage.
+/// stage. Blocks that are missing are a finding of the Model, and a warning of Python
+/// beside Poles.
 #[pyfunction]
 #[pyo3(signature = (partial, *, modes=None, damping=None, shapes="auto", exponential_window_per_s=None, progress=None))]
 pub fn solve_poles(
@@ -264,15 +285,22 @@ pub fn solve_poles(
         modes: count_of(modes.as_ref())?,
         damping: law(py, damping)?,
         shapes: shape_model(py, shapes)?,
-        exponential_window_per_s,
+        exponential_window_per_s: decay_of(py, exponential_window_per_s)?,
         ..FitOptions::default()
     };
-    let solved = telling(py, progress, |tell| {
+    let missing = partial.0.missing();
+    let solved = telling(py, progress.as_ref(), |tell, _stop| {
         pieces::solve(partial.0.clone(), &options, tell)
     })?;
     match solved.map_err(|error| unpieced(py, &error, &options))? {
-        Solved::Poles(poles) => Ok(Py::new(py, Poles(*poles))?.into_any()),
-        Solved::Fit(fit) => Ok(Py::new(py, Model::new(fit.model))?.into_any()),
+        Solved::Poles(poles) => {
+            missing.iter().try_for_each(|missing| warn(py, missing))?;
+            Ok(Py::new(py, Poles(*poles))?.into_any())
+        }
+        Solved::Fit(mut fit) => {
+            fit.model.quality.findings.extend(missing);
+            Ok(Py::new(py, Model::new(fit.model))?.into_any())
+        }
     }
 }
 
@@ -306,7 +334,7 @@ pub fn residues_block(
         window: window_of(py, window)?,
         ..FitOptions::default()
     };
-    let fitted = py.detach(|| pieces::residues(&frf.set, &model.model, &options));
+    let fitted = detached(py, || pieces::residues(&frf.set, &model.model, &options))?;
     fitted
         .map(Model::new)
         .map_err(|error| unpieced(py, &error, &options))

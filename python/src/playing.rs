@@ -1,15 +1,16 @@
 //! Drives over time: bursts, fades, moving spots, and the files that a rig plays.
 
-use crate::error::{raised, wrong_option, wrong_word};
+use crate::detached::detached;
+use crate::error::{raised, wrong_extension, wrong_option, wrong_word};
 use crate::model::Model;
 use crate::rendering::{method_of, scene_of, Rendering};
-use chladni_io::{extension_of, write_atomically, write_npz, NamedArray};
+use chladni_io::{extension_of, write_atomically, write_npz, write_together, NamedArray};
 use chladni_render::{
     ChannelMap, PlayOptions, Ramps, RenderOptions, SampleFormat, Signal, SignalOptions,
 };
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A drive over time, and how it does in the model.
@@ -35,7 +36,7 @@ impl Playing {
             full_scale,
             channels,
         };
-        py.detach(|| self.played.signal(&options, &self.scene))
+        detached(py, || self.played.signal(&options, &self.scene))?
             .map(|signal| (signal, format))
             .map_err(|error| raised(py, &error))
     }
@@ -140,7 +141,7 @@ impl Playing {
         Ok(self.made(py, asked)?.0.drive.into_pyarray(py))
     }
 
-    /// Writes what a rig plays: .wav with a .json beside it, .csv or .npz.
+    /// Writes what a rig plays: .wav with a .json beside it (both or none), .csv or .npz.
     ///
     /// Parameters
     /// ----------
@@ -170,11 +171,11 @@ impl Playing {
     ) -> PyResult<()> {
         let asked = (rate_hz, format.to_owned(), full_scale, channel_map);
         let (signal, format) = self.made(py, asked)?;
-        let write = |path: &PathBuf, bytes: &[u8]| {
-            write_atomically(path, force, |out| out.write_all(bytes))
-        };
         let written = match extension_of(&path).as_str() {
-            "csv" => write(&path, signal.csv().as_bytes()),
+            "csv" => {
+                let text = signal.csv();
+                write_atomically(&path, force, |out| out.write_all(text.as_bytes()))
+            }
             "npz" => {
                 let drive = signal.driven();
                 let values: Vec<f64> = drive.iter().copied().collect();
@@ -193,10 +194,11 @@ impl Playing {
             }
             "wav" => signal.sidecar.to_json().and_then(|text| {
                 let bytes = signal.wav(format)?;
-                write(&path.with_extension("json"), text.as_bytes())?;
-                write(&path, &bytes)
+                let sidecar = path.with_extension("json");
+                let files: [(&Path, &[u8]); 2] = [(&path, &bytes), (&sidecar, text.as_bytes())];
+                write_together(&files, force)
             }),
-            other => return Err(wrong_word(py, "path", other, "not .wav, .csv or .npz")),
+            _ => return Err(wrong_extension(py, &path, ".wav, .csv or .npz")),
         };
         written.map_err(|error| raised(py, &error))
     }
@@ -257,7 +259,9 @@ pub fn play(
     };
     let scene = scene_of(py, scene)?;
     let weights = rendering.map(|rendering| &rendering.0.weights);
-    let played = py.detach(|| chladni_render::play(&model.model, &scene, weights, &options));
+    let played = detached(py, || {
+        chladni_render::play(&model.model, &scene, weights, &options)
+    })?;
     Ok(Playing {
         played: Arc::new(played.map_err(|error| raised(py, &error))?),
         scene: scene.name(),

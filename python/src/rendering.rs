@@ -1,11 +1,14 @@
 //! Weights for a scene, and what they do on other data.
 
-use crate::error::{raised, wrong_option, wrong_word};
+use crate::detached::detached;
+use crate::error::{raised, wrong_extension, wrong_option, wrong_word};
 use crate::findings::findings_json;
 use crate::frf::FrfSet;
 use crate::model::Model;
 use chladni_frf::{Error, ErrorKind};
-use chladni_io::{is_same_place, refuse_output_among_inputs, try_place, write_atomically};
+use chladni_io::{
+    extension_of, is_same_place, refuse_output_among_inputs, try_place, write_atomically,
+};
 use chladni_render::{Count, MethodChoice, On, RenderOptions, Scene};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -127,6 +130,9 @@ impl Rendering {
     ///     Overwrite it.
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
+        if extension_of(&path) != "json" {
+            return Err(wrong_extension(py, &path, ".json"));
+        }
         let text = self.to_json(py)?;
         write_atomically(&path, force, |out| out.write_all(text.as_bytes()))
             .map_err(|error| raised(py, &error))
@@ -194,14 +200,14 @@ pub fn render(
         ..RenderOptions::default()
     };
     let scene = scene_of(py, scene)?;
-    let rendered = py.detach(|| {
+    let rendered = detached(py, || {
         chladni_render::render_measured(
             &model.model,
             &scene,
             &options,
             measured.map(|frf| &frf.set),
         )
-    });
+    })?;
     rendered
         .map(Rendering::from)
         .map_err(|error| raised(py, &error))
@@ -282,7 +288,7 @@ pub fn correct(
     inputs.extend(scene.extract::<PathBuf>().ok());
     files.check(&inputs).map_err(|error| raised(py, &error))?;
     let scene = scene_of(py, scene)?;
-    let corrected = py.detach(|| {
+    let corrected = detached(py, || {
         let mut played = Vec::new();
         for (weights, field) in weights.iter().zip(&fields) {
             let text = chladni_text::read_text(weights, "weights, JSON")?;
@@ -301,7 +307,7 @@ pub fn correct(
         let text = weights.to_json()?;
         files.write(&text, &calibration.to_json()?)?;
         Ok(text)
-    });
+    })?;
     corrected.map_err(|error: Error| raised(py, &error))
 }
 
@@ -315,13 +321,10 @@ pub fn evaluate(
     on: &Bound<'_, PyAny>,
 ) -> PyResult<String> {
     let scene = scene_of(py, scene)?;
-    let judged = match (on.cast::<Model>(), on.cast::<FrfSet>()) {
-        (Ok(model), _) => {
-            chladni_render::evaluate(&rendering.0.weights, &scene, On::Model(&model.get().model))
-        }
-        (_, Ok(frf)) => {
-            chladni_render::evaluate(&rendering.0.weights, &scene, On::Frf(&frf.get().set))
-        }
+    let weights = &rendering.0.weights;
+    let on_data = match (on.cast::<Model>(), on.cast::<FrfSet>()) {
+        (Ok(model), _) => On::Model(&model.get().model),
+        (_, Ok(frf)) => On::Frf(&frf.get().set),
         _ => {
             return Err(wrong_word(
                 py,
@@ -331,14 +334,17 @@ pub fn evaluate(
             ))
         }
     };
-    let judged = judged.map_err(|error| raised(py, &error))?;
+    let judged = detached(py, || chladni_render::evaluate(weights, &scene, on_data))?
+        .map_err(|error| raised(py, &error))?;
     let in_time = match on.cast::<Model>() {
         Ok(model) if scene.time.is_some() => {
             let options = chladni_render::PlayOptions::default();
-            let weights = Some(&rendering.0.weights);
-            chladni_render::play(&model.get().model, &scene, weights, &options)
-                .map(|played| Some(played.indices))
-                .map_err(|error| raised(py, &error))?
+            let model = &model.get().model;
+            detached(py, || {
+                chladni_render::play(model, &scene, Some(weights), &options)
+            })?
+            .map(|played| Some(played.indices))
+            .map_err(|error| raised(py, &error))?
         }
         _ => None,
     };

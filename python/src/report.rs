@@ -1,5 +1,6 @@
 //! Model and renderings as one HTML page.
 
+use crate::detached::detached;
 use crate::error::raised;
 use crate::frf::FrfSet;
 use crate::model::Model;
@@ -37,7 +38,7 @@ pub fn report(
     force: bool,
 ) -> PyResult<()> {
     let rendered: Vec<Rendering> = renderings.iter().map(|one| (**one).clone()).collect();
-    py.detach(|| {
+    detached(py, || {
         let input = ReportInput {
             title: title.to_owned(),
             model: Some(&model.model),
@@ -50,6 +51,6 @@ pub fn report(
         };
         let page = html(&input)?;
         write_atomically(&path, force, |out| out.write_all(page.as_bytes()))
-    })
+    })?
     .map_err(|error| raised(py, &error))
 }

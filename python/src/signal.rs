@@ -1,8 +1,9 @@
 //! FRFs of time records, and what is read off FRFs before a fit.
 
 use crate::arrays::{dofs, kind_of, unit, whole_number, Word};
+use crate::detached::detached;
 use crate::error::{raised, unfitted, wrong_word};
-use crate::fit::band_of;
+use crate::fit::{band_of, decay_of};
 use crate::frf::FrfSet;
 use chladni_frf::{
     BlockWindow, Channel, Dof, Error, ErrorKind, Estimator, FrfKind, ReferenceUnit, Run, SignalUnit,
@@ -74,8 +75,7 @@ pub fn estimate(
         block: whole_number("block", block.as_ref(), BLOCK)?,
         overlap,
     };
-    let estimated = py
-        .detach(|| chladni_signal::estimate(&runs, &options))
+    let estimated = detached(py, || chladni_signal::estimate(&runs, &options))?
         .map_err(|error| raised(py, &error))?;
     Ok(FrfSet {
         set: estimated.frf,
@@ -167,9 +167,9 @@ fn window_of(
     name: Option<&str>,
     rate_per_s: Option<f64>,
 ) -> PyResult<Option<BlockWindow>> {
-    match (name, rate_per_s) {
+    match (name, decay_of(py, rate_per_s)?) {
         (None, None) => Ok(None),
-        (None | Some("exponential"), Some(rate_per_s)) if rate_per_s > 0.0 => {
+        (None | Some("exponential"), Some(rate_per_s)) => {
             Ok(Some(BlockWindow::Exponential { rate_per_s }))
         }
         (Some("hann"), None) => Ok(Some(BlockWindow::Hann)),
@@ -196,7 +196,7 @@ fn window_of(
 ///     In the unit of the FRFs.
 #[pyfunction]
 pub fn cmif<'py>(py: Python<'py>, frf: &FrfSet) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    py.detach(|| chladni_rfp::cmif(&frf.set))
+    detached(py, || chladni_rfp::cmif(&frf.set))?
         .map(|values| values.into_pyarray(py))
         .map_err(|error| raised(py, &Error::bad_data(error.to_string()).field("values")))
 }
@@ -221,8 +221,7 @@ pub fn stabilization<'py>(
         band_hz: band_of(py, band)?,
         ..FitOptions::default()
     };
-    let found = py
-        .detach(|| chladni_rfp::stabilization(&frf.set, &options))
+    let found = detached(py, || chladni_rfp::stabilization(&frf.set, &options))?
         .map_err(|error| unfitted(py, &error, &options))?;
     let poles = &found.poles;
     let orders: Array1<i64> = poles.iter().map(|pole| pole.order as i64).collect();

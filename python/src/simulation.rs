@@ -1,5 +1,6 @@
 //! FRFs of a virtual panel, with the model behind them.
 
+use crate::detached::detached;
 use crate::error::raised;
 use crate::frf::FrfSet;
 use crate::model::Model;
@@ -32,18 +33,19 @@ pub fn simulate(
     seed: Option<u64>,
     memory_bytes: u64,
 ) -> PyResult<(FrfSet, Model)> {
-    let simulation = py
-        .detach(|| chladni_plate::simulate(&Panel::read(&panel, memory_bytes)?, seed, snr_db))
-        .map_err(|error| {
-            raised(
-                py,
-                &if error.file.is_none() {
-                    error.file(&panel)
-                } else {
-                    error
-                },
-            )
-        })?;
+    let simulated = detached(py, || {
+        chladni_plate::simulate(&Panel::read(&panel, memory_bytes)?, seed, snr_db)
+    })?;
+    let simulation = simulated.map_err(|error| {
+        raised(
+            py,
+            &if error.file.is_none() {
+                error.file(&panel)
+            } else {
+                error
+            },
+        )
+    })?;
     Ok((
         FrfSet {
             set: simulation.frf,

@@ -168,6 +168,24 @@ def test_band_and_seed_of_the_first_pass_go_with_the_poles(values):
     assert other.value.field == "band"
 
 
+def test_missing_blocks_are_named(values, recwarn):
+    def passed(numbers, poles=None, **keywords):
+        parts = (chladni.reduce_block(rows(values, n, n + 8), n // 8, poles=poles, **keywords) for n in numbers)
+        return chladni.solve_poles(chladni.merge(parts))
+
+    whole = passed((0, 8), passed((0, 8), blocks=2), blocks=2)
+    untold = passed((0, 8), passed((0, 8)))
+    assert not recwarn and not any(finding["code"] == "blocks-missing" for model in (whole, untold) for finding in model.findings)
+    with pytest.warns(UserWarning, match="1 of 3 blocks is missing: 1"):
+        poles = passed((0, 16), blocks=3)
+    model = passed((0, 16), poles, blocks=3)
+    assert any("1 of 3 blocks is missing: 1" in sentence for sentence in model.warnings)
+    assert model.findings[-1]["code"] == "blocks-missing" and model.findings[-1]["values"] == {"missing": 1, "blocks": 3}
+    with pytest.raises(chladni.ChladniError) as beyond:
+        chladni.reduce_block(rows(values, 0, 8), 3, blocks=3)
+    assert beyond.value.field == "number" and "below 3" in beyond.value.expected
+
+
 @pytest.mark.parametrize("call", ["reduce_block", "merge", "solve_poles", "residues_block"])
 def test_other_threads_run_meanwhile(values, whole, call):
     frf = rows(values, 0, RESPONSES)
