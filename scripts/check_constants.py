@@ -38,6 +38,7 @@ FACTS = {
     "chladni-io/src/model_shapes.rs": "components of a node",
     "chladni-io/src/shape.rs": "components of a node",
     "chladni-io/src/unit_label/": "units",
+    "chladni-io/src/wav.rs": "codes of sound files",
     "chladni-io/src/bulk.rs": "reading in stretches, measured there",
     "chladni-cli/src/streaming/resume.rs": "version of a format",
     "chladni-plate/src/synthetic.rs": "random streams",

@@ -61,6 +61,16 @@ pub fn detect_format(file: &Path) -> Result<FileFormat> {
     if is_universal(&head) {
         return Ok(FileFormat::Uff);
     }
+    if is_universal(&with_line_feeds(&head)) {
+        return Err(
+            Error::bad_data("a universal file whose lines end with CR alone")
+                .file(file)
+                .at_line(1)
+                .found("a carriage return without a line feed")
+                .expected("lines that end with LF or CR LF")
+                .help("export it again, or convert it: tr '\\r' '\\n' < old.unv > new.unv"),
+        );
+    }
     if is_wide_text(&head) && is_universal(csv::decode(&head).as_bytes()) {
         return Err(Error::bad_data(
             "a universal file in UTF-16; its columns are counted in bytes",
@@ -153,6 +163,12 @@ fn is_universal(head: &[u8]) -> bool {
         .map(<[u8]>::trim_ascii)
         .find(|line| !line.is_empty());
     first_line == Some(b"-1")
+}
+
+/// The text with a line feed in place of each carriage return.
+fn with_line_feeds(head: &[u8]) -> Vec<u8> {
+    let line_feed = |&byte: &u8| if byte == b'\r' { b'\n' } else { byte };
+    head.iter().map(line_feed).collect()
 }
 
 /// The error of a universal file below a title, or without its first delimiter line, whose
@@ -425,6 +441,7 @@ mod tests {
             (b"\xff\xfe \0 \0 \0 \0-\x001\0\n\0", "UTF-16"),
             (b"Export of XYZ\r\n    -1\r\n    58\r\nNONE\r\n", "line 3"),
             (b"    58\nNONE\nNONE\n", "first line is not -1"),
+            (b"    -1\r   151\rNONE\r", "end with CR alone"),
             (
                 b"    58\nFrequency response\n22-Jul-26\n",
                 "first line is not -1",

@@ -180,10 +180,17 @@ pub(crate) const WRAPPED_DEGREES: f64 = 360.0;
 /// Size beyond which a universal file is listed by its headers, bytes.
 pub(crate) const LISTED_BY_HEADERS: u64 = 256 << 20;
 
-// runs.rs
+// runs.rs, runs/even_times.rs
 
 /// Relative difference of two steps that rounding of printed digits explains.
 pub(crate) const STEP_TOLERANCE: f64 = 1e-4;
+/// Part of a sample step by which the starts of channels of one run may differ: a delay that turns
+/// the phase by less than 2° at half the sampling rate.
+pub(crate) const STARTS_APART: f64 = 0.01;
+/// Most decimals of a printed time: nanoseconds, in seconds.
+pub(crate) const TIME_DECIMALS: i32 = 9;
+/// Relative difference from a whole number that the conversion of printed digits leaves.
+pub(crate) const WHOLE_DIGITS: f64 = 1e-9;
 /// Pieces of a record whose mean steps are compared.
 pub(crate) const TIME_PIECES: usize = 16;
 /// Difference of the length of a piece from that of even steps, in steps, up to which its times are

@@ -1,103 +1,47 @@
 //! FRFs of files that do not fit into memory, part by part.
 //!
-//! Our own HDF5 layout is cut between responses, a universal file between functions; any
-//! other file is one part. A part is read and checked like a file of its own.
+//! Our own HDF5 layout is cut between responses, a universal file between the FRFs of
+//! different pairs; any other file is one part. A part is read and checked like a file of its
+//! own, under the options that hold for its file.
 
-use super::assemble;
-use super::{detect_format, hdf5, read_documents, uff, Checksums, FileFormat, ReadOptions, Turn};
-use chladni_frf::{Error, Finding, FrfSet, FrfValues, Result};
-use chladni_text::door::KeptInputs;
-use chladni_text::door::{self, size_of};
-use std::io::{Read, Seek, SeekFrom};
+mod cut;
+mod functions;
+mod node_lists;
+mod stretches;
+mod tables;
+
+use super::assemble::{assemble, left_out, merge_geometry};
+use super::{detect_format, hdf5, Checksums, FileFormat, ReadOptions, Turn};
+use chladni_frf::{Error, Finding, FrfSet, FrfValues, Geometry, Result};
+use chladni_text::door::{size_of, KeptInputs};
+use cut::{Cut, Parted};
+use node_lists::NodeLists;
+use std::collections::HashSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tables::Tables;
 
 /// Files whose FRFs can be read part by part.
 #[derive(Debug, Clone)]
 pub struct FrfParts {
     files: Vec<Parted>,
     options: ReadOptions,
-    kept: KeptInputs,
+    lists: NodeLists,
+    /// The tables of all shares.
+    tables: Arc<Tables>,
+    /// Places of nodes from universal files without FRFs.
+    nodes: Arc<Vec<PlacedNodes>>,
+    findings: Vec<Finding>,
+    /// Keeps what came through pipes until the files are read.
+    _kept: KeptInputs,
 }
 
-/// A file, and the share of it that belongs to the set.
-#[derive(Debug, Clone)]
-struct Parted {
-    path: PathBuf,
-    /// Place among the files given.
-    number: usize,
-    /// Size of its FRFs in memory, about.
-    bytes: u64,
-    cut: Cut,
-    /// The units of `cut` that belong to the set.
-    units: Range<usize>,
-}
-
-impl Parted {
-    fn open(path: &Path, number: usize, options: &ReadOptions) -> Result<Self> {
-        let mut bytes = size_of(path)?;
-        let cut = match detect_format(path)? {
-            FileFormat::Hdf5 => match hdf5::Rows::open(path)? {
-                Some(rows) if options.map.is_empty() => {
-                    bytes = rows.bytes();
-                    Cut::Responses(Box::new(rows))
-                }
-                _ => Cut::Nowhere,
-            },
-            FileFormat::Uff => Cut::between_functions(path, options.lenient)?,
-            _ => Cut::Nowhere,
-        };
-        Ok(Self {
-            path: path.to_owned(),
-            number,
-            bytes,
-            units: 0..cut.unit_count(),
-            cut,
-        })
-    }
-}
-
-/// Places at which a file can be cut.
-#[derive(Debug, Clone)]
-enum Cut {
-    /// Nowhere.
-    Nowhere,
-    /// Between the responses of our own layout.
-    Responses(Box<hdf5::Rows>),
-    /// Between functions: the bytes of each, and those of all other datasets.
-    Functions {
-        beside: Vec<Range<u64>>,
-        functions: Vec<Range<u64>>,
-    },
-}
-
-impl Cut {
-    /// Number of units between which the file can be cut: responses, functions, or the file.
-    fn unit_count(&self) -> usize {
-        match self {
-            Self::Nowhere => 1,
-            Self::Responses(rows) => rows.count(),
-            Self::Functions { functions, .. } => functions.len(),
-        }
-    }
-
-    /// The places of a universal file.
-    fn between_functions(path: &Path, lenient: bool) -> Result<Self> {
-        let places = uff::places(path, lenient)?;
-        // units hold for what follows them: with two, the units of a function depend on its place
-        let is_units = |place: &&uff::DatasetPlace| place.number == Some(164);
-        if places.iter().filter(is_units).count() > 1 {
-            return Ok(Self::Nowhere);
-        }
-        let (mut functions, mut beside) = (Vec::new(), Vec::new());
-        for place in places {
-            match place.number {
-                Some(58) => functions.push(place.bytes),
-                _ => beside.push(place.bytes),
-            }
-        }
-        Ok(Self::Functions { beside, functions })
-    }
+/// The geometry of a file.
+#[derive(Debug)]
+struct PlacedNodes {
+    file: PathBuf,
+    geometry: Geometry,
 }
 
 /// A part that is read at a time.
@@ -111,30 +55,52 @@ impl FrfParts {
     /// Finds the places at which the files can be cut. Of a binary file only headers are read.
     ///
     /// # Errors
-    /// Those of reading.
+    /// Those of reading; nodes of the caller that do not fit the files.
     pub fn open(files: &[PathBuf], options: &ReadOptions) -> Result<Self> {
-        if !options.dofs.rows.is_empty() {
-            return Err(Error::new(
-                chladni_frf::ErrorKind::Usage,
-                "files that are read in parts cannot take their DOFs from a list",
-            )
-            .field("dofs")
-            .found(format!("{} rows", options.dofs.rows.len()))
-            .expected("DOFs in the files")
-            .help("convert the files with that list into one first"));
-        }
+        refuse_declared_dofs(options)?;
         let kept = KeptInputs::new();
-        let files = (files.iter().enumerate())
-            .map(|(number, path)| Parted::open(path, number, options))
-            .collect::<Result<_>>()?;
+        let (mut measured, mut findings) = (Vec::new(), Vec::new());
+        for path in files {
+            match detect_format(path)? {
+                FileFormat::Model | FileFormat::Weights => findings.push(left_out(path)),
+                format => measured.push((path, format)),
+            }
+        }
+        let lists = NodeLists::new(options, measured.len())?;
+        let tables = Arc::new(Tables::among(&measured));
+        let (mut files, mut nodes) = (Vec::new(), Vec::new());
+        for (number, (path, format)) in measured.into_iter().enumerate() {
+            let own = lists.of_file(options, number);
+            let file = Parted::open(path, format, number, &own)?;
+            file.check_nodes(&own)?;
+            findings.extend(file.finding());
+            if let Some(document) = file.beside_no_frf(&own)? {
+                let contents = assemble(vec![document], &own)?;
+                findings.extend(contents.warnings);
+                nodes.push(PlacedNodes {
+                    file: path.clone(),
+                    geometry: contents.other_geometry,
+                });
+            }
+            files.push(file);
+        }
         Ok(Self {
             files,
             options: options.clone(),
-            kept,
+            lists,
+            tables,
+            nodes: Arc::new(nodes),
+            findings,
+            _kept: kept,
         })
     }
 
-    /// Share `index` of `count` shares of about the same number of responses, functions
+    /// Findings about the files as wholes, which no part repeats.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// Share `index` of `count` shares of about the same number of responses, pairs of DOFs
     /// or files.
     ///
     /// # Errors
@@ -144,14 +110,13 @@ impl FrfParts {
         if count > all {
             return Err(Error::new(
                 chladni_frf::ErrorKind::Usage,
-                "the data cannot be cut into so many \
-                                                            blocks",
+                "the data cannot be cut into so many blocks",
             )
             .field("blocks")
             .found(count)
             .expected(format!(
-                "at most {all}: responses of our own HDF5 layout, functions of a \
-                                   universal file, other files"
+                "at most {all}: responses of our own HDF5 layout, pairs of DOFs of a universal \
+                 file, other files"
             ))
             .help("give fewer blocks, or convert the files to .h5 first"));
         }
@@ -172,34 +137,20 @@ impl FrfParts {
         }
         Ok(Self {
             files,
-            options: self.options.clone(),
-            kept: self.kept.clone(),
+            ..self.clone()
         })
     }
 
     /// Parts of at most `most` bytes in memory, in order.
     ///
     /// # Errors
-    /// [`chladni_frf::ErrorKind::BadData`] naming a file that is larger and cannot be cut.
+    /// [`chladni_frf::ErrorKind::BadData`] naming a file that is larger and cannot be cut, and
+    /// where no file holds an FRF.
     pub fn parts(&self, most: u64) -> Result<Vec<Part>> {
         let mut parts = Vec::new();
         for (number, file) in self.files.iter().enumerate() {
             if matches!(file.cut, Cut::Nowhere) && file.bytes > most {
-                return Err(Error::bad_data(
-                    "the file is too large to be held, and cannot be read \
-                                            in parts",
-                )
-                .file(&file.path)
-                .found(size_in_words(file.bytes, u64::div_ceil))
-                .expected(format!(
-                    "at most {}, or the HDF5 layout of this program, or a universal file \
-                         with one set of units",
-                    size_in_words(most, |bytes, unit| bytes / unit)
-                ))
-                .help(
-                    "raise `memory`, or convert the file to .h5 where there is memory \
-                           enough",
-                ));
+                return Err(too_large(file, most));
             }
             let whole = file.cut.unit_count().max(1) as u64;
             let units = usize::try_from(most.saturating_mul(whole) / file.bytes.max(1))
@@ -212,7 +163,30 @@ impl FrfParts {
                 });
             }
         }
+        if parts.is_empty() {
+            return Err(self.nothing());
+        }
         Ok(parts)
+    }
+
+    /// The error of files without an FRF.
+    fn nothing(&self) -> Error {
+        let others: usize = self.files.iter().map(Parted::others).sum();
+        let error = Error::bad_data("no FRF in the input")
+            .found(match (self.files.len(), others) {
+                (0, _) => "results, no measurement".to_owned(),
+                (_, 0) => "no function".to_owned(),
+                (_, others) => format!("{others} other functions"),
+            })
+            .expected("functions of type 4 (58)")
+            .help(
+                "look at the contents of the file; where they are time records, estimate FRFs \
+                 first",
+            );
+        match self.files.as_slice() {
+            [one] => error.file(&one.path),
+            _ => error,
+        }
     }
 
     /// Checksums of `files`, computed while their parts are read. `None` where some file has
@@ -242,7 +216,8 @@ impl FrfParts {
         &self.files[part.file].path
     }
 
-    /// The FRFs of a part, and the findings about them.
+    /// The FRFs of a part, and the findings about them; `None` where a file without places to
+    /// cut it holds no FRF, or where all FRFs are damaged and left out.
     ///
     /// * `turn`: the turn of the part, where checksums are computed while parts are read; the
     ///   file is then read past the system's cache
@@ -250,59 +225,77 @@ impl FrfParts {
     ///   again where possible
     ///
     /// # Errors
-    /// Those of reading; [`chladni_frf::ErrorKind::BadData`] where it holds no FRF.
+    /// Those of reading.
     pub fn read(
         &self,
         part: &Part,
         turn: Option<Turn>,
         spare: Option<FrfValues>,
-    ) -> Result<(FrfSet, Vec<Finding>)> {
+    ) -> Result<(Option<FrfSet>, Vec<Finding>)> {
         let file = &self.files[part.file];
-        let mut options = self.options.clone();
-        if options.references.len() > 1 {
-            options.references = options
-                .references
-                .get(file.number)
-                .copied()
-                .into_iter()
-                .collect();
-        }
-        Self::read_of(file, &options, &part.units, turn, spare).map_err(|mut error| {
-            // lines of a part are not those of the file
-            if let Cut::Functions { functions, .. } = &file.cut {
-                error.line = None;
-                error.byte.get_or_insert(functions[part.units.start].start);
+        let options = self.lists.of_file(&self.options, file.number);
+        let units = part.units.clone();
+        let document = match &file.cut {
+            Cut::Responses(rows) => rows.read(&options, units, turn, spare)?,
+            Cut::Functions(groups) => file.read_groups(groups, units, &options)?,
+            Cut::Nowhere => {
+                let number = file.number;
+                let first = self.tables.first_node(number, &self.options, &self.lists)?;
+                file.read_whole(&options, first)?
             }
-            error
-        })
+        };
+        let mut contents = assemble(vec![document], &options)?;
+        if let Some(set) = &mut contents.frf {
+            self.place_nodes(set)?;
+        }
+        Ok((contents.frf, contents.warnings))
     }
 
-    fn read_of(
-        file: &Parted,
-        options: &ReadOptions,
-        units: &Range<usize>,
-        turn: Option<Turn>,
-        spare: Option<FrfValues>,
-    ) -> Result<(FrfSet, Vec<Finding>)> {
-        let documents = match &file.cut {
-            Cut::Nowhere => read_documents(std::slice::from_ref(&file.path), options)?,
-            Cut::Responses(rows) => vec![rows.read(options, units.clone(), turn, spare)?],
-            Cut::Functions { beside, functions } => {
-                let wanted: Vec<&Range<u64>> =
-                    beside.iter().chain(&functions[units.clone()]).collect();
-                let bytes = stretches(&file.path, wanted)?;
-                vec![uff::read(&bytes, &file.path, options)?]
-            }
-        };
-        let mut contents = assemble(documents, options)?;
-        let nothing = || {
-            Error::bad_data("no FRF in this part of the file")
-                .file(&file.path)
-                .found("other functions")
-                .expected("FRFs")
-        };
-        Ok((contents.frf.take().ok_or_else(nothing)?, contents.warnings))
+    /// Adds the nodes of a set that files without FRFs place.
+    fn place_nodes(&self, set: &mut FrfSet) -> Result<()> {
+        if self.nodes.is_empty() {
+            return Ok(());
+        }
+        let dofs = set.responses.iter().chain(&set.references);
+        let labels: HashSet<u64> = dofs.map(|dof| dof.node).collect();
+        for placed in self.nodes.iter() {
+            let nodes = placed.geometry.nodes.iter();
+            let own = nodes.filter(|node| labels.contains(&node.label)).copied();
+            let geometry = Geometry {
+                nodes: own.collect(),
+                ..Geometry::default()
+            };
+            merge_geometry(&mut set.geometry, geometry, &placed.file)?;
+        }
+        Ok(())
     }
+}
+
+fn refuse_declared_dofs(options: &ReadOptions) -> Result<()> {
+    if options.dofs.rows.is_empty() {
+        return Ok(());
+    }
+    Err(Error::new(
+        chladni_frf::ErrorKind::Usage,
+        "files that are read in parts cannot take their DOFs from a list",
+    )
+    .field("dofs")
+    .found(format!("{} rows", options.dofs.rows.len()))
+    .expected("DOFs in the files")
+    .help("convert the files with that list into one first"))
+}
+
+/// The error of a file that cannot be cut.
+fn too_large(file: &Parted, most: u64) -> Error {
+    Error::bad_data("the file is too large to be held, and cannot be read in parts")
+        .file(&file.path)
+        .found(size_in_words(file.bytes, u64::div_ceil))
+        .expected(format!(
+            "at most {}, or the HDF5 layout of this program, or a universal file with one set \
+             of units",
+            size_in_words(most, |bytes, unit| bytes / unit)
+        ))
+        .help("raise `memory`, or convert the file to .h5 where there is memory enough")
 }
 
 /// A size for people, in whole units as `count` rounds them.
@@ -331,28 +324,6 @@ pub fn frf_bytes(files: &[PathBuf]) -> Result<u64> {
         .iter()
         .map(of)
         .try_fold(0_u64, |sum, bytes| Ok(sum.saturating_add(bytes?)))
-}
-
-/// The bytes of some stretches of a file, one after the other; neighbours are read at once.
-fn stretches(path: &Path, wanted: Vec<&Range<u64>>) -> Result<Vec<u8>> {
-    let on_read = |error: std::io::Error| Error::from_read(&error, path);
-    let mut joined: Vec<Range<u64>> = Vec::new();
-    for range in wanted {
-        match joined.last_mut() {
-            Some(last) if last.end == range.start => last.end = range.end,
-            _ => joined.push(range.clone()),
-        }
-    }
-    let mut file = door::open(path)?;
-    let mut bytes = Vec::new();
-    for range in joined {
-        file.seek(SeekFrom::Start(range.start)).map_err(on_read)?;
-        (&mut file)
-            .take(range.end - range.start)
-            .read_to_end(&mut bytes)
-            .map_err(on_read)?;
-    }
-    Ok(bytes)
 }
 
 #[cfg(test)]

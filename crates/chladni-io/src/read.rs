@@ -50,19 +50,23 @@ pub fn list_document(path: &Path, options: &ReadOptions) -> Result<Document> {
 /// The first error of [`read_document`].
 pub fn read_documents(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Document>> {
     let mut next_node = FIRST_NODE;
-    let of_file = |nodes: &[u64], number: usize| match nodes {
-        nodes if nodes.len() > 1 && nodes.len() == paths.len() => vec![nodes[number]],
-        nodes => nodes.to_vec(),
-    };
     let read = |(number, path): (usize, &PathBuf)| {
         let own = ReadOptions {
-            references: of_file(&options.references, number),
-            responses: of_file(&options.responses, number),
+            references: nodes_of_file(&options.references, number, paths.len()),
+            responses: nodes_of_file(&options.responses, number, paths.len()),
             ..options.clone()
         };
         read_numbered(path, &own, &mut next_node)
     };
     paths.iter().enumerate().map(read).collect()
+}
+
+/// The nodes of a list for file `number` of `count`: its own, where the list has one for each.
+pub(super) fn nodes_of_file(nodes: &[u64], number: usize, count: usize) -> Vec<u64> {
+    match nodes {
+        nodes if nodes.len() > 1 && nodes.len() == count => vec![nodes[number]],
+        nodes => nodes.to_vec(),
+    }
 }
 
 /// Reads the content of files, folders and patterns together, with or without FRFs, as
@@ -179,7 +183,15 @@ pub fn read_frf(
     Ok((frf, sources, warnings))
 }
 
-fn read_numbered(path: &Path, options: &ReadOptions, next_node: &mut u64) -> Result<Document> {
+/// Reads a file; FRFs in tables that name no DOF are numbered from `next_node` on.
+///
+/// # Errors
+/// As [`read_document`].
+pub(super) fn read_numbered(
+    path: &Path,
+    options: &ReadOptions,
+    next_node: &mut u64,
+) -> Result<Document> {
     let _kept = KeptInputs::new();
     let format = detect_format(path)?;
     // the checksum of a file in memory needs no second read

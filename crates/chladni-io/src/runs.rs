@@ -1,8 +1,11 @@
 //! Runs of time records: channels that were measured together.
 
-use crate::limits::{LATE_SAMPLES, LATE_STEPS, STEP_TOLERANCE, TIME_PIECES};
+mod even_times;
+
+use crate::limits::{STARTS_APART, STEP_TOLERANCE};
 use crate::{Abscissa, Document, Function, Ordinate};
 use chladni_frf::{Channel, Dof, Error, Result, Run, SignalUnit};
+use even_times::even_step;
 
 /// Function type of time records, dataset 58.
 const TIME: i32 = 1;
@@ -88,7 +91,7 @@ fn no_fit((name, count): (&'static str, usize), records: usize) -> Error {
 /// runs of their own.
 ///
 /// # Errors
-/// Channels of one run that differ in length or sampling rate; an uneven time axis;
+/// Channels of one run that differ in length, sampling rate or start; an uneven time axis;
 /// masked samples; settings that do not fit.
 pub fn runs_of(document: &Document, overrides: &ChannelOverride) -> Result<Vec<Run>> {
     let at = |function: &Function, error: Error| {
@@ -111,6 +114,7 @@ pub fn runs_of(document: &Document, overrides: &ChannelOverride) -> Result<Vec<R
     let mut runs: Vec<Run> = Vec::new();
     // number of channels of each run, with those left out
     let mut sizes: Vec<usize> = Vec::new();
+    let mut start_s = 0.0; // of the last run
     for (k, function) in records.into_iter().enumerate() {
         let taken = match overrides.leaves_out(k) {
             true => None,
@@ -134,10 +138,11 @@ pub fn runs_of(document: &Document, overrides: &ChannelOverride) -> Result<Vec<R
         }
         if let (Some(run), Some(size)) = (runs.last_mut(), sizes.last_mut()) {
             *size += 1;
-            if let Some((channel, rate)) = taken {
+            if let Some((channel, sampling)) = taken {
                 match run.channels.is_empty() {
-                    true => run.sample_rate_hz = rate,
-                    false => refuse_other_sampling(run, &channel, rate)
+                    true => (run.sample_rate_hz, start_s) = (sampling.rate_hz, sampling.start_s),
+                    false => refuse_other_sampling(run, &channel, &sampling)
+                        .and_then(|()| refuse_other_start(run, &channel, start_s, &sampling))
                         .map_err(|error| at(function, error))?,
                 }
                 run.channels.push(channel);
@@ -154,15 +159,34 @@ pub fn runs_of(document: &Document, overrides: &ChannelOverride) -> Result<Vec<R
     Ok(runs)
 }
 
-/// A channel with its sampling rate, Hz.
-fn taken(function: &Function, k: usize, overrides: &ChannelOverride) -> Result<(Channel, f64)> {
-    let rate = sample_rate(function)?;
-    Ok((channel(function, k, overrides)?, rate))
+/// The times of the samples of a channel.
+struct Sampling {
+    rate_hz: f64,
+    /// Time of the first sample.
+    start_s: f64,
+}
+
+/// A channel with its sampling.
+fn taken(
+    function: &Function,
+    k: usize,
+    overrides: &ChannelOverride,
+) -> Result<(Channel, Sampling)> {
+    let start = match &function.abscissa {
+        Abscissa::Even { start, .. } => *start,
+        Abscissa::Uneven(times) => times.first().copied().unwrap_or_default(),
+    };
+    let sampling = Sampling {
+        rate_hz: sample_rate(function)?,
+        start_s: start * function.abscissa_to_si,
+    };
+    Ok((channel(function, k, overrides)?, sampling))
 }
 
 /// Refuses a channel that was not sampled as the others of its run.
-fn refuse_other_sampling(run: &Run, channel: &Channel, rate_hz: f64) -> Result<()> {
+fn refuse_other_sampling(run: &Run, channel: &Channel, sampling: &Sampling) -> Result<()> {
     let (samples, of_run, of_run_hz) = (channel.samples.len(), run.samples(), run.sample_rate_hz);
+    let rate_hz = sampling.rate_hz;
     let differs = of_run != samples || (of_run_hz / rate_hz - 1.0).abs() > STEP_TOLERANCE;
     if !differs {
         return Ok(());
@@ -172,6 +196,35 @@ fn refuse_other_sampling(run: &Run, channel: &Channel, rate_hz: f64) -> Result<(
         .found(format!("{samples} samples at {rate_hz} Hz"))
         .expected(format!("{of_run} samples at {of_run_hz} Hz"))
         .help("give runs of different lengths as files of their own"))
+}
+
+/// Refuses a channel that starts at another time than the first one of its run: its samples
+/// would be compared with those of other times.
+fn refuse_other_start(
+    run: &Run,
+    channel: &Channel,
+    of_run_s: f64,
+    sampling: &Sampling,
+) -> Result<()> {
+    let late_samples = (sampling.start_s - of_run_s) * run.sample_rate_hz;
+    if late_samples.abs() <= STARTS_APART {
+        return Ok(());
+    }
+    let first = run.channels.first().map(|channel| channel.dof.to_string());
+    Err(Error::bad_data("channels of one run differ")
+        .field(channel.dof.to_string())
+        .found(format!(
+            "a start at {} s, {late_samples:.3} samples from that of the run",
+            sampling.start_s
+        ))
+        .expected(format!(
+            "the start at {of_run_s} s of {}",
+            first.unwrap_or_default()
+        ))
+        .help(
+            "cut all channels of a run to the same times, or correct the start in the file; give \
+             runs that started at different times as files of their own",
+        ))
 }
 
 /// The unit of a channel: by quantity code of dataset 58, else by unit label.
@@ -276,63 +329,6 @@ fn channel(function: &Function, k: usize, overrides: &ChannelOverride) -> Result
     })
 }
 
-/// The step of times that are even but for printed digits; `to_s`: one unit of them.
-fn even_step(times: &[f64], to_s: f64) -> Result<f64> {
-    let steps = times.len().saturating_sub(1);
-    let (Some(first), Some(last), 1..) = (times.first(), times.last(), steps) else {
-        return Ok(0.0);
-    };
-    let mean = (last - first) / steps as f64;
-    // printed times round at the last of their digits
-    let largest = first.abs().max(last.abs());
-    let rounding = STEP_TOLERANCE.max(1e-5 * largest / mean.abs().max(f64::MIN_POSITIVE));
-    let single = times.windows(2).map(|pair| (1, pair[1] - pair[0]));
-    // steps that differ little from one to the next may add up
-    let pieces = TIME_PIECES.min(steps);
-    let of_pieces = (0..pieces).map(|n| {
-        let (from, to) = (n * steps / pieces, (n + 1) * steps / pieces);
-        (to - from, times[to] - times[from])
-    });
-    check_steps(single, mean, |_| rounding.min(0.1), to_s)?;
-    check_steps(
-        of_pieces,
-        mean,
-        |count| LATE_STEPS.max(LATE_SAMPLES / count as f64),
-        to_s,
-    )?;
-    Ok(mean)
-}
-
-/// Refuses times that differ from even ones.
-///
-/// * `spans`: numbers of steps, and the time that they take
-/// * `most`: relative difference up to which so many steps are even
-fn check_steps(
-    spans: impl Iterator<Item = (usize, f64)>,
-    mean: f64,
-    most: impl Fn(usize) -> f64,
-    to_s: f64,
-) -> Result<()> {
-    let (mut least, mut largest, mut is_even) = (f64::INFINITY, f64::NEG_INFINITY, true);
-    for (count, span) in spans {
-        let step = span / count as f64;
-        (least, largest) = (least.min(step), largest.max(step));
-        is_even &= (step / mean - 1.0).abs() <= most(count);
-    }
-    if is_even {
-        return Ok(());
-    }
-    Err(Error::bad_data("the samples are not evenly spaced in time")
-        .field("time axis")
-        .found(format!(
-            "steps from {:.4e} to {:.4e} s",
-            least * to_s,
-            largest * to_s
-        ))
-        .expected("one step: one sampling rate")
-        .help("resample the record first"))
-}
-
 fn sample_rate(function: &Function) -> Result<f64> {
     let step = match &function.abscissa {
         Abscissa::Even { step, .. } => *step,
@@ -390,41 +386,43 @@ mod tests {
         assert_eq!(all.len(), 2);
     }
 
-    #[test]
-    fn times_whose_steps_change_on_the_way_are_refused_and_printed_digits_are_not() {
-        let read = |time: &dyn Fn(usize) -> String| {
-            let rows = (0..20_000).map(|k| format!("{},{},0\n", time(k), k % 7));
-            let text = format!("t,1:+Z_N,2:+Z_m/s\n{}", rows.collect::<String>());
-            let folder = tempfile::tempdir().unwrap();
-            let file = folder.path().join("take.csv");
-            std::fs::write(&file, text).unwrap();
-            let document = crate::read_documents(&[file], &crate::ReadOptions::default()).unwrap();
-            runs_of(&document[0], &ChannelOverride::default())
+    /// Runs of records of (DOF, start in s, unit) with 8 samples at 100 Hz each.
+    fn runs_from(records: &[(&str, f64, &str)]) -> Result<Vec<Run>> {
+        let record = |&(dof, start, unit): &(&str, f64, &str)| {
+            let times = Abscissa::Even { start, step: 0.01 };
+            let axis = crate::Axis {
+                unit: unit.into(),
+                ..crate::Axis::default()
+            };
+            let samples = Ordinate::Real64(vec![1.0; 8]);
+            Function::time_record(dof.parse().unwrap(), times, axis, samples)
         };
-        let rounded = read(&|k| format!("{:.6}", k as f64 / 51_200.0)).unwrap();
-        assert!((rounded[0].sample_rate_hz / 51_200.0 - 1.0).abs() < 1e-5);
-        let error = read(&|k| format!("{:.6}", k as f64 * 1e-3 + 5e-5 * k.max(10_000) as f64));
-        let told = error.unwrap_err().to_string();
-        assert!(
-            told.contains("not evenly spaced")
-                && told.contains("steps from 1.0000e-3 to 1.0500e-3 s"),
-            "{told}"
-        );
-        // times summed up in single precision, and those that end at the trigger
-        let mut sum = 0.0_f32;
-        let summed = std::iter::repeat_with(|| {
-            sum += 1e-4;
-            f64::from(sum)
-        });
-        let summed: Vec<f64> = summed.take(20_000).collect();
-        assert!(read(&|k| format!("{:.7}", summed[k])).is_ok());
-        assert!(read(&|k| format!("{:.6}", (k as f64 - 19_999.0) / 51_200.0)).is_ok());
-        for slips in [0.028, 0.004] {
-            let slipping = |k: usize| 1e-3 * (k as f64 + slips * k.max(10_000) as f64);
-            assert!(read(&|k| slipping(k).to_string()).is_err(), "{slips}");
+        let mut document = Document::new(std::path::Path::new("take.uff"), crate::FileFormat::Uff);
+        document.functions = records.iter().map(record).collect();
+        runs_of(&document, &ChannelOverride::default())
+    }
+
+    #[test]
+    fn channels_of_one_run_that_start_at_other_times_are_refused() {
+        let error = runs_from(&[("9:+Z", 0.0, "N"), ("1:+Z", 0.1, "m/s")]).unwrap_err();
+        let told = error.to_string();
+        for words in [
+            "channels of one run differ",
+            "1:+Z",
+            "a start at 0.1 s, 10.000 samples",
+            "the start at 0 s of 9:+Z",
+            "cut all channels",
+        ] {
+            assert!(told.contains(words), "{words}: {told}");
         }
-        let falling = even_step(&[2.0, 1.0, 0.0], 1.0).unwrap();
-        assert_eq!(falling, -1.0);
-        assert!(even_step(&[0.0, f64::NAN, 2.0, 3.0], 1.0).is_err());
+        // printed digits, and runs of a roving sensor
+        assert!(runs_from(&[("9:+Z", 2.0, "N"), ("1:+Z", 2.000_05, "m/s")]).is_ok());
+        let roving = [
+            ("9:+Z", 0.0, "N"),
+            ("1:+Z", 0.0, "m/s"),
+            ("9:+Z", 5.0, "N"),
+            ("2:+Z", 5.0, "m/s"),
+        ];
+        assert_eq!(runs_from(&roving).unwrap().len(), 2);
     }
 }

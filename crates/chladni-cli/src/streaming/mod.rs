@@ -49,6 +49,7 @@ impl<'a> Stream<'a> {
     ) -> Result<Self> {
         let parts = data.parts((memory / PARTS_OF_MEMORY).min(PART_MOST))?;
         let checksums = data.checksums(files);
+        console.find_all(data.findings());
         Ok(Self {
             data,
             parts,
@@ -152,16 +153,18 @@ impl<'a> Stream<'a> {
             };
             let ReducedPart { partial, findings } = received?;
             self.console.find_all(&findings);
-            let partial = partial?;
+            done += bytes(part) / all;
+            self.console
+                .so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
+            let Some(partial) = partial? else {
+                continue;
+            };
             let whole = match merged.take() {
                 Some(before) => {
                     Partial::merge([before, partial]).map_err(|error| error.file(file))?
                 }
                 None => partial,
             };
-            done += bytes(part) / all;
-            self.console
-                .so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
             resume.keep(merged.insert(whole))?;
         }
         Ok(Merging::Complete)
@@ -208,13 +211,19 @@ impl<'a> Stream<'a> {
                 .partial
                 .ok()
         };
-        let partials: Option<Vec<Partial>> = (0..)
+        let partials: Option<Vec<Option<Partial>>> = (0..)
             .zip(&self.parts)
             .skip(step / 2)
             .step_by(step)
             .map(&mut partial)
             .collect();
-        match solve(Partial::merge(partials?).ok()?, self.options, &|_| ()).ok()? {
+        match solve(
+            Partial::merge(partials?.into_iter().flatten()).ok()?,
+            self.options,
+            &|_| (),
+        )
+        .ok()?
+        {
             Solved::Poles(poles) => Some(*poles),
             Solved::Fit(_) => None,
         }
@@ -227,7 +236,8 @@ impl<'a> Stream<'a> {
 
 /// A part that was read and reduced.
 struct ReducedPart {
-    partial: Result<Partial>,
+    /// `None` where the part holds no FRF.
+    partial: Result<Option<Partial>>,
     /// Findings of reading, told even where the part cannot be reduced.
     findings: Vec<Finding>,
 }
@@ -338,10 +348,15 @@ fn reduced(
     spare: &mut Option<FrfValues>,
 ) -> Result<ReducedPart> {
     let (frf, findings) = data.read(part, turn, spare.take())?;
+    let Some(frf) = frf else {
+        let partial = Ok(None);
+        return Ok(ReducedPart { partial, findings });
+    };
     let file = data.file(part);
     let partial = match frf.known_kind() {
         Ok(_) => reducer
             .block(&frf, *number, Vec::new())
+            .map(Some)
             .map_err(|error| explain_piece(error, options, file)),
         Err(error) => Err(error.file(file)),
     };
@@ -353,7 +368,28 @@ fn reduced(
 pub fn explain_piece(error: PieceError, options: &FitOptions, file: &Path) -> Error {
     match error {
         PieceError::Fit(error) => explain(&error, options, file),
-        PieceError::Data(error) if error.file.is_none() => error.file(file),
-        PieceError::Data(error) => error,
+        PieceError::Data(error) if is_copy(&error) => copies_apart(error),
+        PieceError::Data(error) => error.file(file),
+    }
+}
+
+/// True for the error of an FRF that occurs in two parts or blocks.
+fn is_copy(error: &Error) -> bool {
+    error.field.as_deref() == Some("response and reference")
+}
+
+/// The same error in words for files: which of them hold the copies is not known any more.
+fn copies_apart(error: Error) -> Error {
+    let copy = Error::bad_data("an FRF occurs twice, in two files or in two blocks of files")
+        .field("response and reference")
+        .expected("every FRF once: files that are read part by part are not compared")
+        .help(
+            "convert the files into one with --duplicates first, last or mean, and give that one; \
+             where all files name the same reference node, say --reference N,M,...; blocks must \
+             not share an FRF",
+        );
+    Error {
+        found: error.found,
+        ..copy
     }
 }

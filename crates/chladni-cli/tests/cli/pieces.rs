@@ -260,6 +260,27 @@ fn a_fit_that_cannot_be_made_in_parts_is_refused_with_the_next_step() {
 }
 
 #[test]
+fn copies_in_two_files_are_refused_with_what_to_do() {
+    let folder = noisy();
+    folder
+        .run("convert panel.h5 -o copy.h5 --frf-kind mobility")
+        .exits(0);
+    let line = format!("fit panel.h5 copy.h5 --duplicates first {LITTLE}");
+    let copies = error(&folder, &line, 65);
+    let said = |key: &str| copies[key].as_str().unwrap();
+    assert!(said("message").contains("an FRF occurs twice"), "{copies}");
+    assert!(said("help").contains("--duplicates first"), "{copies}");
+    assert!(copies["file"].is_null(), "{copies}");
+    // a list of nodes that does not fit the files is refused as in memory
+    let line = format!("panel.h5 copy.h5 --reference 1,2,3 {LITTLE}");
+    for command in ["fit", "block reduce -o a.part"] {
+        let list = error(&folder, &format!("{command} {line}"), 2);
+        assert_eq!(&list["field"], "--reference", "{list}");
+        assert_eq!(&list["found"], "3", "{list}");
+    }
+}
+
+#[test]
 fn blocks_that_cannot_be_are_refused_by_name() {
     let folder = noisy();
     let error = |line: &str, code: i32| error(&folder, line, code);

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Adds nodes, lines and faces of `more`, each once.
-pub(super) fn merge(geometry: &mut Geometry, more: Geometry, file: &Path) -> Result<()> {
+pub(crate) fn merge(geometry: &mut Geometry, more: Geometry, file: &Path) -> Result<()> {
     if geometry.nodes.is_empty() && geometry.lines.is_empty() && geometry.faces.is_empty() {
         *geometry = more;
         return Ok(());

@@ -13,7 +13,9 @@ mod record;
 mod side;
 
 pub use copies::same_files;
+pub(crate) use geometry::merge as merge_geometry;
 pub(crate) use record::clean_coherence;
+pub(crate) use side::{node_for, refuse_several, Side};
 
 use super::{Contents, Document, Duplicates, FileFormat, Function, ReadOptions};
 use assembly::Assembly;
@@ -22,13 +24,14 @@ use copies::told_copies;
 use grid::DofList;
 use num_complex::Complex64;
 use record::{place_of, Line, Record};
-use side::{node_for, override_node, Side};
+use side::override_node;
+use std::path::Path;
 use std::rc::Rc;
 
 /// Function types of dataset 58.
-const FRF: i32 = 4;
+pub(crate) const FRF: i32 = 4;
 /// Ordinary coherence.
-const COHERENCE: i32 = 6;
+pub(crate) const COHERENCE: i32 = 6;
 
 /// Merges documents into one set of FRFs, and keeps all other content.
 ///
@@ -107,15 +110,14 @@ fn without_results(documents: Vec<Document>, warnings: &mut Vec<Finding>) -> Vec
     let (results, documents): (Vec<_>, Vec<_>) = documents
         .into_iter()
         .partition(|document| matches!(document.format, FileFormat::Model | FileFormat::Weights));
-    let left_out = |document: Document| {
-        let words = format!(
-            "{}: left out, a result and no measurement",
-            document.file.display()
-        );
-        Finding::caution("not-read", words)
-    };
-    warnings.extend(results.into_iter().map(left_out));
+    warnings.extend(results.iter().map(|document| left_out(&document.file)));
     documents
+}
+
+/// The finding about a result among measurements.
+pub(crate) fn left_out(file: &Path) -> Finding {
+    let words = format!("{}: left out, a result and no measurement", file.display());
+    Finding::caution("not-read", words)
 }
 
 /// Keeps the set of the only document as it is, and all else in it.

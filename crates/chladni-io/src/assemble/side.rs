@@ -3,10 +3,12 @@
 use super::is_measured;
 use crate::Document;
 use chladni_frf::{Dof, Error, ErrorKind, Result};
+use std::collections::BTreeSet;
+use std::path::Path;
 
 /// One of the two DOFs of an FRF.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Side {
+pub(crate) enum Side {
     Response,
     Reference,
 }
@@ -22,7 +24,7 @@ impl Side {
 }
 
 /// The node of one side: one node for all files, or one per file.
-pub(super) fn node_for(
+pub(crate) fn node_for(
     side: Side,
     nodes: &[u64],
     number: usize,
@@ -46,7 +48,6 @@ pub(super) fn node_for(
 /// Gives all FRFs of a file with one response, or one reference, another node.
 pub(super) fn override_node(document: &mut Document, side: Side, node: Option<u64>) -> Result<()> {
     let Some(node) = node else { return Ok(()) };
-    let name = side.name();
     let mut dofs: Vec<&mut Dof> = document
         .functions
         .iter_mut()
@@ -62,27 +63,26 @@ pub(super) fn override_node(document: &mut Document, side: Side, node: Option<u6
             Side::Reference => &mut set.references,
         });
     }
-    let mut nodes: Vec<u64> = dofs.iter().map(|dof| dof.node).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    if nodes.len() > 1 {
-        return Err(Error::new(
-            ErrorKind::Usage,
-            format!("the file holds more than one {name}; one node cannot stand for all"),
-        )
-        .file(&document.file)
-        .field(name)
-        .found(
-            nodes
-                .iter()
-                .take(10)
-                .map(u64::to_string)
-                .collect::<Vec<_>>()
-                .join(", "),
-        )
-        .expected(format!("one {name} node"))
-        .help(format!("leave `{name}` out for this file")));
-    }
+    let nodes = dofs.iter().map(|dof| dof.node).collect();
+    refuse_several(side, &nodes, &document.file)?;
     dofs.into_iter().for_each(|dof| dof.node = node);
     Ok(())
+}
+
+/// Refuses a file with several nodes on a side for which one was given.
+pub(crate) fn refuse_several(side: Side, nodes: &BTreeSet<u64>, file: &Path) -> Result<()> {
+    if nodes.len() < 2 {
+        return Ok(());
+    }
+    let name = side.name();
+    let shown: Vec<String> = nodes.iter().take(10).map(u64::to_string).collect();
+    Err(Error::new(
+        ErrorKind::Usage,
+        format!("the file holds more than one {name}; one node cannot stand for all"),
+    )
+    .file(file)
+    .field(name)
+    .found(shown.join(", "))
+    .expected(format!("one {name} node"))
+    .help(format!("leave `{name}` out for this file")))
 }

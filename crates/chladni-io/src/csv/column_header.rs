@@ -60,13 +60,7 @@ impl ColumnHeader {
     /// Reads a column name such as `Re(x) [mm/s/N]`, `1Z:3Z imag`, `Magnitude (dB re 1
     /// m/s/N)`, `phase_rad`, `coherence`; its DOFs are not settled yet.
     fn read_words(name: &str, unit_row: &str) -> Self {
-        let (rest, unit) = split_unit(name);
-        let (rest, unit) = if unit.is_empty() {
-            let (rest, unit) = split_trailing_unit(rest);
-            (rest, unit.unwrap_or_else(|| without_brackets(unit_row)))
-        } else {
-            (rest, unit)
-        };
+        let (rest, unit) = name_and_unit(name, unit_row);
         let mut words = NameWords {
             is_decibel: words(&unit).any(is_decibel),
             ..NameWords::default()
@@ -206,6 +200,16 @@ fn settle_dofs(heads: &mut [ColumnHeader]) {
         }
         head.dofs = head.dof_words.dofs();
     }
+}
+
+/// Splits a column name into the words and the unit, which may be that of the unit row.
+pub(super) fn name_and_unit<'a>(name: &'a str, unit_row: &str) -> (&'a str, String) {
+    let (rest, unit) = split_unit(name);
+    if !unit.is_empty() {
+        return (rest, unit);
+    }
+    let (rest, unit) = split_trailing_unit(rest);
+    (rest, unit.unwrap_or_else(|| without_brackets(unit_row)))
 }
 
 /// A label of a unit row, without brackets around the whole of it.

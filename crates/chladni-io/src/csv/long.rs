@@ -1,5 +1,6 @@
 //! Long tables: one row per FRF and line, `node,dir,ref_node,ref_dir,f,re,im`.
 
+use super::factors::Names;
 use super::facts::is_same_unit;
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
@@ -171,6 +172,10 @@ impl LongTable<'_> {
             let rows = pairs.iter().flat_map(|pair| &pair.rows);
             rows.map(|row| row.2[at]).collect()
         };
+        let names = Names::new(&self.columns.names, &[]);
+        for column in [self.columns.first, self.columns.second] {
+            names.refuse_factor(column, &self.columns.heads[column])?;
+        }
         let (a, b) = (values(0), values(1));
         let column = |number: usize, values| Column {
             number,

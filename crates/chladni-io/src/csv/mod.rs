@@ -17,6 +17,7 @@ mod column_header;
 mod complex_cells;
 mod cut;
 mod dofs;
+mod factors;
 mod facts;
 mod form;
 mod frequency;

@@ -3,6 +3,7 @@
 
 use super::column_header::ColumnHeader;
 use super::dofs::{dof_pair, Dofs};
+use super::factors::Names;
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
 use super::groups::{group_columns, Group};
@@ -20,6 +21,10 @@ pub(super) fn traces(
 ) -> Result<(Vec<f64>, Vec<Trace>)> {
     let heads = ColumnHeader::of_columns(&table.names, &table.units);
     let frequency_hz = frequency_axis(table, facts)?;
+    let names = Names::new(&table.names, &table.units);
+    for (column, head) in heads.iter().enumerate().skip(1) {
+        names.refuse_factor(column, head)?;
+    }
     let mut traces: Vec<Trace> = Vec::new();
     for group in group_columns(table, &heads, warnings)? {
         traces.push(trace(table, &heads, &group, facts, warnings)?);

@@ -16,6 +16,7 @@ mod model;
 mod own;
 mod rows;
 mod shapes;
+mod units;
 
 use super::arrays::foreign::{self, FoundFrf};
 use super::arrays::tree::{Element, Entry, Values};

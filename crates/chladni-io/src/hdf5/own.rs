@@ -18,9 +18,13 @@
 
 use super::backend::File;
 use super::estimation;
+use super::units;
+use crate::arrays::foreign::scale;
 use crate::arrays::tree::{Entry, Group, Values};
 use crate::arrays::values::{checked, dofs, integers, real_array, reals, wrong_type, ComplexArray};
-use chladni_frf::{Error, FrfKind, FrfSet, FrfValues, Geometry, ReferenceUnit, Result, TimeSign};
+use chladni_frf::{
+    Error, FrfKind, FrfSet, FrfValues, Geometry, Node, ReferenceUnit, Result, TimeSign,
+};
 use ndarray::{Array1, Array3, Ix3};
 
 /// `format` of the root.
@@ -108,9 +112,10 @@ impl Own<'_> {
             return Ok(None);
         }
         let (entry, values) = self.dataset("/frf")?;
+        let to_si = units::of_frf(entry)?.map_or(1.0, |(_, unit)| unit.to_si);
         let set = FrfSet {
             coherence: self.beside_frf("/coherence", |value| value as f32)?,
-            variance: self.beside_frf("/variance", |value| value)?,
+            variance: self.beside_frf("/variance", |value| value * to_si * to_si)?,
             ..self.set_of(own_array(
                 ComplexArray::new(self.frf_entry()?, values)?,
                 entry,
@@ -131,15 +136,18 @@ impl Own<'_> {
     /// A set of these values.
     pub(super) fn set_of(&self, values: FrfValues) -> Result<FrfSet> {
         let (freq_entry, freq) = self.dataset("/freq")?;
+        let to_hz = units::to_hz(freq_entry)?;
         let (response_entry, responses) = self.dataset("/response")?;
         let (reference_entry, references) = self.dataset("/reference")?;
+        let unit = units::of_frf(self.frf_entry()?)?;
+        let (kind, reference_unit) = units::agreed(unit, self.kind()?, self.reference_unit()?)?;
         Ok(FrfSet {
-            frequency_hz: Array1::from(reals(freq_entry, freq)?),
+            frequency_hz: Array1::from(reals(freq_entry, freq)?) * to_hz,
             values,
             responses: dofs(response_entry, responses)?,
             references: dofs(reference_entry, references)?,
-            kind: self.kind()?,
-            reference_unit: self.reference_unit()?,
+            kind,
+            reference_unit,
             coherence: None,
             variance: None,
             estimation: self
@@ -178,10 +186,11 @@ impl Own<'_> {
         self.attribute("frf_kind")
     }
 
-    fn reference_unit(&self) -> Result<ReferenceUnit> {
+    fn reference_unit(&self) -> Result<Option<ReferenceUnit>> {
         match self.root().text("reference_unit") {
-            None | Some("N") => Ok(ReferenceUnit::Newton),
-            Some("V") => Ok(ReferenceUnit::Volt),
+            None => Ok(None),
+            Some("N") => Ok(Some(ReferenceUnit::Newton)),
+            Some("V") => Ok(Some(ReferenceUnit::Volt)),
             Some(other) => Err(Error::bad_data("unknown unit")
                 .field("reference_unit of /")
                 .found(other)
@@ -214,6 +223,7 @@ impl Own<'_> {
             let Values::Nodes(nodes) = values else {
                 return Err(wrong_type(entry, "records {label u64, x y z f64}"));
             };
+            refuse_nodes_without_place(&nodes)?;
             geometry.nodes = nodes;
         }
         geometry.lines = self.label_lists("/geometry/lines")?;
@@ -247,6 +257,23 @@ impl Own<'_> {
     }
 }
 
+/// Refuses a node with a coordinate that is no finite number.
+fn refuse_nodes_without_place(nodes: &[Node]) -> Result<()> {
+    let bad = nodes.iter().find_map(|node| {
+        let axes = "xyz".chars().zip(node.xyz_m);
+        let (axis, value) = axes.into_iter().find(|(_, value)| !value.is_finite())?;
+        Some((node.label, axis, value))
+    });
+    let Some((label, axis, value)) = bad else {
+        return Ok(());
+    };
+    Err(Error::bad_data("a coordinate is not a finite number")
+        .field(format!("{axis} of node {label} in /geometry/nodes"))
+        .found(value)
+        .expected("a coordinate in metres")
+        .help("correct the coordinate, or leave the node out of /geometry/nodes"))
+}
+
 fn missing(path: &str) -> Error {
     Error::bad_data("a dataset is missing")
         .field(path)
@@ -254,17 +281,21 @@ fn missing(path: &str) -> Error {
         .expected("a dataset of this layout")
 }
 
-/// An array of three axes as FRF values, without copying.
+/// An array of three axes as FRF values in SI, without copying. `entry` states its unit.
 pub(super) fn own_array(array: ComplexArray, entry: &Entry) -> Result<FrfValues> {
     let wrong = || wrong_type(entry, "three axes: response, reference, line");
-    Ok(match array {
+    let mut values = match array {
         ComplexArray::Double(array) => {
             FrfValues::F64(array.into_dimensionality().map_err(|_| wrong())?)
         }
         ComplexArray::Single(array) => {
             FrfValues::F32(array.into_dimensionality().map_err(|_| wrong())?)
         }
-    })
+    };
+    if let Some((_, unit)) = units::of_frf(entry)? {
+        scale(&mut values, unit.to_si);
+    }
+    Ok(values)
 }
 
 /// The root group of a new file, without content.

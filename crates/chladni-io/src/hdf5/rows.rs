@@ -2,12 +2,14 @@
 
 use super::backend::File;
 use super::own::{own_array, Own, FORMAT};
+use super::units;
 use crate::arrays::tree::{Element, Entry, Values};
-use crate::arrays::values::{checked, ComplexArray};
+use crate::arrays::values::{checked, real_array, wrong_type, ComplexArray};
 use crate::time_sign::to_plus;
 use crate::{Document, FileFormat, ReadOptions, Turn};
-use chladni_frf::{Error, FrfSet, FrfValues, Geometry, Result, TimeSign};
-use ndarray::Array3;
+use chladni_frf::{Dof, Error, FrfSet, FrfValues, Geometry, Result, TimeSign};
+use ndarray::{Array3, Ix3};
+use num_complex::{Complex32, Complex64};
 use std::collections::HashSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -17,6 +19,9 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Rows {
     path: PathBuf,
     entry: Entry,
+    /// The arrays of the shape of the FRFs, where there are any.
+    coherence: Option<Entry>,
+    variance: Option<Entry>,
     /// All DOFs, no values.
     head: FrfSet,
     time_sign: Option<TimeSign>,
@@ -47,15 +52,21 @@ impl Rows {
                     entry.shape()[0]
                 )));
             }
-            Ok((entry.clone(), head, own.time_sign()?))
+            Ok(Self {
+                path: path.to_path_buf(),
+                coherence: beside(&own, "/coherence", entry)?,
+                variance: beside(&own, "/variance", entry)?,
+                entry: entry.clone(),
+                head,
+                time_sign: own.time_sign()?,
+            })
         });
-        let (entry, head, time_sign) = read.map_err(|error| error.file(path))?;
-        Ok(Some(Self {
-            path: path.to_path_buf(),
-            entry,
-            head,
-            time_sign,
-        }))
+        read.map(Some).map_err(|error| error.file(path))
+    }
+
+    /// All responses, and all references.
+    pub fn dofs(&self) -> [&[Dof]; 2] {
+        [&self.head.responses, &self.head.references]
     }
 
     /// True where the values lie in the file as they do in memory, one after the other.
@@ -68,23 +79,22 @@ impl Rows {
         self.entry.shape()[0]
     }
 
-    /// Bytes of all FRFs in memory.
+    /// Bytes of all FRFs in memory, with coherence and variance.
     pub fn bytes(&self) -> u64 {
-        let value = if self.entry.element() == Some(&Element::Complex { single: true }) {
-            8
-        } else {
-            16
+        let value = match self.entry.element() {
+            Some(&Element::Complex { single: true }) => size_of::<Complex32>(),
+            _ => size_of::<Complex64>(),
         };
-        self.entry
-            .shape()
-            .iter()
-            .fold(value, |bytes: u64, &extent| {
-                bytes.saturating_mul(extent as u64)
-            })
+        let coherence = self.coherence.as_ref().map_or(0, |_| size_of::<f32>());
+        let variance = self.variance.as_ref().map_or(0, |_| size_of::<f64>());
+        let shape = self.entry.shape().iter();
+        shape.fold((value + coherence + variance) as u64, |bytes, &extent| {
+            bytes.saturating_mul(extent as u64)
+        })
     }
 
-    /// The FRFs of some responses, without coherence, variance and checksum. The memory of
-    /// `spare` is used again if possible.
+    /// The FRFs of some responses with their coherence and variance, without checksum. The
+    /// memory of `spare` is used again if possible.
     pub fn read(
         &self,
         options: &ReadOptions,
@@ -116,11 +126,12 @@ impl Rows {
             FrfValues::F64(spare) => Values::Complex64(spare.into_raw_vec_and_offset().0.into()),
             FrfValues::F32(spare) => Values::Complex32(spare.into_raw_vec_and_offset().0.into()),
         });
-        let values = File::open(&self.path)?.read_rows(&self.entry, rows.clone(), turn, spare)?;
-        let mut entry = self.entry.clone();
-        if let Some((shape, _)) = &mut entry.dataset {
-            shape[0] = rows.len();
-        }
+        let file = File::open(&self.path)?;
+        let values = file.read_rows(&self.entry, rows.clone(), turn, spare)?;
+        let coherence = real_rows(&file, self.coherence.as_ref(), &rows)?;
+        let variance = real_rows(&file, self.variance.as_ref(), &rows)?;
+        let to_si = units::of_frf(&self.entry)?.map_or(1.0, |(_, unit)| unit.to_si);
+        let entry = with_rows(&self.entry, rows.len());
         let responses = self.head.responses[rows].to_vec();
         let labels: HashSet<u64> = responses
             .iter()
@@ -142,8 +153,8 @@ impl Rows {
             references: self.head.references.clone(),
             kind: self.head.kind,
             reference_unit: self.head.reference_unit,
-            coherence: None,
-            variance: None,
+            coherence: coherence.map(|values| values.mapv(|value| value as f32)),
+            variance: variance.map(|values| values * (to_si * to_si)),
             estimation: self.head.estimation,
             geometry: Geometry {
                 nodes,
@@ -152,4 +163,46 @@ impl Rows {
         };
         checked(set, &self.entry.path)
     }
+}
+
+/// The entry of an array beside that of the FRFs, which must have its shape.
+fn beside(own: &Own<'_>, path: &str, frf: &Entry) -> Result<Option<Entry>> {
+    let extents = |entry: &Entry| {
+        let words: Vec<String> = entry.shape().iter().map(usize::to_string).collect();
+        words.join(" x ")
+    };
+    match own.find(path) {
+        Some(entry) if entry.dataset.is_some() && entry.shape() != frf.shape() => {
+            Err(Error::bad_data("sizes disagree")
+                .field(path)
+                .found(extents(entry))
+                .expected(format!("{}, as the FRF array has", extents(frf))))
+        }
+        found => Ok(found.cloned()),
+    }
+}
+
+/// Some rows of an array of real numbers.
+fn real_rows(
+    file: &File,
+    entry: Option<&Entry>,
+    rows: &Range<usize>,
+) -> Result<Option<Array3<f64>>> {
+    let Some(entry) = entry else {
+        return Ok(None);
+    };
+    let values = file.read_rows(entry, rows.clone(), None, None)?;
+    let array = real_array(&with_rows(entry, rows.len()), values)?;
+    let array = array.into_dimensionality::<Ix3>();
+    let wrong = |_| wrong_type(entry, "three axes: response, reference, line");
+    array.map(Some).map_err(wrong)
+}
+
+/// An entry of the same array with `count` rows.
+fn with_rows(entry: &Entry, count: usize) -> Entry {
+    let mut entry = entry.clone();
+    if let Some((shape, _)) = &mut entry.dataset {
+        shape[0] = count;
+    }
+    entry
 }

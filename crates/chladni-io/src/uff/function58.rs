@@ -4,14 +4,17 @@ use super::container::Block;
 use super::header::Units;
 use super::header58::{entity_dof, Header};
 use super::layout::Record7;
-use super::scaling::scaling;
+use super::places::PlacedFunction;
+use super::scaling::{refuse_orders, scaling};
 use super::step::{self, Printed};
 use super::values::{read_binary, read_text, Values};
 use crate::{Abscissa, Function, Ordinate, ReadOptions};
 use chladni_frf::{Error, Finding, Result};
 
 /// Takes DOFs from entity names where the node number is 0, and reports it.
-fn dofs_from_entities(header: &mut Header, warnings: &mut Vec<Finding>) {
+///
+/// * `stated`: true where the user states the response, and the reference
+fn dofs_from_entities(header: &mut Header, stated: [bool; 2], warnings: &mut Vec<Finding>) {
     let one_sided = !matches!(header.function_type, 3..=6);
     for (k, what) in ["response", "reference"].into_iter().enumerate() {
         let dof = if k == 0 {
@@ -34,6 +37,7 @@ fn dofs_from_entities(header: &mut Header, warnings: &mut Vec<Finding>) {
                 ));
                 *dof = found;
             }
+            None if stated[k] => {}
             None if k == 0 => warnings.push(Finding::caution(
                 "dofs-assumed",
                 format!(
@@ -59,6 +63,17 @@ pub(super) struct ReadFunction {
     pub warnings: Vec<Finding>,
 }
 
+/// Type and DOFs of a function, from its header alone; `None` where that cannot be read.
+pub(super) fn placed(block: &Block<'_>) -> Option<PlacedFunction> {
+    let (mut header, _) = Header::read(block.records, &mut Vec::new()).ok()?;
+    dofs_from_entities(&mut header, [false; 2], &mut Vec::new());
+    Some(PlacedFunction {
+        function_type: header.function_type,
+        response: header.response,
+        reference: header.reference,
+    })
+}
+
 /// Reads a text or binary dataset 58.
 pub(super) fn read(block: &Block<'_>, units: Option<Units>, options: &ReadOptions) -> ReadFunction {
     let mut warnings = block.warnings.clone();
@@ -72,7 +87,9 @@ pub(super) fn read(block: &Block<'_>, units: Option<Units>, options: &ReadOption
             };
         }
     };
-    dofs_from_entities(&mut header, &mut warnings);
+    let of_all = !options.dofs.rows.is_empty();
+    let stated = [&options.responses, &options.references].map(|nodes| of_all || !nodes.is_empty());
+    dofs_from_entities(&mut header, stated, &mut warnings);
     let values = match (&block.fault, &block.payload) {
         (Some(fault), _) => Err(fault.clone()),
         _ if block.passed_over.is_some() => closed(
@@ -87,8 +104,10 @@ pub(super) fn read(block: &Block<'_>, units: Option<Units>, options: &ReadOption
         (None, None) => read_text(data, header.record7.layout, options.lenient, &mut warnings)
             .and_then(|values| closed(block, options, values)),
     };
-    let function =
-        values.map(|values| assemble(&header, values, block, units, options, &mut warnings));
+    let is_read = refuse_orders(header.function_type, &header.axes[0], block.line);
+    let function = values
+        .and_then(|values| is_read.map(|()| values))
+        .map(|values| assemble(&header, values, block, units, options, &mut warnings));
     ReadFunction {
         header: Some(header),
         function,

@@ -33,6 +33,7 @@ mod mesh;
 mod nodes;
 mod number;
 mod passed;
+mod places;
 mod scaling;
 mod scan;
 mod shape_head;
@@ -47,8 +48,8 @@ mod write_mesh;
 mod write_options;
 mod write_shape;
 
+pub(crate) use places::{places, DatasetPlace, PlacedFunction};
 pub use scan::scan;
-pub(crate) use scan::{places, DatasetPlace};
 pub use write::{write, Plan};
 pub use write_options::WriteOptions;
 

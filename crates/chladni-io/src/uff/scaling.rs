@@ -8,7 +8,7 @@
 use super::header::Units;
 use crate::unit_label::{self, Unit, STANDARD_GRAVITY};
 use crate::Axis;
-use chladni_frf::{Direction, Finding, FrfKind, ReferenceUnit};
+use chladni_frf::{Direction, Error, Finding, FrfKind, ReferenceUnit, Result};
 
 pub(super) const DISPLACEMENT: i32 = 8;
 pub(super) const VELOCITY: i32 = 11;
@@ -16,6 +16,8 @@ pub(super) const ACCELERATION: i32 = 12;
 pub(super) const EXCITATION_FORCE: i32 = 13;
 pub(super) const TIME: i32 = 17;
 pub(super) const FREQUENCY: i32 = 18;
+const RPM: i32 = 19;
+const ORDER: i32 = 20;
 
 /// Function type code of FRFs.
 pub(super) const FRF: i32 = 4;
@@ -327,6 +329,39 @@ fn swapped([above, below]: [i32; 2], is_unknown: bool) -> Option<Finding> {
     Some(Finding::caution("swapped-codes", words))
 }
 
+/// Refuses a function of frequency over orders: without the speed they are no frequencies.
+pub(super) fn refuse_orders(function_type: i32, axis: &Axis, line: u64) -> Result<()> {
+    if axis.quantity != ORDER || ![FRF, COHERENCE].contains(&function_type) {
+        return Ok(());
+    }
+    Err(Error::bad_data("an FRF or coherence over orders")
+        .at_line(line)
+        .field("quantity code of the abscissa (record 8)")
+        .found(format!("{ORDER}, an order"))
+        .expected(format!("{FREQUENCY} (frequency) or {RPM} (rpm)"))
+        .help("export the function over frequency; orders are none without the speed"))
+}
+
+/// Factor to Hz of a speed of rotation: that of its unit, else that of rpm.
+fn rotation(axis: &Axis, label: Option<Unit>, warnings: &mut Vec<Finding>) -> f64 {
+    let rpm = 1.0 / 60.0;
+    let by_label = label.and_then(Unit::to_hertz);
+    let words = match by_label {
+        Some(factor) if differ(factor, rpm) => format!(
+            "quantity code {RPM} of the abscissa says rpm, its unit says `{}`; the unit is used",
+            axis.unit
+        ),
+        None if !axis.unit.is_empty() => format!(
+            "abscissa unit `{}` is not understood: rpm is assumed (quantity code {RPM})",
+            axis.unit
+        ),
+        _ => return rpm,
+    };
+    let code = by_label.map_or("unit-assumed", |_| "unit-contradicted");
+    warnings.push(Finding::caution(code, words));
+    by_label.unwrap_or(rpm)
+}
+
 fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<Finding>) -> f64 {
     let label = unit_label::parse(&axis.unit);
     let over_frequency = function_type == FRF || function_type == COHERENCE;
@@ -338,6 +373,9 @@ fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<Finding>) -> f64
                  abscissa is taken as Hz"
             ),
         ));
+    }
+    if axis.quantity == RPM && over_frequency {
+        return rotation(axis, label, warnings);
     }
     let (factor, assumed) = match axis.quantity {
         TIME if !over_frequency => (label.and_then(Unit::to_seconds), "s"),

@@ -16,9 +16,8 @@ use super::values::counts_disagree;
 use super::{part, Collector, UnitsInForce};
 use crate::{Document, ReadOptions};
 use chladni_frf::{Error, Finding, Result};
-use chladni_text::door::{place_of, size_of};
+use chladni_text::door::place_of;
 use std::io;
-use std::ops::Range;
 use std::path::Path;
 
 /// Largest dataset other than 58 that is read, bytes; a longer one is listed by its name.
@@ -78,42 +77,8 @@ fn listed(
     ))
 }
 
-/// The place of a dataset in its file.
-pub(crate) struct DatasetPlace {
-    /// `None` where the number line holds no number.
-    pub(crate) number: Option<u32>,
-    /// Its bytes, both markers included.
-    pub(crate) bytes: Range<u64>,
-}
-
-/// The place of each dataset of a file.
-///
-/// # Errors
-/// Those of reading.
-pub(crate) fn places(path: &Path, lenient: bool) -> Result<Vec<DatasetPlace>> {
-    let on_read = |error: io::Error| Error::from_read(&error, path);
-    let place = place_of(path)?;
-    let mut datasets = Datasets::open(&place).map_err(on_read)?;
-    let mut starts = Vec::new();
-    while let Some(passed) = datasets.next_dataset(lenient).map_err(on_read)? {
-        starts.push((passed.number, passed.byte));
-    }
-    let end = size_of(path)?;
-    let ends: Vec<u64> = (starts.iter().skip(1))
-        .map(|&(_, byte)| byte)
-        .chain([end])
-        .collect();
-    let places = starts.into_iter().zip(ends);
-    Ok(places
-        .map(|((number, start), end)| DatasetPlace {
-            number,
-            bytes: start..end,
-        })
-        .collect())
-}
-
 /// The datasets of a file, one after the other.
-struct Datasets {
+pub(super) struct Datasets {
     lines: FileLines,
     /// True where the last line is a closing marker.
     after_closing: bool,
@@ -123,7 +88,8 @@ struct Datasets {
 }
 
 impl Datasets {
-    fn open(path: &Path) -> io::Result<Self> {
+    /// The datasets of the file at `path`.
+    pub(super) fn open(path: &Path) -> io::Result<Self> {
         Ok(Self {
             lines: FileLines::open(path)?,
             after_closing: false,
@@ -138,7 +104,7 @@ impl Datasets {
     }
 
     /// The next dataset, its data passed over; `None` at the end of the file.
-    fn next_dataset(&mut self, lenient: bool) -> io::Result<Option<Passed>> {
+    pub(super) fn next_dataset(&mut self, lenient: bool) -> io::Result<Option<Passed>> {
         let Some((line, byte)) = self.opening()? else {
             return Ok(None);
         };

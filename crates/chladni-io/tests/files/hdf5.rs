@@ -209,7 +209,7 @@ fn parts_hold_the_values_of_their_rows_whatever_memory_they_are_read_into() {
                 let turn = checksums
                     .as_ref()
                     .map(|checksums| data.turn(checksums, number, part));
-                let (frf, _) = data.read(part, turn, spare.take()).unwrap();
+                let frf = data.read(part, turn, spare.take()).unwrap().0.unwrap();
                 assert_eq!(
                     frf.responses,
                     set.responses[first..first + frf.responses.len()]

@@ -6,8 +6,11 @@ mod csv;
 mod documentation;
 mod hdf5;
 mod hdf5_foreign;
+#[cfg(not(feature = "system"))]
+mod hdf5_own;
 mod layouts;
 mod model_file;
+mod parts;
 mod selection;
 mod uff;
 

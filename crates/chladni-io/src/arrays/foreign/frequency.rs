@@ -41,7 +41,7 @@ fn is_angular(name: &str) -> bool {
 }
 
 /// Factor to Hz of a label in any case. `MHZ` is not understood: it may be milli or mega.
-pub(super) fn factor_of(label: &str) -> Option<f64> {
+pub(crate) fn factor_of(label: &str) -> Option<f64> {
     frequency_unit(label).or_else(|| frequency_unit(&label.to_lowercase()))
 }
 

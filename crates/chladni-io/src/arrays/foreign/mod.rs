@@ -27,6 +27,7 @@ use chladni_frf::{
 use choose::Source;
 use dofs::{REFERENCE, RESPONSE};
 use facts::FrfFacts;
+pub(crate) use frequency::factor_of as factor_to_hz;
 use ndarray::Array3;
 use num_complex::{Complex64, ComplexFloat};
 use std::fmt::Display;
@@ -368,7 +369,8 @@ fn length(entry: &Entry) -> usize {
     shape.iter().product()
 }
 
-fn scale(values: &mut FrfValues, factor: f64) {
+/// Multiplies all values by a factor to SI.
+pub(crate) fn scale(values: &mut FrfValues, factor: f64) {
     if factor != 1.0 {
         match values {
             FrfValues::F64(values) => values.mapv_inplace(|value| value * factor),

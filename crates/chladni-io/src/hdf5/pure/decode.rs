@@ -58,7 +58,24 @@ pub(super) fn element_of(datatype: &Datatype) -> Element {
         Datatype::Reference { .. } => {
             Element::Other("object references (a MATLAB cell array?)".into())
         }
+        Datatype::FloatingPoint { size: 2, .. } => Element::Other("real, half precision".into()),
         _ => Element::Other("a type of its own".into()),
+    }
+}
+
+/// Words for a type whose values are not read.
+pub(super) fn describe_unread(datatype: &Datatype) -> String {
+    let element = element_of(datatype);
+    let Datatype::Compound { members, .. } = datatype else {
+        return element.describe();
+    };
+    let is_half = |part: &Datatype| matches!(part, Datatype::FloatingPoint { size: 2, .. });
+    match element {
+        Element::Complex { .. } if members.iter().all(|part| is_half(&part.datatype)) => {
+            "complex, half precision".into()
+        }
+        Element::Complex { .. } => "complex numbers with parts of a type of their own".into(),
+        other => other.describe(),
     }
 }
 
@@ -126,6 +143,18 @@ pub(super) fn values_of(
         }
         _ => None,
     })
+}
+
+/// Node and direction code of the first DOF record whose code is none of a direction.
+pub(super) fn unknown_direction(dataset: &Dataset, datatype: &Datatype) -> Option<[i128; 2]> {
+    let windows = Windows::new(dataset, datatype, 0..usize::MAX).ok()??;
+    let (node, direction) = (Member::of(datatype, 0)?, Member::of(datatype, 1)?);
+    let codes = windows.collect(|record| Some([node.integer(record)?, direction.integer(record)?]));
+    let is_unknown = |code: i128| {
+        let code = i64::try_from(code).ok();
+        code.and_then(Direction::from_code).is_none()
+    };
+    codes.ok()??.into_iter().find(|[_, code]| is_unknown(*code))
 }
 
 fn complex(

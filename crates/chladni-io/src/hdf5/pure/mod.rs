@@ -12,7 +12,7 @@ use crate::arrays::tree::{
 use crate::Turn;
 use chladni_frf::{Error, Result};
 use chladni_text::door::{place_of, Place};
-use decode::{element_of, lies_in_one_stretch, values_of};
+use decode::{describe_unread, element_of, lies_in_one_stretch, unknown_direction, values_of};
 use hdf5_pure::{AttrValue, Dataset, Datatype};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -141,7 +141,7 @@ impl File {
         values_of(self, &dataset, &datatype, rows, turn, spare)
             .map_err(fail)?
             .ok_or_else(|| {
-                not_understood(&datatype)
+                not_understood(&dataset, &datatype)
                     .file(&self.path)
                     .field(&entry.path)
             })
@@ -188,11 +188,28 @@ impl File {
     }
 }
 
-/// The error for values of such a type.
-fn not_understood(datatype: &Datatype) -> Error {
-    let error = Error::bad_data("values of a type that cannot be read")
-        .found(element_of(datatype).describe());
-    error.expected("numbers, text, or records of this program")
+/// The error for values of such a type, or with such a direction.
+fn not_understood(dataset: &Dataset, datatype: &Datatype) -> Error {
+    let is_dof = element_of(datatype) == Element::Dof;
+    let unknown = is_dof
+        .then(|| unknown_direction(dataset, datatype))
+        .flatten();
+    if let Some([node, code]) = unknown {
+        return unknown_direction_code(node, code);
+    }
+    let error =
+        Error::bad_data("values of a type that cannot be read").found(describe_unread(datatype));
+    error
+        .expected("numbers of single or double precision, text, or records of this program")
+        .help("save the array again as float32, float64, complex64 or complex128")
+}
+
+/// The error of a DOF record whose direction code is none.
+fn unknown_direction_code(node: i128, code: i128) -> Error {
+    Error::bad_data("an unknown direction code")
+        .found(format!("direction code {code} of node {node}"))
+        .expected("0 for a scalar, ±1 X, ±2 Y, ±3 Z, or ±4 to ±6 for rotations")
+        .help("correct it in the program that wrote the file")
 }
 
 fn known_attributes(

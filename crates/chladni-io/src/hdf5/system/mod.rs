@@ -21,6 +21,7 @@ use chladni_frf::{Error, Result};
 use chladni_text::door::{place_of, Place};
 use hdf5::types::{FloatSize, TypeDescriptor};
 use hdf5::{Location, LocationType};
+use ndarray::{Ix3, SliceInfo, SliceInfoElem};
 use num_complex::{Complex32, Complex64};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -126,8 +127,8 @@ impl File {
         false
     }
 
-    /// The values of some rows (along the first axis) of a dataset {r, i} with three
-    /// axes. The library takes its own memory.
+    /// The values of some rows (along the first axis) of a dataset {r, i} or of real numbers
+    /// with three axes. The library takes its own memory.
     pub(super) fn read_rows(
         &self,
         entry: &Entry,
@@ -148,36 +149,38 @@ impl File {
         )
         .map_err(|error| error.file(&self.path))?;
         let is_own = matches!(&descriptor, TypeDescriptor::Compound(compound) if compound.fields.iter().map(|field| field.name.as_str()).eq(["r", "i"]));
-        match element_of(&descriptor) {
-            Element::Complex { single } if is_own => {
-                let window = ndarray::s![rows, .., ..];
-                Ok(if single {
-                    Values::Complex32(
-                        dataset
-                            .read_slice::<Complex32, _, ndarray::Ix3>(window)
-                            .map_err(fail)?
-                            .into_raw_vec_and_offset()
-                            .0
-                            .into(),
-                    )
-                } else {
-                    Values::Complex64(
-                        dataset
-                            .read_slice::<Complex64, _, ndarray::Ix3>(window)
-                            .map_err(fail)?
-                            .into_raw_vec_and_offset()
-                            .0
-                            .into(),
-                    )
-                })
+        let window = ndarray::s![rows, .., ..];
+        Ok(match element_of(&descriptor) {
+            Element::Complex { single: true } if is_own => {
+                Values::Complex32(slice_of(&dataset, window).map_err(fail)?.into())
             }
-            other => Err(Error::bad_data("values of a type that cannot be read")
-                .file(&self.path)
-                .field(&entry.path)
-                .found(other.describe())
-                .expected("complex numbers, a compound {r, i}")),
-        }
+            Element::Complex { single: false } if is_own => {
+                Values::Complex64(slice_of(&dataset, window).map_err(fail)?.into())
+            }
+            Element::Real { single: true } => {
+                Values::Real32(slice_of(&dataset, window).map_err(fail)?.into())
+            }
+            Element::Real { single: false } => {
+                Values::Real64(slice_of(&dataset, window).map_err(fail)?.into())
+            }
+            other => {
+                return Err(Error::bad_data("values of a type that cannot be read")
+                    .file(&self.path)
+                    .field(&entry.path)
+                    .found(other.describe())
+                    .expected("complex numbers, a compound {r, i}, or real numbers"))
+            }
+        })
     }
+}
+
+/// The values in a window of a dataset.
+fn slice_of<T: hdf5::H5Type>(
+    dataset: &hdf5::Dataset,
+    window: SliceInfo<[SliceInfoElem; 3], Ix3, Ix3>,
+) -> hdf5::Result<Vec<T>> {
+    let values = dataset.read_slice::<T, _, Ix3>(window)?;
+    Ok(values.into_raw_vec_and_offset().0)
 }
 
 fn attributes_of(location: &Location) -> hdf5::Result<(Attributes, Unread)> {

@@ -44,6 +44,26 @@ fn an_frf_over_time_is_said() {
 }
 
 #[test]
+fn revolutions_are_divided_by_60_and_orders_are_refused() {
+    for (unit, factor, code) in [
+        ("", 1.0 / 60.0, None),
+        ("rpm", 1.0 / 60.0, None),
+        ("Hz", 1.0, Some("unit-contradicted")),
+        ("furlong", 1.0 / 60.0, Some("unit-assumed")),
+    ] {
+        let mut warnings = Vec::new();
+        assert_eq!(abscissa(&axis(RPM, unit), FRF, &mut warnings), factor);
+        let codes: Vec<&str> = warnings.iter().map(|found| &*found.code).collect();
+        assert_eq!(codes, Vec::from_iter(code), "{unit}");
+    }
+    let told = refuse_orders(FRF, &axis(ORDER, ""), 3).unwrap_err();
+    assert!(told.to_string().contains("found 20, an order"), "{told}");
+    // an order spectrum is kept as it is
+    assert!(refuse_orders(27, &axis(ORDER, ""), 3).is_ok());
+    assert!(refuse_orders(FRF, &axis(RPM, ""), 3).is_ok());
+}
+
+#[test]
 fn codes_give_the_kind() {
     for (quantity, kind) in [
         (8, FrfKind::Receptance),

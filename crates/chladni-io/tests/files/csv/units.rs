@@ -242,7 +242,7 @@ fn radians_are_recognised_or_asked_for() {
             "{header}: {values:?}"
         );
     }
-    for header in ["f,mag,phase", "f,mag,phase [mrad]"] {
+    for header in ["f,mag,phase", "f,mag,phase [angle]"] {
         let text = refusal(format!("{header}\n{rows}"));
         assert!(
             text.contains("column 3") && text.contains("`phase_unit rad`"),
@@ -424,4 +424,36 @@ fn a_minus_in_a_name_turns_the_numbers() {
         text.contains("column 2") && text.contains("logarithm"),
         "{text}"
     );
+}
+
+#[test]
+fn columns_with_a_factor_or_a_foreign_unit_are_refused_whatever_the_brackets() {
+    let told = ReadOptions {
+        phase_unit: Some(PhaseUnit::Radian),
+        ..ReadOptions::default()
+    };
+    for phase in ["(pi rad)", "[pi rad]", "(mrad)", "(deg x10)", "(gon)"] {
+        for text in [
+            format!("f,mag,phase {phase}\n1,10,100\n2,1,200\n"),
+            format!("f,1Z mag,2Z mag,1Z phase {phase},2Z phase {phase}\n1,1,1,9,9\n2,1,2,9,9\n"),
+            format!("response,reference,f,mag,phase {phase}\n1Z,9Z,1,2,3\n1Z,9Z,2,4,5\n"),
+        ] {
+            for options in [&ReadOptions::default(), &told] {
+                let said = read_with(&text, options).unwrap_err().to_string();
+                assert!(said.contains("than degrees or radians"), "{text}: {said}");
+                assert!(said.contains(phase) && said.contains("column"), "{said}");
+            }
+        }
+    }
+    for part in ["re x1e3 [m/s/N]", "re *1000 (m/s/N)", "re (x1000) [m/s/N]"] {
+        for text in [
+            format!("f,{part},im [m/s/N]\n1,2,3\n2,1,1\n"),
+            format!("response,reference,f,im,{part}\n1Z,9Z,1,2,3\n1Z,9Z,2,4,5\n"),
+        ] {
+            let said = refusal(&text);
+            assert!(said.contains("holds a factor"), "{text}: {said}");
+        }
+    }
+    let counted = "f,re x9,im x9,re x10,im x10\n1,1,2,3,4\n2,1,2,3,5\n";
+    assert_eq!(read(counted).unwrap().0.responses.len(), 2);
 }

@@ -6,8 +6,7 @@ use super::{
     ONES, SI_164, TWO_COMPLEX,
 };
 use chladni_frf::{FrfKind, ReferenceUnit};
-use chladni_io::Ordinate;
-use chladni_io::{read_frf, write_frf};
+use chladni_io::{read_frf, write_frf, Ordinate, ReadOptions};
 use num_complex::Complex64;
 
 #[test]
@@ -288,6 +287,16 @@ fn a_dof_is_taken_from_the_entity_name_when_the_node_is_0() {
         "the reference is asked for: {:?}",
         function.warnings
     );
+    let stated = ReadOptions {
+        references: vec![101],
+        ..options()
+    };
+    let document = read_with([SI_164, &text].concat(), &stated);
+    let warnings = &only_function(&document).warnings;
+    let asks = warnings
+        .iter()
+        .any(|w| w.contains("the reference node is 0"));
+    assert!(!asks, "{warnings:?}");
 }
 
 #[test]

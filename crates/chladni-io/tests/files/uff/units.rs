@@ -1,6 +1,6 @@
 //! The meaning of codes and labels: kinds, units, exact steps.
 
-use super::{only_function, options, read_with, text_58, ONES, SI_164, TWO_COMPLEX};
+use super::{only_error, only_function, options, read_with, text_58, ONES, SI_164, TWO_COMPLEX};
 use chladni_frf::{FrfKind, Node, ReferenceUnit};
 use chladni_io::{uff, Abscissa, Function, ReadOptions};
 
@@ -229,4 +229,25 @@ fn the_exact_step_in_id_line_4_is_taken_where_it_agrees() {
         }
     );
     assert!(only_function(&document).warnings[0].contains("contradicts"));
+}
+
+#[test]
+fn frfs_over_orders_are_refused_and_those_over_rpm_are_read() {
+    let over = |code: &str, unit: &str| {
+        let axis = format!("        {code}    0    0    0 Speed                {unit:<20}");
+        let text = text_58(TWO_COMPLEX, ONES);
+        let frequency = "        18    0    0    0 Frequency            Hz                  ";
+        assert!(text.contains(frequency));
+        read_with(
+            [SI_164, &text.replace(frequency, &axis)].concat(),
+            &options(),
+        )
+    };
+    let orders = over("20", "");
+    let told = only_error(&orders).to_string();
+    for words in ["orders", "record 8", "18 (frequency)"] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+    let turns = over("19", "");
+    assert_eq!(only_function(&turns).abscissa_to_si, 1.0 / 60.0);
 }
