@@ -46,11 +46,11 @@ pub(super) const PROMISED: f64 = 1e-2;
 pub(super) const STEPS_TOGETHER: usize = 10;
 /// Largest step of an angle, rad.
 pub(super) const TURN: f64 = 0.3;
-/// Largest step of a pole, half-bandwidths, and the part of its loss that a pole keeps at
-/// least.
+/// Largest step of a pole, half-bandwidths, and the part of its loss and of its square of
+/// frequency that a pole keeps at least.
 pub(super) const PHASED_STEP: f64 = 0.5;
 /// See [`PHASED_STEP`].
-pub(super) const PHASED_LOSS_KEPT: f64 = 0.2;
+pub(super) const PHASED_KEPT: f64 = 0.2;
 
 // places.rs
 

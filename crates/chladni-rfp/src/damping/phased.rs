@@ -179,17 +179,16 @@ fn unknowns(lambda: &[Complex64], turn: &[f64]) -> Array2<f64> {
     })
 }
 
-/// Poles and angles after a step of (Re λ, Im λ, θ), at most half a half-bandwidth.
+/// Poles and angles after a step of (Re λ, Im λ, θ), at most half a half-bandwidth. A pole at or
+/// below 0 Hz is no resonance, and has no column in the viscous law: none gets there.
 fn moved(lambda: &[Complex64], turn: &[f64], step: &Array2<f64>) -> (Vec<Complex64>, Vec<f64>) {
     let n = lambda.len();
     let pole = |m: usize| {
         let delta = Complex64::new(step[[m, 0]], step[[n + m, 0]]);
         let cap = limits::PHASED_STEP * lambda[m].im;
         let next = lambda[m] + delta * (cap / delta.norm().max(cap));
-        Complex64::new(
-            next.re,
-            next.im.max(limits::PHASED_LOSS_KEPT * lambda[m].im),
-        )
+        let least = lambda[m] * limits::PHASED_KEPT;
+        Complex64::new(next.re.max(least.re), next.im.max(least.im))
     };
     let angle = |m: usize| turn[m] + step[[2 * n + m, 0]].clamp(-limits::TURN, limits::TURN);
     ((0..n).map(pole).collect(), (0..n).map(angle).collect())
@@ -355,6 +354,7 @@ fn along_frequency(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ndarray::array;
 
     /// Lines of FRFs whose kind is the receptance times so many powers of jω.
     fn lines(law: Damping, kind: i32) -> Columns {
@@ -394,6 +394,15 @@ mod tests {
                 assert!(error < 1e-5 * size, "{law:?} {unit}: {error} of {size}");
             }
         }
+    }
+
+    /// A broad pole at 0 Hz: the step would carry it below.
+    #[test]
+    fn a_pole_stays_a_resonance() {
+        let pole = Complex64::new(0.01, 0.1);
+        let step = array![[-1.0], [0.0], [0.0]];
+        let (lambda, _) = moved(&[pole], &[0.0], &step);
+        assert!(lambda[0].re > 0.0, "{lambda:?}");
     }
 
     /// The other law turns residues by half a loss factor, whatever the kind of the FRFs.

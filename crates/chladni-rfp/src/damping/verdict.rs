@@ -6,12 +6,13 @@
 //! residues by η/2. The turn decides, unless a phase or a delay of all FRFs explains it.
 
 use crate::damping::basis::basis;
+use crate::damping::law::constant_power;
 use crate::damping::limits;
 use crate::damping::phased::{Common, LawFit};
 use crate::damping::places::in_plane_of;
 use crate::data::columns::Columns;
 use crate::data::information::answer;
-use chladni_frf::Damping;
+use chladni_frf::{Damping, FrfKind};
 use chladni_linalg::{matmul, LinalgError};
 use ndarray::{Array1, Array2, ArrayView1};
 use num_complex::Complex64;
@@ -55,6 +56,26 @@ pub(crate) struct Fitted<'a> {
     pub variance: f64,
     /// Number of FRFs.
     pub frfs: usize,
+    /// Exponential window of the records.
+    pub window: Window,
+}
+
+/// An exponential window of records, as it acts on FRFs of a kind. It turns residues (theory.md,
+/// eq. F5) by about as much as the wrong law does.
+#[derive(Clone, Copy)]
+pub(crate) struct Window {
+    pub kind: FrfKind,
+    /// Decay, in units of ω_max; 0 without a window.
+    pub decay: f64,
+}
+
+impl Window {
+    /// Angle of the residues of a real shape, rad, where `pole` was fitted in this law.
+    fn turn(self, law: Damping, pole: Complex64) -> f64 {
+        let fitted = Complex64::I * pole.sqrt();
+        let turn = fitted.arg() - (fitted + self.decay).arg();
+        f64::from(constant_power(law, self.kind)) * turn
+    }
 }
 
 /// The verdict on poles found in the law of `work`.
@@ -96,6 +117,11 @@ pub(crate) fn verdict(work: &Columns, fitted: &Fitted) -> Result<Verdict, Linalg
     for _ in 0..limits::RESTARTS {
         if !overtaken(&mut laws, fitted.variance, fit) {
             break;
+        }
+    }
+    for (law, fit) in LAWS.into_iter().zip(&mut laws) {
+        for (turn, pole) in fit.turn.iter_mut().zip(&fit.lambda) {
+            *turn -= fitted.window.turn(law, *pole);
         }
     }
     Ok(weighed(&laws, fitted.variance, fitted.frfs))
@@ -377,6 +403,10 @@ mod tests {
                 coefficients: &residues,
                 variance,
                 frfs: 4,
+                window: Window {
+                    kind: FrfKind::Mobility,
+                    decay: 0.0,
+                },
             };
             let says: Vec<usize> = (0..modes.len())
                 .filter(|&n| most_said(&work, &fitted, n) > limits::SAYS_NOTHING)

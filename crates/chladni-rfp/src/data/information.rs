@@ -69,7 +69,14 @@ impl<T: Scalar> Determined<T> {
             .diag()
             .iter()
             .map(|value| value.modulus().sqrt().recip())
-            .map(|scale| if scale.is_finite() { scale } else { 0.0 })
+            // the square of a root is finite, too
+            .map(|scale| {
+                if (scale * scale).is_finite() {
+                    scale
+                } else {
+                    0.0
+                }
+            })
             .collect();
         let unit_diagonal = Array2::from_shape_fn((n, n), |(a, b)| {
             matrix[[a, b]] * T::of_real(scale[a] * scale[b])

@@ -77,7 +77,7 @@ pub(crate) fn fit_by_method(
     let telling: Vec<Complex64> = zip(&of_law, &beyond_noise)
         .filter_map(|(&pole, &beyond)| beyond.then_some(pole))
         .collect();
-    let verdict = columns.law_verdict(data, &telling)?;
+    let verdict = columns.law_verdict(data, &telling, options)?;
     let damping = options.damping.or(verdict.law()).unwrap_or(found.law);
     let (poles, variance) = graded(&survey, &columns, &found, damping)?;
     let mut identified = Identified {

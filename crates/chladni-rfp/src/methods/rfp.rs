@@ -54,7 +54,10 @@ pub(crate) fn rfp(
     let run = |law| Search::new(survey, columns, options, law).run();
     let mut found = run(options.damping.unwrap_or(FIRST))?;
     if options.damping.is_none() {
-        match columns.law_verdict(survey.data, &found.poles)?.law() {
+        match columns
+            .law_verdict(survey.data, &found.poles, options)?
+            .law()
+        {
             Some(law) if law != found.law => found = run(law)?,
             _ => {}
         }

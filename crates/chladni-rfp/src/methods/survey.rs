@@ -10,7 +10,7 @@
 
 use super::limits::{EXPECTED, LINES_PER_MODE, NOISE_HALF_WINDOW, SPARE_POLES};
 use crate::damping::basis::RESIDUAL_POWERS;
-use crate::damping::verdict::{verdict, Fitted, Verdict};
+use crate::damping::verdict::{verdict, Fitted, Verdict, Window};
 use crate::data::columns::{line_energy, Columns};
 use crate::data::options::FitOptions;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
@@ -160,6 +160,7 @@ impl Compressed {
         &self,
         data: &Screened,
         poles: &[Complex64],
+        options: &FitOptions,
     ) -> Result<Verdict, LinalgError> {
         if poles.is_empty() {
             return Ok(Verdict::Undecidable);
@@ -172,6 +173,10 @@ impl Compressed {
             coefficients: &projection.coefficients()?,
             variance: self.variance(data, projection.sse, unknowns),
             frfs: data.pairs.len(),
+            window: Window {
+                kind: data.kind,
+                decay: data.decay_of_window(options),
+            },
         };
         verdict(&self.work, &fitted)
     }

@@ -2,11 +2,12 @@
 //! references.
 
 use crate::damping::findings;
-use crate::damping::verdict::{self, Fitted, Verdict};
+use crate::damping::verdict::{self, Fitted, Verdict, Window};
 use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::data::watch::Watch;
+use crate::model::fewer_poles::{law_of_fewer_poles, may_tell};
 use crate::model::identified::{Identified, LawOpen};
 use crate::model::in_law::in_law;
 use crate::model::limits;
@@ -22,11 +23,13 @@ use num_complex::Complex64;
 /// mode if that serves all references; and the findings on both. If no law is asked for:
 ///
 /// 1. The phases of the residues choose the law.
-/// 2. If they do not decide and one shape per mode is refused, the other law is taken if one shape
+/// 2. If they do not decide for good, and little noise tells the laws far apart, the law that needs
+///    fewer poles is taken.
+/// 3. If neither decides and one shape per mode is refused, the other law is taken if one shape
 ///    per mode holds there: heavily overlapping modes may have wrong phases. The law stays open if
 ///    the phases spoke for the first. If the other law has more poles, the first is tried with
 ///    these before.
-/// 3. If shapes are complex in the first law and real in the other, the other is taken, on
+/// 4. If shapes are complex in the first law and real in the other, the other is taken, on
 ///    condition that phases are true.
 ///
 /// * `again`: finds the poles in another law
@@ -38,7 +41,19 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, E>,
 ) -> Result<(Identified, Vec<Finding>), E> {
     watch.stage("damping law")?;
-    let verdict = law_verdict(data, &found)?;
+    let verdict = law_verdict(data, &found, options)?;
+    let is_open = options.damping.is_none() && !matches!(verdict, Verdict::Decided(_));
+    let (found, verdict) = match is_open && may_tell(&found) {
+        true => {
+            let other = again(found.clone(), found.work.law.other())?;
+            match law_of_fewer_poles(&found, &other) {
+                Some(law) if law == other.work.law => (other, Verdict::Decided(law)),
+                Some(law) => (found, Verdict::Decided(law)),
+                None => (found, verdict),
+            }
+        }
+        false => (found, verdict),
+    };
     let law = options.damping.or(verdict.law()).unwrap_or(found.work.law);
     let found = if found.work.law == law {
         found
@@ -74,7 +89,7 @@ struct Choice {
 }
 
 impl Choice {
-    /// The poles in the `other` law if their shapes speak for it, else these: steps 2 and 3 of
+    /// The poles in the `other` law if their shapes speak for it, else these: steps 3 and 4 of
     /// [`decide`].
     fn or_other_law<E: From<LinalgError>>(
         self,
@@ -129,7 +144,7 @@ impl Choice {
     ) -> Result<Option<Self>, LinalgError> {
         let frfs = found.residual_is_noise.then_some(data.pairs.len());
         let here = in_law(found.clone(), self.found.work.law, frfs)?;
-        let verdict = law_verdict(data, &here)?;
+        let verdict = law_verdict(data, &here, options)?;
         let is_contradicted = verdict == Verdict::Decided(found.work.law);
         if is_contradicted || here.variance > limits::SAME_NOISE * found.variance {
             return Ok(None);
@@ -152,7 +167,7 @@ pub(crate) fn with_free_residues(
     found: PoleEstimate,
     options: &FitOptions,
 ) -> Result<Identified, LinalgError> {
-    let verdict = law_verdict(data, &found)?;
+    let verdict = law_verdict(data, &found, options)?;
     let law = options.damping.or(verdict.law()).unwrap_or(found.work.law);
     let mut identified = Identified::new(in_law(found, law, None)?);
     let on_law = note_law(&mut identified, data, verdict, options, false);
@@ -222,7 +237,11 @@ fn real_shapes_hold(search: &Search) -> bool {
 
 /// The verdict of the data on the law: undecidable without modes, and if the residual is not
 /// white and damping is light.
-fn law_verdict(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, LinalgError> {
+fn law_verdict(
+    data: &DataLayout,
+    found: &PoleEstimate,
+    options: &FitOptions,
+) -> Result<Verdict, LinalgError> {
     if !found.residual_is_noise && found.heaviest_sure() < limits::LAW_ALIKE {
         return Ok(Verdict::Undecidable);
     }
@@ -240,6 +259,10 @@ fn law_verdict(data: &DataLayout, found: &PoleEstimate) -> Result<Verdict, Linal
         coefficients: &found.refined.coefficients.select(Axis(0), &rows),
         variance: found.variance,
         frfs: data.pairs.len(),
+        window: Window {
+            kind: data.kind,
+            decay: data.decay_of_window(options),
+        },
     };
     verdict::verdict(&found.work, &fitted)
 }

@@ -19,6 +19,13 @@ pub(super) const LAW_SHIFTS: f64 = 1.0;
 /// one, and a misfit of 1 % of it stands out of some ten thousand values.
 pub(super) const SAME_NOISE: f64 = 1.01;
 
+// fewer_poles.rs
+
+/// Shift of a mode under the other law, in error bars, from which the wrong law may need more poles.
+pub(super) const LAW_COSTS_POLES: f64 = 30.0;
+/// Poles by which the searches in the two laws must differ: noise makes one now and then.
+pub(super) const POLES_TELL: usize = 2;
+
 // exponential.rs
 
 /// Standard deviations by which a sure mode decays more slowly than the exponential window when the

@@ -4,6 +4,7 @@
 pub(crate) mod build;
 pub(crate) mod decide;
 pub(crate) mod exponential;
+pub(crate) mod fewer_poles;
 pub(crate) mod free_fit;
 pub(crate) mod given;
 pub(crate) mod identified;

@@ -1,6 +1,6 @@
 //! The poles that a path found, and their grades by their error bars alone.
 
-use super::limits::{FAINT, FAINT_OVER_USUAL, UNCERTAIN};
+use super::limits::{EXPLAINED, FAINT, FAINT_OVER_USUAL, UNCERTAIN};
 use crate::data::columns::Columns;
 use crate::data::grade::Grade;
 use crate::data::information::covariance;
@@ -37,6 +37,11 @@ pub(crate) struct PoleEstimate {
 }
 
 impl PoleEstimate {
+    /// True if the poles explain the data to rounding.
+    pub fn is_rounding(&self) -> bool {
+        self.refined.projection.sse <= EXPLAINED * self.work.energy()
+    }
+
     /// Largest loss factor among the in-band modes that are sure; 0 if there are none.
     pub fn heaviest_sure(&self) -> f64 {
         let sure = self

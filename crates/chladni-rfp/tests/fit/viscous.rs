@@ -429,3 +429,88 @@ fn what_hides_the_law_gives_no_wrong_one() {
         }
     }
 }
+
+/// Complex shapes hide the law from phases. With little noise the wrong law needs more poles, and
+/// the right one leaves the poles at the bound.
+#[test]
+fn where_shapes_are_complex_the_law_that_needs_fewer_poles_is_taken() {
+    for (law, seed) in [Damping::Viscous, Damping::Structural]
+        .into_iter()
+        .flat_map(|law| (1..=seeds(2)).map(move |seed| (law, seed)))
+    {
+        let set = Synthetic {
+            natural_frequency_hz: SEPARATE.map(|(f, _)| f).to_vec(),
+            loss_factor: vec![0.02],
+            responses: 12,
+            references: 2,
+            shapes: SyntheticShapes::Turned { phase_deg: 17.0 },
+            damping: law,
+            frequency_hz: Array1::range(9.8, 499.6, 0.30625),
+            snr_db: 110.0,
+            seed,
+            ..Synthetic::default()
+        };
+        let model = fitted(&set.build().expect("a set").frf, &FitOptions::default());
+        let findings = &model.quality.findings;
+        let told = !findings.iter().any(|f| f.code.starts_with("law-"));
+        assert!(
+            told && model.damping == law,
+            "{law:?}, seed {seed}: {findings:?}"
+        );
+        for (mode, (f, _)) in model.in_band_modes().zip(SEPARATE) {
+            let off = (mode.frequency_hz - f).abs();
+            assert!(
+                off < 5.0 * mode.frequency_std_hz,
+                "{law:?}, seed {seed}: {off}"
+            );
+            assert!(mode.frequency_std_hz < 1e-6 * f, "{law:?}, seed {seed}");
+        }
+    }
+}
+
+/// An exponential window turns the residues of a viscous mode by α/ω, which is as much as the law
+/// does: where the α is told it decides nothing.
+#[test]
+fn an_exponential_window_makes_the_law_no_other() {
+    let (loss, alpha) = (0.02, 0.5);
+    for seed in 1..=seeds(2) {
+        let [mut windowed, quiet] = [50.0, f64::INFINITY].map(|snr_db| {
+            set(
+                std::iter::once((100.0, loss)),
+                Damping::Viscous,
+                2,
+                snr_db,
+                seed,
+            )
+            .frf
+        });
+        let axis = windowed.frequency_hz.clone();
+        let (FrfValues::F64(values), FrfValues::F64(quiet)) = (&mut windowed.values, quiet.values)
+        else {
+            panic!("simulated values are f64");
+        };
+        // the noise stays; in place of the mode H(jω + α) of modes with real shapes
+        for ((i, j, k), value) in values.indexed_iter_mut() {
+            let s = Complex64::new(alpha, TAU * axis[k]);
+            let of_mode = |(n, (f, _)): (usize, &(f64, f64))| {
+                let omega = TAU * f;
+                let shape = ((3 * n + 2) as f64 * (i + 1) as f64 + seed as f64).sin();
+                let participation = ((5 * n + 3) as f64 * (j + 1) as f64).cos();
+                shape * participation * s / (s * s + loss * omega * s + omega * omega)
+            };
+            *value -= quiet[[i, j, k]];
+            *value = *value * 0.1 + SEPARATE.iter().enumerate().map(of_mode).sum::<Complex64>();
+        }
+        let options = FitOptions {
+            exponential_window_per_s: Some(alpha),
+            ..FitOptions::default()
+        };
+        let model = fitted(&windowed, &options);
+        assert_eq!(model.damping, Damping::Viscous, "seed {seed}");
+        assert_eq!(model.in_band_modes().count(), SEPARATE.len());
+        for (mode, (f, _)) in model.in_band_modes().zip(SEPARATE) {
+            let off = (mode.frequency_hz - f).abs() / mode.frequency_std_hz;
+            assert!(off < 5.0, "{f} Hz, seed {seed}: {off} error bars");
+        }
+    }
+}
