@@ -4,11 +4,11 @@ use chladni_frf::Error;
 use chladni_render::Scene;
 use std::path::Path;
 
-/// The error with the file of the model where it is about responses, which are those of the
-/// model; another error as it is.
+/// The error with the file of the model where it is about responses or modes, which are those of
+/// the model; another error as it is.
 pub fn blame_model(error: Error, model: &Path) -> Error {
     match error.field.as_deref() {
-        Some("responses") => error.file(model),
+        Some("responses" | "modes") => error.file(model),
         _ => error,
     }
 }

@@ -97,7 +97,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
             sources.push(source(&files[0])?);
             // weights that are not of this model are refused here
             let steady = judge(On::Model(&model))?;
-            in_time = indices_in_time(&model, &scene, &weights, console)?;
+            in_time = indices_in_time((&model, &files[0]), &scene, &weights, console)?;
             steady
         }
         None => {
@@ -131,7 +131,7 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
 
 /// Indices of the drive over time; `None` for the scene of a steady tone.
 fn indices_in_time(
-    model: &ModalModel,
+    (model, file): (&ModalModel, &Path),
     scene: &Scene,
     weights: &Weights,
     console: &Console,
@@ -140,7 +140,7 @@ fn indices_in_time(
         return Ok(None);
     }
     let played = play(model, scene, Some(weights), &PlayOptions::default())
-        .map_err(|error| scene.blame(error))?;
+        .map_err(|error| scene.blame(blame_model(error, file)))?;
     console.find_all(&played.findings);
     Ok(Some(played.indices))
 }

@@ -155,6 +155,7 @@ pub fn sweep_table(sweep: &FrequencySweep, weights: &Weights, all: bool) -> Stri
             "no frequency serves every response; {} Hz comes nearest\n",
             significant(f.frequency_hz, 6)
         ),
+        None if sweep.outside_band => "no frequency of the sweep lies in the fitted band\n".into(),
         None => "no frequency in the fitted band serves any response\n".into(),
     };
     format!(

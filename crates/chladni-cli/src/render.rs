@@ -1,6 +1,7 @@
 //! `chladni render`: weights that move a panel here and keep it quiet there.
 
 mod drive;
+mod frequency;
 mod next_step;
 mod text;
 
@@ -13,11 +14,12 @@ use chladni_console::{Console, Outcome};
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Severity, Source};
 use chladni_io::{is_same_place, read_model};
 use chladni_render::{
-    render_with_others, stress, sweep, Count, FrequencySweep, Method, MethodChoice, RenderOptions,
-    Rendering, Scene, StressOptions, Weights,
+    render_with_others, stress, sweep, Count, Method, MethodChoice, RenderOptions, Rendering,
+    Scene, StressOptions, Weights,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use drive::Drive;
+use frequency::{Frequency, RangeSweep};
 use next_step::next_step;
 use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
@@ -83,32 +85,6 @@ pub struct Args {
     seed: u64,
     #[command(flatten)]
     reading: Reading,
-}
-
-/// Drive frequency on the command line.
-#[derive(Debug, Clone, Copy)]
-enum Frequency {
-    /// The best one of a sweep.
-    Auto,
-    /// Hz.
-    Hertz(f64),
-}
-
-impl std::str::FromStr for Frequency {
-    type Err = String;
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match (text, text.parse::<f64>()) {
-            ("auto", _) => Ok(Self::Auto),
-            (_, Ok(hz)) if hz.is_finite() && hz > 0.0 => Ok(Self::Hertz(hz)),
-            _ => Err("neither `auto` nor a frequency in Hz".into()),
-        }
-    }
-}
-
-/// A sweep of drive frequencies, and the range that it tried.
-struct RangeSweep {
-    range_hz: [f64; 2],
-    sweep: FrequencySweep,
 }
 
 /// The content of the files that a rendering starts from.
@@ -342,10 +318,13 @@ pub fn run(args: &Args, console: &Console) -> Result<Outcome> {
     }
     args.reading.echo(&mut weights.options);
     weights.findings.extend(args.without_effect());
-    args.try_out(&mut weights, swept, &model, &scene, console)?;
+    let kept = |swept: &RangeSweep| swept.finding(scene.frequency_hz, model.band_hz);
+    weights.findings.extend(swept.as_ref().and_then(kept));
+    args.try_out(&mut weights, swept, &model, &scene, console)
+        .map_err(|error| blame_model(error, &args.model))?;
     console.find_all(weights.findings.iter());
     let drive = match &signals {
-        Some(files) => Some((files, Drive::of(files, &model, &scene, &weights)?)),
+        Some(files) => Some((files, Drive::of(files, &model, &scene, &weights, blame)?)),
         None => None,
     };
     if let Some(output) = &output {

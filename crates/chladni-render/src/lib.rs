@@ -46,6 +46,7 @@
 //! and an error bar ‖L·A‖ of v from the model's own standard deviations, so that no drive
 //! leans on what the model does not know.
 
+mod digits;
 mod judging;
 mod methods;
 mod panel;

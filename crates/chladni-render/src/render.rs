@@ -3,6 +3,7 @@
 use crate::judging::ceiling::Ceiling;
 use crate::judging::endurance::Endurance;
 use crate::judging::frequency_sweep::{less_sensitive_frequency, mode_near};
+use crate::judging::second_search::better_solution;
 use crate::judging::shortcomings::{ground_lost, replayed_worse, strength, Replay, Shortfall};
 use crate::methods::choice::MethodChoice;
 use crate::methods::drive_error;
@@ -210,6 +211,8 @@ struct SolvedDrive {
     method: Method,
     /// The drive of the actuators chosen.
     solution: Solution,
+    /// The ceiling of a scene that the first search did not meet.
+    ceiling: Option<Ceiling>,
     /// The drive of all actuators, the others still.
     drive: Drive,
     findings: Vec<Finding>,
@@ -253,7 +256,10 @@ impl SolvedDrive {
         let fewer = fewer.map(|fewer| fewer.with_drive_error(tolerated.unwrap_or(0.0)));
         let setup = setup.with_drive_error(tolerated.unwrap_or(0.0));
         let used = fewer.as_ref().unwrap_or(&setup);
-        let (method, mut solution) = decision.run(used, model, options.cut)?;
+        let (method, first) = decision.run(used, model, options.cut)?;
+        let thorough = options.method == MethodChoice::Best;
+        let (mut solution, ceiling) =
+            better_solution(used, method, first, decision.effort, thorough)?;
         let mut findings = setup.findings.clone();
         findings.extend(of_modes);
         findings.extend(chosen.finding);
@@ -269,6 +275,7 @@ impl SolvedDrive {
             tolerated,
             method,
             solution,
+            ceiling,
             findings,
         })
     }
@@ -311,15 +318,12 @@ impl SolvedDrive {
     /// Proves what no drive can do. The proof takes as long as a conic program: it is made for
     /// `best`, and for scenes that a conic method does not meet.
     fn ceiling(&self, feasible: bool, options: &RenderOptions) -> Result<Option<Ceiling>> {
-        let best = options.method == MethodChoice::Best;
-        let thorough = best && !feasible;
-        match best || (!feasible && matches!(self.method, Method::Robust | Method::MinEffort)) {
-            true => {
-                let used = self.fewer.as_ref().unwrap_or(&self.setup);
-                Ceiling::of(&used.problem, &self.solution.drive, thorough)
-            }
-            false => Ok(None),
+        if !feasible || options.method != MethodChoice::Best {
+            return Ok(self.ceiling.filter(|_| !feasible));
         }
+        let used = self.fewer.as_ref().unwrap_or(&self.setup);
+        let proven = Ceiling::of(&used.problem, &self.solution.drive, false)?;
+        Ok(proven.map(|(ceiling, _)| ceiling))
     }
 
     /// The endurance of the drive; `None` for methods that stay quick without it.

@@ -4,7 +4,7 @@ use crate::panel::covariance::Covariance;
 use crate::panel::drive::DriveLimits;
 use crate::problems::problem::{Problem, Rows};
 use crate::scene::limits::Limits;
-use chladni_frf::{Damping, Dof, ModalModel, Node};
+use chladni_frf::{Damping, Dof, ModalModel, Node, ReferenceUnit};
 use chladni_plate::{Synthetic, SyntheticShapes};
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -64,6 +64,7 @@ pub(crate) fn test_problem(
     let drive_limits = DriveLimits {
         each,
         effort: f64::INFINITY,
+        unit: ReferenceUnit::Newton,
     };
     Problem::new(
         rows,

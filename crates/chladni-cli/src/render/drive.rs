@@ -1,7 +1,7 @@
 //! Drive signals of `chladni render --wav`.
 
 use crate::signal_files::SignalFiles;
-use chladni_frf::{ModalModel, Result};
+use chladni_frf::{Error, ModalModel, Result};
 use chladni_render::{play, signal_csv, PlayOptions, Scene, Signal, SignalOptions, Weights};
 
 /// Drive signals, made before any file is written.
@@ -16,18 +16,18 @@ impl Drive {
     /// The signals of `weights`, in the form that the file's name asks for.
     ///
     /// # Errors
-    /// Those of [`play`], with the scene's file.
+    /// Those of [`play`], as `blame` names their file.
     pub fn of(
         files: &SignalFiles,
         model: &ModalModel,
         scene: &Scene,
         weights: &Weights,
+        blame: impl Fn(Error) -> Error,
     ) -> Result<Self> {
         if files.is("csv") {
             return Ok(Self::Table(signal_csv(weights)));
         }
-        let played = play(model, scene, Some(weights), &PlayOptions::default())
-            .map_err(|error| scene.blame(error))?;
+        let played = play(model, scene, Some(weights), &PlayOptions::default()).map_err(blame)?;
         let mut signal = played.signal(&SignalOptions::default(), &scene.name())?;
         signal.sidecar.source = weights.source.clone();
         Ok(Self::Samples(Box::new(signal)))

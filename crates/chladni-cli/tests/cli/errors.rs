@@ -118,6 +118,9 @@ render rig.json scene.toml|65|bad_data|rig.json|a calibration file, neither|(`ch
 render drive.json scene.toml|65|bad_data|drive.json|the sidecar of a signal, neither|sound file beside it
 render truth.json weights.json|65|bad_data|weights.json|a weights file, not TOML|its own place
 render sideways.json scene.toml --frequency auto|65|bad_data|sideways.json: responses|can be judged
+render undamped.json scene.toml|65|bad_data|undamped.json: modes|no finite mobility
+evaluate weights.json --scene scene.toml --on undamped.json --field field.csv|65|bad_data|undamped.json: modes|no finite
+correct undamped.json scene.toml --weights weights.json --field field.csv|65|bad_data|undamped.json: modes|no finite
 render sideways.json scene.toml|65|bad_data|sideways.json: responses|can be judged
 play sideways.json scene.toml|65|bad_data|sideways.json: responses|can be judged
 correct sideways.json scene.toml --weights weights.json --field field.csv|65|bad_data|sideways.json: responses|can be judged
@@ -268,6 +271,12 @@ fn prepared() -> Folder {
     let mut truth: Value = serde_json::from_str(&folder.text("truth.json")).unwrap();
     truth["modes"][0]["shape_std"].as_array_mut().unwrap().pop();
     folder.write("short.json", truth.to_string());
+    let mut undamped: Value = serde_json::from_str(&folder.text("truth.json")).unwrap();
+    undamped["modes"][0]["frequency_hz"] = 300.0.into();
+    for key in ["loss_factor", "damping_ratio"] {
+        undamped["modes"][0][key] = 0.0.into();
+    }
+    folder.write("undamped.json", undamped.to_string());
     turn_sideways(&folder);
     folder
 }

@@ -444,6 +444,16 @@ fn options_that_do_not_reach_a_sweep_or_other_scenes_are_said() {
 }
 
 #[test]
+fn a_sweep_that_suggests_no_frequency_says_why_the_scene_keeps_its_own() {
+    let folder = prepared();
+    let run = folder.run("render model.json corner.toml --frequency auto --sweep 2000:2010");
+    let hint = "no frequency of the sweep lies in the fitted band";
+    assert!(run.stdout.contains(hint), "{}", run.stdout);
+    let words = "keeps its frequency of 330 Hz: no frequency from 2000 to 2010 Hz lies in";
+    assert!(run.said().contains(words), "{}", run.said());
+}
+
+#[test]
 fn weights_are_not_written_where_their_signal_cannot_be_made() {
     let folder = prepared();
     let path = "[time]\n[[time.move]]\npath_m = [[0.07, 0.08], [9.0, 0.08]]\n\

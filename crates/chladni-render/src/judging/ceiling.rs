@@ -37,15 +37,19 @@ pub struct Ceiling {
 }
 
 impl Ceiling {
-    /// The ceiling of `problem`, and the most contrasting drive that `start` leads to;
-    /// `None` without force limits.
+    /// The ceiling of `problem`, and the most contrasting drive that was found from `start`
+    /// or from the bound; `None` without force limits.
     ///
     /// * `thorough`: tell cases apart until bound and drive are within
     ///   `tolerances::CEILING_CASES_DB`; some seconds
     ///
     /// # Errors
     /// Those of the kernels: a broken promise.
-    pub(crate) fn of(problem: &Problem, start: &Drive, thorough: bool) -> Result<Option<Self>> {
+    pub(crate) fn of(
+        problem: &Problem,
+        start: &Drive,
+        thorough: bool,
+    ) -> Result<Option<(Self, Drive)>> {
         let Some(Bound {
             squared,
             drive,
@@ -60,26 +64,34 @@ impl Ceiling {
         let db = |squared: f64| 10.0 * squared.clamp(f64::MIN_POSITIVE, f64::MAX).log10();
         let asked_db = 2.0 * db(problem.limits.hot_m_per_s / problem.limits.cold_m_per_s);
         let mut climb = Climb::new(problem)?;
-        let mut reached = 0.0;
+        let (mut reached, mut best) = (0.0, start.clone());
+        let mut reach = |start: Drive| -> Result<f64> {
+            let (hot, drive) = climb.raise_hot(start)?;
+            if hot.powi(2) > reached {
+                (reached, best) = (hot.powi(2), drive);
+            }
+            Ok(reached)
+        };
+        let mut most = 0.0;
         for start in [drive, start.clone()] {
-            reached = f64::max(reached, climb.raise_hot(start)?.powi(2));
-            if db(reached) > db(squared) - tolerances::CEILING_REACHED_DB {
+            most = reach(start)?;
+            if db(most) > db(squared) - tolerances::CEILING_REACHED_DB {
                 break;
             }
         }
         let target = |reached: f64| reached * 10f64.powf(tolerances::CEILING_CASES_DB / 10.0);
-        let possible = match thorough && squared > target(reached) {
+        let possible = match thorough && squared > target(most) {
             true => tighten(&dual, hot.view(), bounded.view(), squared, |drive| {
-                reached = f64::max(reached, climb.raise_hot(drive)?.powi(2));
-                Ok(target(reached))
+                reach(drive).map(target)
             })?,
             false => squared,
         };
-        Ok(Some(Self {
+        let ceiling = Self {
             possible_db: asked_db + db(possible),
             asked_db,
             reached_db: asked_db + db(reached),
-        }))
+        };
+        Ok(Some((ceiling, best)))
     }
 
     /// True where the scene is proven to be impossible.

@@ -53,6 +53,9 @@ pub struct FrequencySweep {
     /// the scene; else the one that serves most. Among equals the largest κ. `None` where no
     /// response is served anywhere in the band.
     pub suggested_hz: Option<f64>,
+    /// True where none of them lies in the fitted band.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub outside_band: bool,
 }
 
 /// Renders `scene` at frequencies from `low_hz` to `high_hz`, 2 Hz apart, by `mls` unless
@@ -117,6 +120,9 @@ pub fn sweep(
         .collect::<Result<Vec<_>>>()?;
     Ok(FrequencySweep {
         suggested_hz: suggested_hz(model, &frequencies),
+        outside_band: !frequencies
+            .iter()
+            .any(|f| is_in_band(model, f.frequency_hz)),
         frequencies,
     })
 }

@@ -54,7 +54,7 @@ impl Decision {
             let thorough = Method::Robust.solve(setup, model, self.effort, cut)?;
             let [before, now] = [&solution, &thorough]
                 .map(|solution| setup.problem.score(&solution.drive).min_ratio);
-            if now > before {
+            if now >= before {
                 return Ok((Method::Robust, thorough));
             }
         }

@@ -6,6 +6,7 @@ use crate::methods::{
     contrast, min_effort, mls, modal, pressure_matching, robust, tikhonov, time_reversal, tsvd,
     vast,
 };
+use crate::panel::drive::Drive;
 use crate::problems::setup::Setup;
 use chladni_frf::{Finding, ModalModel, Result};
 use std::fmt;
@@ -115,6 +116,27 @@ impl Method {
             ));
         }
         Ok(solution)
+    }
+
+    /// True for the methods of conic programs.
+    pub(crate) fn is_conic(self) -> bool {
+        matches!(self, Self::Robust | Self::MinEffort)
+    }
+
+    /// The solution that one of `others` leads to, where the drive `before` of a conic method
+    /// serves fewer responses; `None` where no other is better.
+    pub(crate) fn solve_again(
+        self,
+        setup: &Setup,
+        before: &Drive,
+        others: &[Drive],
+        effort: Effort,
+    ) -> Result<Option<Solution>> {
+        match self {
+            Self::Robust => robust::solve_again(setup, before, others, effort),
+            Self::MinEffort => min_effort::solve_again(&setup.problem, before, others, effort),
+            _ => Ok(None),
+        }
     }
 }
 

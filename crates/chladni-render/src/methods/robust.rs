@@ -12,7 +12,8 @@
 //! `Problem::kappa_least` with all of them, only the responses keep that κ, and as much of
 //! the ground between them is served as possible. The climb starts from the drive of `mls`.
 //! If no drive serves every response, the better of two is taken: that of `mls`, or that of
-//! the climb.
+//! the climb. Then other drives are asked: that of `mls` where a drive limit binds, and the
+//! most contrasting one that the ceiling leads to ([`solve_again`]).
 
 use crate::methods::effort::Effort;
 use crate::methods::mls;
@@ -28,8 +29,57 @@ use chladni_frf::Result;
 /// The most robust drive found from the best drive of `mls`; with more than one start
 /// from others that it found, too.
 pub(crate) fn solve(setup: &Setup, effort: Effort) -> Result<Solution> {
-    let starts = mls::leading_drives(&setup.problem, setup.between())?;
-    let drive = climb_from(setup, &starts, effort)?;
+    let problem = &setup.problem;
+    let starts = mls::leading_drives(problem, setup.between())?;
+    let mut drive = climb_from(setup, &starts, effort)?;
+    if problem.score(&drive).min_ratio < 1.0 {
+        let within_limit = mls::solve(problem, setup.between())?.drive;
+        if let Some(better) = better_of(setup, &drive, &[within_limit], effort)? {
+            drive = better;
+        }
+    }
+    under_fingers(setup, drive, effort)
+}
+
+/// The solution that one of `others` leads to, where the drive `before` serves fewer
+/// responses; `None` where no other is better.
+pub(crate) fn solve_again(
+    setup: &Setup,
+    before: &Drive,
+    others: &[Drive],
+    effort: Effort,
+) -> Result<Option<Solution>> {
+    let better = better_of(setup, before, others, effort)?;
+    better
+        .map(|drive| under_fingers(setup, drive, effort))
+        .transpose()
+}
+
+/// The best of `others`, where it is better than `before`. If it serves every response, the
+/// most robust drive near it.
+fn better_of(
+    setup: &Setup,
+    before: &Drive,
+    others: &[Drive],
+    effort: Effort,
+) -> Result<Option<Drive>> {
+    let problem = &setup.problem;
+    let mut contest = mls::Contest::new(problem, problem, problem.kappa_least);
+    let known = contest.offer_as_is(before);
+    let keys = others.iter().map(|drive| contest.offer(problem, drive));
+    let keys: Vec<_> = keys.collect();
+    if !keys.iter().any(|key| *key > known) {
+        return Ok(None);
+    }
+    let best = contest.into_best();
+    match problem.score(&best).min_ratio == 1.0 {
+        true => climb_from(setup, &[best], effort).map(Some),
+        false => Ok(Some(best)),
+    }
+}
+
+/// The drive, continued to one that tolerates fingers where the scene expects them.
+fn under_fingers(setup: &Setup, drive: Drive, effort: Effort) -> Result<Solution> {
     let Some(plan) = &setup.touch else {
         return Ok(Solution::of_drive(drive));
     };

@@ -1,5 +1,7 @@
 //! The drive of the actuators, and its limits.
 
+use crate::digits::rounded;
+use chladni_frf::ReferenceUnit;
 use ndarray::Array1;
 use num_complex::Complex64;
 
@@ -13,6 +15,8 @@ pub(crate) struct DriveLimits {
     pub(crate) each: f64,
     /// Largest √Σ|A_i|².
     pub(crate) effort: f64,
+    /// Unit of both.
+    pub(crate) unit: ReferenceUnit,
 }
 
 impl DriveLimits {
@@ -23,8 +27,9 @@ impl DriveLimits {
         (self.each / largest).min(self.effort / effort)
     }
 
-    /// The limit that `drive` is nearest to, in words.
+    /// The limit that `drive` is nearest to, in words, with the unit.
     pub(crate) fn binding(&self, drive: &Drive) -> String {
+        let in_words = rounded::<4>;
         let each = Self {
             effort: f64::INFINITY,
             ..*self
@@ -36,10 +41,15 @@ impl DriveLimits {
             })
             .allowed_gain(drive)
         {
-            true => format!("the limit of {} per actuator", self.each),
+            true => format!(
+                "the limit of {} {} per actuator",
+                in_words(self.each),
+                self.unit
+            ),
             false => format!(
-                "the limit of {} on the root of the sum of squares",
-                self.effort
+                "the limit of {} {} on the root of the sum of squares",
+                in_words(self.effort),
+                self.unit
             ),
         }
     }

@@ -6,6 +6,7 @@
 //! the zones of a scene lie in the plane x, y. A response measured along −Z is turned
 //! round, so that the field has one sign everywhere.
 
+use crate::digits::hertz;
 use crate::scene::plane::Position;
 use crate::tolerances;
 use chladni_frf::{
@@ -123,16 +124,12 @@ impl Operator {
         operator.fill(|row, column| factor * frf.values.get(row, column, line));
         if (operator.frequency_hz - frequency_hz).abs() > tolerances::SAME_FREQUENCY * frequency_hz
         {
-            operator.findings.push(
-                Finding::note(
-                    "nearest-line",
-                    format!(
-                        "judged on the line at {} Hz, the nearest to {frequency_hz} Hz",
-                        operator.frequency_hz
-                    ),
-                )
-                .value("line_hz", operator.frequency_hz),
-            );
+            let [line, asked] = [operator.frequency_hz, frequency_hz].map(hertz);
+            let words = format!("judged on the line at {line} Hz, the nearest to {asked} Hz");
+            let finding = Finding::note("nearest-line", words);
+            operator
+                .findings
+                .push(finding.value("line_hz", operator.frequency_hz));
         }
         operator.drop_unmeasured()?;
         Ok(operator)
@@ -290,7 +287,7 @@ impl Operator {
                     format!(
                         "{} not judged: not measured for every actuator at {} Hz",
                         responses_in_words(dropped.len()),
-                        self.frequency_hz
+                        hertz(self.frequency_hz)
                     ),
                 )
                 .dofs(dropped)
@@ -396,9 +393,10 @@ pub(crate) fn outside_band(model: &ModalModel, frequency_hz: f64) -> Option<Find
         return None;
     }
     let [low, high] = model.band_hz;
+    let [drive, from, to] = [frequency_hz, low, high].map(hertz);
     let words = format!(
-        "the drive frequency of {frequency_hz} Hz lies outside the fitted band of {low} to {high} \
-         Hz: the model says nothing reliable there"
+        "the drive frequency of {drive} Hz lies outside the fitted band of {from} to {to} Hz: the \
+         model says nothing reliable there"
     );
     let finding = Finding::caution("drive-outside-band", words)
         .value("frequency_hz", frequency_hz)

@@ -346,6 +346,7 @@ pub(crate) fn drive_limits(
         DriveLimits {
             each: each * scene.share.peak,
             effort,
+            unit,
         },
         unlimited,
     ))

@@ -75,9 +75,17 @@ pub(crate) fn choose(setups: &[&Setup], count: Count) -> Result<Choice> {
     }
     let forced = subset.columns.len().saturating_sub(target);
     let finding = (count != Count::Auto && forced > 0).then(|| {
+        let (asked, others) = match target {
+            1 => ("1 was".to_owned(), "another one".to_owned()),
+            _ => (format!("{target} were"), format!("other {target}")),
+        };
+        let left_out = match forced {
+            1 => "the weakest was".to_owned(),
+            _ => format!("the weakest {forced} were"),
+        };
         let words = format!(
-            "{} actuators were found that serve every response, {target} were asked for: the \
-             weakest ({forced}) were left out; other {target} may serve more",
+            "{} actuators were found that serve every response, {asked} asked for: {left_out} left \
+             out; {others} may serve more",
             subset.columns.len()
         );
         Finding::caution("too-few-actuators", words)

@@ -188,7 +188,12 @@ pub(crate) fn choose(
             let ranked = folding::ranked(model, &setup.operator);
             let finding = (number > ranked.len()).then(|| {
                 let words = format!(
-                    "{number} modes were asked for, the model has {}",
+                    "{} asked for, the model has {}",
+                    if number == 1 {
+                        "1 mode was".to_owned()
+                    } else {
+                        format!("{number} modes were")
+                    },
                     ranked.len()
                 );
                 Finding::note("fewer-modes-in-model", words)

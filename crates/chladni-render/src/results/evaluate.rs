@@ -1,6 +1,7 @@
 //! Given weights on other data: the measured line at the drive frequency, or another
 //! model.
 
+use crate::digits::hertz;
 use crate::judging::indices::{AreaIndices, Indices, PointIndices};
 use crate::judging::shortcomings::strength;
 use crate::panel::drive::Drive;
@@ -84,10 +85,7 @@ fn silent_tones(weights: &Weights, scene: &Scene) -> Option<Finding> {
     if driven.is_empty() || silent.is_empty() {
         return None;
     }
-    let silent: Vec<String> = silent
-        .iter()
-        .map(|tone| tone.frequency_hz.to_string())
-        .collect();
+    let silent: Vec<String> = silent.iter().map(|tone| hertz(tone.frequency_hz)).collect();
     let words = format!(
         "the scene has a tone at {} Hz for which there are no weights: it is not judged",
         silent.join(", ")
@@ -101,8 +99,7 @@ fn beyond_limit(scene: &Scene, operator: &Operator, drive: &Drive) -> Option<Fin
     // limits in another unit are those of another model
     let (limits, _) = drive_limits(scene, operator.unit).ok()?;
     let times = limits.allowed_gain(drive).recip();
-    let (limit, unit) = (limits.binding(drive), operator.unit);
-    let words = format!("the drive is {times:.3} times {limit} ({unit})");
+    let words = format!("the drive is {times:.3} times {}", limits.binding(drive));
     let help = match scene.actuators.names_limit() {
         true => "render the scene with this limit",
         false => {
@@ -221,12 +218,10 @@ fn tone_at(scene: &Scene, frequency_hz: f64) -> (Scene, Option<Finding>) {
         return (tone, None);
     }
     let tones = scene.tones();
-    let asked: Vec<String> = tones
-        .iter()
-        .map(|tone| tone.frequency_hz.to_string())
-        .collect();
+    let asked: Vec<String> = tones.iter().map(|tone| hertz(tone.frequency_hz)).collect();
     let words = format!(
-        "the weights are for {frequency_hz} Hz and are judged there, not at the scene's {} Hz",
+        "the weights are for {} Hz and are judged there, not at the scene's {} Hz",
+        hertz(frequency_hz),
         asked.join(", ")
     );
     let there = Scene {

@@ -1,5 +1,6 @@
 //! The weights file: what each actuator has to do, and what comes of it.
 
+use crate::digits::hertz;
 use crate::judging::ceiling::Ceiling;
 use crate::judging::endurance::Endurance;
 use crate::judging::frequency_sweep::FrequencySweep;
@@ -228,10 +229,9 @@ impl Weights {
     /// The finding `code` of the first tone. The texts of findings of other tones begin with
     /// their frequency; these are left out.
     pub fn own_finding(&self, code: &str) -> Option<&Finding> {
-        let others = self
-            .other_tones
-            .iter()
-            .map(|tone| prefix(tone.frequency_hz));
+        let tones = self.other_tones.iter().map(|tone| tone.frequency_hz);
+        // files of earlier versions have all digits of a frequency
+        let others = tones.flat_map(|hz| [prefix(hz), format!("at {hz} Hz: ")]);
         let others: Vec<String> = others.collect();
         let is_own = |text: &str| !others.iter().any(|other| text.starts_with(other));
         let mut findings = self.findings.iter();
@@ -348,7 +348,7 @@ impl Weights {
                     .found(format!(
                         "{} actuators at {} Hz, in {}",
                         tone.weights.len(),
-                        tone.frequency_hz,
+                        hertz(tone.frequency_hz),
                         tone.unit()
                     ))
                     .expected(
@@ -394,7 +394,7 @@ impl Weights {
 
 /// Beginning of the findings of another tone.
 fn prefix(frequency_hz: f64) -> String {
-    format!("at {frequency_hz} Hz: ")
+    format!("at {} Hz: ", hertz(frequency_hz))
 }
 
 /// One entry per actuator.

@@ -47,19 +47,27 @@ fn read_profile(value: &Value, beside: Beside) -> Result<Threshold> {
 }
 
 fn read_table(value: &Value, file: &Path) -> Result<Threshold> {
-    if !file.exists() {
-        let known = Threshold::NAMES;
-        return Err(value
-            .error(
-                "neither a threshold profile nor a file",
-                format!("{} or the path of a CSV file", known.join(", ")),
-            )
+    if file.exists() {
+        return Ok(Threshold::Table(ThresholdTable::read(file)?));
+    }
+    let (name, known) = (value.string()?, Threshold::NAMES);
+    let expected = format!("{} or the path of a CSV file", known.join(", "));
+    Err(match looks_like_file(name) {
+        true => value
+            .error("no such file", expected)
+            .help("correct the path; it is taken relative to the scene file"),
+        false => value
+            .error("neither a threshold profile nor a file", expected)
             .help(format!(
                 "did you mean `{}`? A path is taken relative to the scene file",
-                nearest_word(value.string()?, &known).unwrap_or_default()
-            )));
-    }
-    Ok(Threshold::Table(ThresholdTable::read(file)?))
+                nearest_word(name, &known).unwrap_or_default()
+            )),
+    })
+}
+
+/// True for a text with a separator or an extension, which names of profiles do not have.
+fn looks_like_file(name: &str) -> bool {
+    name.contains(['/', '\\']) || Path::new(name).extension().is_some()
 }
 
 pub(super) fn decibels(value: &Value) -> Result<f64> {

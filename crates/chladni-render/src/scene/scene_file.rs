@@ -58,10 +58,10 @@ pub struct Scene {
 impl Scene {
     /// The error with the scene's file, where it names no other.
     pub fn blame(&self, error: Error) -> Error {
-        // responses are those of the model, and an internal error is nobody's
+        // responses and modes are those of the model, and an internal error is nobody's
         let is_own = error.file.is_none()
             && error.kind != ErrorKind::Internal
-            && error.field.as_deref() != Some("responses");
+            && !matches!(error.field.as_deref(), Some("responses" | "modes"));
         match &self.file {
             Some(file) if is_own => error.file(file),
             _ => error,

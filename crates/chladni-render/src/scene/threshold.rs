@@ -10,6 +10,7 @@
 //! al., JASA 84, 1680-1694, 1988). Between two entries the level in dB is linear in log
 //! f; outside the table there is no threshold, and nothing is extrapolated.
 
+use crate::digits::hertz;
 use chladni_frf::{Error, Finding, Result};
 use chladni_text::read_text;
 use std::f64::consts::TAU;
@@ -129,7 +130,8 @@ impl Threshold {
                 "threshold-unknown-here",
                 format!(
                     "threshold profile `paper` (0.2 mm/s) is stated for {low} to {high} Hz, not \
-                     for {frequency_hz} Hz"
+                     for {} Hz",
+                    hertz(frequency_hz)
                 ),
             )
             .help("profile `classic` covers 4 to 400 Hz")

@@ -8,6 +8,7 @@
 //! whole: its lines may add up. The peaks of one actuator add in the worst case: each
 //! tone may have an n-th of its limit.
 
+use crate::digits::hertz;
 use crate::tolerances;
 use chladni_frf::Result;
 use chladni_text::toml_reader::Value;
@@ -94,8 +95,9 @@ pub(crate) fn read_tones(value: &Value) -> Result<Vec<Tone>> {
             };
             if let Some(near) = tones.iter().find(near) {
                 let message = format!(
-                    "{} and {frequency_hz} Hz beat: they are one tone that swells and fades",
-                    near.frequency_hz
+                    "{} and {} Hz beat: they are one tone that swells and fades",
+                    hertz(near.frequency_hz),
+                    hertz(frequency_hz)
                 );
                 let expected = format!(
                     "tones {} Hz apart or more",

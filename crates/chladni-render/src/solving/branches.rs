@@ -22,10 +22,10 @@ struct Case {
     bound: f64,
 }
 
-/// A bound, squared, of at most what `root` proved, `bound`; ends below the target, or
-/// after `tolerances::MOST_CASES`.
+/// A bound, squared, of at most what `root` proved, `bound`; ends below the target, after
+/// `tolerances::MOST_CASES`, or at a case whose own bound arithmetic does not reach.
 ///
-/// * `hot`, `bounded`: the rows of `root`
+/// * `hot`, `bounded`: the rows of `root`; the last bounded ones are unit rows, one per actuator
 /// * `target`: what is sought, squared, once the drive that one more case leans on is
 ///   known
 pub(crate) fn tighten(
@@ -35,18 +35,11 @@ pub(crate) fn tighten(
     bound: f64,
     mut target: impl FnMut(Drive) -> Result<f64>,
 ) -> Result<f64> {
-    // rows whose multipliers hardly count are left out: a proof without them is one, and
-    // takes a tenth of the time
-    let of_bounded = root.of_bounded();
-    let least = tolerances::CASE_ROWS * of_bounded.iter().copied().fold(0.0, f64::max);
-    let kept: Vec<usize> = (0..of_bounded.len())
-        .filter(|&k| of_bounded[k] > least)
-        .collect();
-    let bounded = bounded.select(Axis(0), &kept);
     let weights = root.of_hot();
     if weights.len() < 2 {
         return Ok(bound); // one row has no phase difference to hold
     }
+    let bounded = counting(root, hot, bounded);
     let common = (0..weights.len())
         .max_by(|&a, &b| weights[a].total_cmp(&weights[b]))
         .unwrap_or(0);
@@ -61,9 +54,10 @@ pub(crate) fn tighten(
             break;
         };
         let case = open.swap_remove(worst);
-        let mut dual = Dual::start(hot, bounded.view(), with_differences(&case.star))?;
-        let (bound, drive) = dual.solve(enough)?;
-        let bound = bound.min(case.bound);
+        let Ok((dual, bound, drive)) = solved(hot, bounded.view(), &case, enough) else {
+            open.push(case);
+            break;
+        };
         // a drive takes as long as many cases
         if number.is_power_of_two() && bound > enough {
             enough = target(drive)?;
@@ -82,6 +76,42 @@ pub(crate) fn tighten(
         .map(|case| case.bound)
         .fold(proven, f64::max)
         .min(bound))
+}
+
+/// The multipliers of a case, the bound that they prove, and the drive that it leans on.
+fn solved(
+    hot: ArrayView2<Complex64>,
+    bounded: ArrayView2<Complex64>,
+    case: &Case,
+    enough: f64,
+) -> Result<(Dual, f64, Drive)> {
+    let mut dual = Dual::start(hot, bounded, with_differences(&case.star))?;
+    let (bound, drive) = dual.solve(enough)?;
+    Ok((dual, bound.min(case.bound), drive))
+}
+
+/// The bounded rows whose multipliers count. A proof without the others is one, and takes a
+/// tenth of the time. Where they leave a drive unbounded, as that of an actuator that moves
+/// nothing, the unit rows of all actuators are among them.
+fn counting(
+    root: &Dual,
+    hot: ArrayView2<Complex64>,
+    bounded: ArrayView2<Complex64>,
+) -> Array2<Complex64> {
+    let of_bounded = root.of_bounded();
+    let least = tolerances::CASE_ROWS * of_bounded.iter().copied().fold(0.0, f64::max);
+    let units = bounded.nrows() - bounded.ncols();
+    let rows = |with_units: bool| {
+        let kept: Vec<usize> = (0..of_bounded.len())
+            .filter(|&k| of_bounded[k] > least || (with_units && k >= units))
+            .collect();
+        bounded.select(Axis(0), &kept)
+    };
+    let few = rows(false);
+    match Dual::start(hot, few.view(), Vec::new()) {
+        Ok(_) => few,
+        Err(_) => rows(true),
+    }
 }
 
 /// The sectors of a case, and those that they imply between two rows beside the common

@@ -208,9 +208,10 @@ impl<'a> Climb<'a> {
     }
 
     /// The same with cold rows at their limit and all of the margin on the hot side: its
-    /// square is the largest hot over limit.
-    pub(crate) fn raise_hot(&mut self, start: Drive) -> Result<f64> {
-        Ok(self.raise_contrast(start, |_| 1.0)?.0.powi(2))
+    /// square is the largest hot over limit. The drive shares the margin between both sides.
+    pub(crate) fn raise_hot(&mut self, start: Drive) -> Result<(f64, Drive)> {
+        let (factor, drive) = self.raise_contrast(start, |_| 1.0)?;
+        Ok((factor.powi(2), drive))
     }
 
     fn raise_contrast(

@@ -63,8 +63,8 @@ impl Dual {
         Ok(dual)
     }
 
-    /// Searches until the gap is small, or the bound below `target`; returns the bound,
-    /// squared, and the drive at which it is tight.
+    /// Searches until the gap is small, the bound below `target`, or the end of what arithmetic
+    /// resolves; returns the bound, squared, and the drive at which it is tight.
     pub(crate) fn solve(&mut self, target: f64) -> Result<(f64, Drive)> {
         let (mut best, mut drive) = self.certificate()?;
         let count = (self.multipliers.len() + self.rows.ncols()) as f64;
@@ -72,7 +72,10 @@ impl Dual {
         while best > target && count / weight > tolerances::CEILING_GAP * best {
             weight *= tolerances::BARRIER_RISE;
             self.centre(weight);
-            let (bound, direction) = self.certificate()?;
+            // what was proven holds where rounding ends the search
+            let Ok((bound, direction)) = self.certificate() else {
+                break;
+            };
             if bound < best {
                 (best, drive) = (bound, direction);
             }

@@ -259,6 +259,12 @@ impl Plan {
 }
 
 impl Event {
+    /// A key of its table, as errors of the scene file call it.
+    pub(crate) fn key(&self, key: &str) -> String {
+        let table = self.name.replace("[[", "").replace("]] ", "[");
+        format!("{table}].{key}")
+    }
+
     /// True for a fade by itself, whose rise comes before its start.
     pub(crate) fn is_fade(&self) -> bool {
         matches!(self.shape, Shape::Fade(_))
@@ -301,7 +307,7 @@ impl Event {
         if ramp_s > self.longest_ramp_s() + tolerances::SAME_TIME_S {
             return Err(Error::bad_data("there is no time for the ramps")
                 .at_line(self.line)
-                .field(format!("{} ramp_s", self.name))
+                .field(self.key("ramp_s"))
                 .found(format!("{:.1} ms", 1e3 * ramp_s))
                 .expected(format!(
                     "at most {:.1} ms before and after what sounds",

@@ -1,6 +1,7 @@
 //! From a model and a scene with `[time]` to a drive, and how it does: the whole in one
 //! function.
 
+use crate::digits::hertz;
 use crate::methods::options::RenderOptions;
 use crate::panel::operator::{column_of, Operator};
 use crate::results::evaluate::rename_field;
@@ -194,7 +195,7 @@ fn tones_not_played(weights: &Weights, scene: &Scene) -> Option<Finding> {
     let others: Vec<String> = weights
         .tones()
         .filter(|tone| scene.tone_at(tone.frequency_hz).is_none())
-        .map(|tone| tone.frequency_hz.to_string())
+        .map(|tone| hertz(tone.frequency_hz))
         .collect();
     let words = format!(
         "the weights have a tone at {} Hz that the scene does not have: it is not played",

@@ -2,6 +2,7 @@
 
 use super::plan::{Judged, TouchPlan};
 use super::program::contrast_db;
+use crate::digits::hertz;
 use crate::panel::drive::{amplitude, Drive};
 use crate::problems::problem::Problem;
 use crate::tolerances;
@@ -163,8 +164,9 @@ pub(crate) fn findings(
         return findings;
     }
     let mut words = format!(
-        "no drive found tolerates a {} finger at {drive_hz} Hz",
-        firm.name
+        "no drive found tolerates a {} finger at {} Hz",
+        firm.name,
+        hertz(drive_hz)
     );
     if let Some(db) = best_db.or(told.contrast_db) {
         words += &format!(" ({db:.1} dB, {asked_db:.1} needed)");

@@ -257,7 +257,7 @@ fn limits_of_volts_current_and_effort_are_held_against_a_drive() {
         )
     };
     let all = |times: f64| format!("max_effort = {}", effort / times);
-    let [each, of_all] = ["per actuator (V)", "on the root of the sum of squares (V)"];
+    let [each, of_all] = ["V per actuator", "V on the root of the sum of squares"];
     for (actuators, times, limit) in [
         (volts(4.0), "4.000 times", each),
         (current(4.0), "4.000 times", each),

@@ -225,6 +225,15 @@ fn what_some_actuators_cannot_is_not_impossible() {
 }
 
 #[test]
+fn one_actuator_is_asked_for_in_the_singular() {
+    let weights = with_actuators(truth(), &at(300.0, [2, 2], 1), Count::Number(1)).weights;
+    let told = weights.own_finding("too-few-actuators").unwrap();
+    for words in ["1 was asked for", "another one may serve more"] {
+        assert!(told.text.contains(words), "{told}");
+    }
+}
+
+#[test]
 fn where_too_few_modes_are_asked_for_the_replay_says_so() {
     let scene = at(335.0, [2, 2], 1);
     let options = RenderOptions {

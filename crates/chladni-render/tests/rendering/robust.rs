@@ -214,6 +214,48 @@ fn telling_cases_apart_brings_the_proof_within_a_fifth_of_a_decibel_where_phases
 }
 
 #[test]
+fn the_ceiling_of_a_drive_that_no_row_bounds_alone_is_proven_as_well() {
+    // of these rows few count, and a drive is left that none of them sees
+    let effort = "frequency_hz = 330.0\n[zones]\ngrid = [2, 2]\nhot = [1]\n[actuators]\n\
+                  max_effort = 0.0005\n";
+    let mut dead = truth().clone();
+    dead.modes
+        .iter_mut()
+        .for_each(|mode| mode.participation.0[0] = 0.0.into());
+    let terms = dead.residual_terms.terms.iter_mut();
+    terms.for_each(|term| term.matrix.0.column_mut(0).fill(0.0.into()));
+    let force = "frequency_hz = 330.0\n[zones]\ngrid = [2, 2]\nhot = [1]\n[actuators]\n\
+                 max_force_n = 0.0005\n";
+    for (model, text) in [(truth(), effort), (&dead, force)] {
+        let weights = rendered(model, &crate::common::scene(text), MethodChoice::Best).weights;
+        let ceiling = weights.ceiling.expect("a ceiling");
+        assert!(
+            !weights.feasible && ceiling.reached_db <= ceiling.possible_db,
+            "{ceiling:?}"
+        );
+    }
+}
+
+#[test]
+fn a_scene_that_mls_meets_within_a_tight_limit_is_met_by_the_conic_methods() {
+    let scene = crate::common::scene(
+        "frequency_hz = 264.17\n[zones]\ngrid = [3, 2]\nhot = [6]\n\
+         area_m = [0.05, 0.05, 0.2, 0.12]\ntransition_m = 0.02\n[actuators]\n\
+         max_force_n = 0.0002576\nmax_effort = 0.000955\n[drift]\nisotropic_relative = 0.0\n\
+         drive_relative = 0.0\n",
+    );
+    for method in [
+        Method::Mls.into(),
+        MethodChoice::Default,
+        MethodChoice::Best,
+        Method::MinEffort.into(),
+    ] {
+        let weights = rendered(truth(), &scene, method).weights;
+        assert!(weights.feasible, "{method}: {:?}", weights.indices.points);
+    }
+}
+
+#[test]
 fn margin_takes_little_of_the_force_that_is_allowed() {
     let with = |limit: &str| {
         let text = format!(

@@ -197,6 +197,12 @@ fn every_mistake_is_named_with_its_line_and_what_belongs_there() {
             "did you mean `classic`",
         ),
         (
+            format!("{MINIMAL}[threshold]\nprofile = \"nofile.csv\"\n"),
+            6,
+            "threshold.profile",
+            "no such file",
+        ),
+        (
             format!("{MINIMAL}[actuators]\nuse = \"some\"\n"),
             6,
             "actuators.use",

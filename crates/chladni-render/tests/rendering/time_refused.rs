@@ -122,10 +122,13 @@ fn a_ramp_that_the_band_cannot_describe_and_a_rate_below_it_are_refused() {
         "[time]\n[[time.burst]]\nduration_s = 0.1\nramp_s = 0.001\n",
     );
     let error = play(truth(), &scene, None, &PlayOptions::default()).unwrap_err();
-    assert!(
-        error.field.as_deref().unwrap().contains("ramp_s") && error.to_string().contains("band"),
+    assert!(error.to_string().contains("band"), "{error}");
+    assert_eq!(
+        error.field.as_deref(),
+        Some("time.burst[1].ramp_s"),
         "{error}"
     );
+    assert!(error.line.is_some(), "{error}");
     let scene = cell_scene([2, 2], 1, BURST);
     let made = played(truth(), &scene, Ramps::Plain);
     let slow = SignalOptions {

@@ -18,7 +18,11 @@ fn a_force_limit_is_kept_and_said_to_bind() {
         );
         if [Method::PressureMatching, Method::Mls].contains(&method) {
             assert!(
-                limited.weights.findings.iter().any(|w| w.contains("binds")),
+                limited
+                    .weights
+                    .findings
+                    .iter()
+                    .any(|w| w.contains(" N per actuator binds")),
                 "{method}: {:?}",
                 limited.weights.findings
             );
