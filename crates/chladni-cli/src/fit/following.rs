@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Arguments that follow a known model.
 #[derive(Debug, clap::Args)]
-#[group(id = "following")]
+#[group(id = "following_arguments")]
 pub struct Args {
     /// Keep the shapes of this model and move its poles to the FRFs, of which six are
     /// enough: temperature, another day

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 /// Arguments that say where the scale of shapes comes from.
 #[derive(Debug, clap::Args)]
-#[group(id = "scale")]
+#[group(id = "scale_arguments")]
 pub struct Args {
     /// Scale of the shapes: unit modal mass by driving points, or by the geometry of a panel
     /// (they go on smoothly from responses to references, or have the modal mass 1); auto:

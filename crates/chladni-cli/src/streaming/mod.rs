@@ -17,7 +17,7 @@ pub use resume::Resume;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{sync_channel, Receiver, SyncSender};
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// True where FRFs of so many bytes are fitted part by part.
 pub fn too_large(bytes: u64, memory: u64) -> bool {
@@ -154,8 +154,11 @@ impl<'a> Stream<'a> {
             let ReducedPart { partial, findings } = received?;
             self.console.find_all(&findings);
             done += bytes(part) / all;
-            self.console
-                .so_far(done, start.elapsed().mul_f64((1.0 - done).max(0.0) / done));
+            // files without bytes tell nothing of the time that is left
+            let left = start.elapsed().as_secs_f64() * ((1.0 - done).max(0.0) / done);
+            if let Ok(left) = Duration::try_from_secs_f64(left) {
+                self.console.so_far(done, left);
+            }
             let Some(partial) = partial? else {
                 continue;
             };

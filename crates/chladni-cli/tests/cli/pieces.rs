@@ -409,7 +409,6 @@ fn what_was_read_or_fitted_otherwise_is_not_resumed() {
                 ("--frf-kind mobility", "--frf-kind", "not given", "mobility"),
                 ("--duplicates mean", "--duplicates", "not given", "mean"),
                 ("--lenient", "--lenient", "not given", "true"),
-                ("--reference 101", "--reference", "not given", "[101]"),
                 ("--band 30:300", "--band", "not given", "[30.0,300.0]"),
                 ("--seed 7", "--seed", "0", "7"),
                 ("--damping viscous", "--damping", "auto", "viscous"),

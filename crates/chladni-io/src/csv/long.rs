@@ -1,6 +1,6 @@
 //! Long tables: one row per FRF and line, `node,dir,ref_node,ref_dir,f,re,im`.
 
-use super::factors::Names;
+use super::factors::refuse_factor;
 use super::facts::is_same_unit;
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
@@ -172,9 +172,9 @@ impl LongTable<'_> {
             let rows = pairs.iter().flat_map(|pair| &pair.rows);
             rows.map(|row| row.2[at]).collect()
         };
-        let names = Names::new(&self.columns.names, &[]);
         for column in [self.columns.first, self.columns.second] {
-            names.refuse_factor(column, &self.columns.heads[column])?;
+            let head = &self.columns.heads[column];
+            refuse_factor(column, &self.columns.names, &[], head, facts)?;
         }
         let (a, b) = (values(0), values(1));
         let column = |number: usize, values| Column {

@@ -3,7 +3,7 @@
 
 use super::column_header::ColumnHeader;
 use super::dofs::{dof_pair, Dofs};
-use super::factors::Names;
+use super::factors::refuse_factor;
 use super::form::{Column, Form};
 use super::frequency::factor_to_hz;
 use super::groups::{group_columns, Group};
@@ -21,9 +21,8 @@ pub(super) fn traces(
 ) -> Result<(Vec<f64>, Vec<Trace>)> {
     let heads = ColumnHeader::of_columns(&table.names, &table.units);
     let frequency_hz = frequency_axis(table, facts)?;
-    let names = Names::new(&table.names, &table.units);
     for (column, head) in heads.iter().enumerate().skip(1) {
-        names.refuse_factor(column, head)?;
+        refuse_factor(column, &table.names, &table.units, head, facts)?;
     }
     let mut traces: Vec<Trace> = Vec::new();
     for group in group_columns(table, &heads, warnings)? {

@@ -53,7 +53,10 @@ pub(super) fn agreed(
     Ok((Some(unit.kind), unit.reference))
 }
 
-/// The text of the attribute; `None` where there is none or it is blank.
+/// Texts that state no unit.
+const NO_UNIT: [&str; 4] = ["", "-", "1", "none"];
+
+/// The text of the attribute; `None` where there is none or it says that there is no unit.
 fn label(entry: &Entry) -> Result<Option<&str>> {
     let mut unread = entry.unread_attributes.iter();
     if let Some((_, why)) = unread.find(|(name, _)| name == UNIT) {
@@ -62,7 +65,7 @@ fn label(entry: &Entry) -> Result<Option<&str>> {
     match entry.attribute(UNIT) {
         None => Ok(None),
         Some(Attribute::Text(text) | Attribute::FixedText(text)) => {
-            Ok(Some(text.trim()).filter(|text| !text.is_empty()))
+            Ok(Some(text.trim()).filter(|text| !NO_UNIT.contains(text)))
         }
         Some(Attribute::Real(number)) => {
             Err(not_understood(entry, &number.to_string()).expected("a text"))

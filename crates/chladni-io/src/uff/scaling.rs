@@ -329,9 +329,11 @@ fn swapped([above, below]: [i32; 2], is_unknown: bool) -> Option<Finding> {
     Some(Finding::caution("swapped-codes", words))
 }
 
-/// Refuses a function of frequency over orders: without the speed they are no frequencies.
+/// Refuses a function of frequency over orders without a unit of frequency: without the speed
+/// they are no frequencies.
 pub(super) fn refuse_orders(function_type: i32, axis: &Axis, line: u64) -> Result<()> {
-    if axis.quantity != ORDER || ![FRF, COHERENCE].contains(&function_type) {
+    let is_order = axis.quantity == ORDER && [FRF, COHERENCE].contains(&function_type);
+    if !is_order || unit_label::parse(&axis.unit).is_some_and(|unit| unit.to_hertz().is_some()) {
         return Ok(());
     }
     Err(Error::bad_data("an FRF or coherence over orders")
@@ -376,6 +378,16 @@ fn abscissa(axis: &Axis, function_type: i32, warnings: &mut Vec<Finding>) -> f64
     }
     if axis.quantity == RPM && over_frequency {
         return rotation(axis, label, warnings);
+    }
+    if axis.quantity == ORDER && over_frequency {
+        warnings.push(Finding::caution(
+            "unit-contradicted",
+            format!(
+                "quantity code {ORDER} of the abscissa says orders, its unit says `{}`; the unit \
+                 is used",
+                axis.unit
+            ),
+        ));
     }
     let (factor, assumed) = match axis.quantity {
         TIME if !over_frequency => (label.and_then(Unit::to_seconds), "s"),

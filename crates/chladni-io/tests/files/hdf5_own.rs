@@ -162,6 +162,18 @@ fn units_of_values_and_frequencies_count_whole_and_in_parts() {
 }
 
 #[test]
+fn texts_for_no_unit_are_no_unit() {
+    for label in ["", "-", "1", "none"] {
+        let own = Own {
+            frf_unit: Some(text(label)),
+            freq_unit: Some(label),
+            ..Own::default()
+        };
+        assert_eq!(own.read().unwrap().kind, Some(FrfKind::Mobility), "{label}");
+    }
+}
+
+#[test]
 fn units_that_are_not_understood_or_contradict_the_root_are_refused() {
     let of_frf = |label: AttrValue| Own {
         frf_unit: Some(label),

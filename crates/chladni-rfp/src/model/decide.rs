@@ -25,7 +25,7 @@ use num_complex::Complex64;
 /// 1. The phases of the residues choose the law.
 /// 2. If they do not decide for good, and little noise tells the laws far apart, the law that needs
 ///    fewer poles is taken.
-/// 3. If neither decides and one shape per mode is refused, the other law is taken if one shape
+/// 3. If neither decides for good and one shape per mode is refused, the other law is taken if one shape
 ///    per mode holds there: heavily overlapping modes may have wrong phases. The law stays open if
 ///    the phases spoke for the first. If the other law has more poles, the first is tried with
 ///    these before.
@@ -43,22 +43,19 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     watch.stage("damping law")?;
     let verdict = law_verdict(data, &found, options)?;
     let is_open = options.damping.is_none() && !matches!(verdict, Verdict::Decided(_));
-    let (found, verdict) = match is_open && may_tell(&found) {
-        true => {
-            let other = again(found.clone(), found.work.law.other())?;
-            match law_of_fewer_poles(&found, &other) {
-                Some(law) if law == other.work.law => (other, Verdict::Decided(law)),
-                Some(law) => (found, Verdict::Decided(law)),
-                None => (found, verdict),
-            }
-        }
-        false => (found, verdict),
+    let other = match is_open && may_tell(&found) {
+        true => Some(again(found.clone(), found.work.law.other())?),
+        false => None,
     };
+    let by_poles = other
+        .as_ref()
+        .and_then(|other| law_of_fewer_poles(&found, other));
+    let verdict = by_poles.map_or(verdict, Verdict::Decided);
     let law = options.damping.or(verdict.law()).unwrap_or(found.work.law);
-    let found = if found.work.law == law {
-        found
-    } else {
-        again(found, law)?
+    let (found, other) = match (found.work.law == law, other) {
+        (true, other) => (found, other),
+        (false, Some(other)) => (other, Some(found)),
+        (false, None) => (again(found, law)?, None),
     };
     watch.stage("shapes")?;
     let mut choice = Choice {
@@ -66,8 +63,12 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         found,
         verdict,
     };
-    if options.damping.is_none() {
-        choice = choice.or_other_law(data, options, law.other(), again)?;
+    if options.damping.is_none() && by_poles.is_none() {
+        let in_other = |found: PoleEstimate| match other {
+            Some(other) => Ok(other),
+            None => again(found, law.other()),
+        };
+        choice = choice.or_other_law(data, options, law.other(), in_other)?;
     }
     let real = real_shapes_hold(&choice.search);
     let mut identified = Identified::new(choice.found);
@@ -96,7 +97,7 @@ impl Choice {
         data: &DataLayout,
         options: &FitOptions,
         other: Damping,
-        again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, E>,
+        in_other: impl FnOnce(PoleEstimate) -> Result<PoleEstimate, E>,
     ) -> Result<Self, E> {
         let refused = matches!(self.search, Search::Refused(_))
             && !matches!(self.verdict, Verdict::Decided(_));
@@ -106,7 +107,7 @@ impl Choice {
         if !(refused || complex) {
             return Ok(self);
         }
-        let found = again(self.found.clone(), other)?;
+        let found = in_other(self.found.clone())?;
         let search = shape_search(data, &found, options)?;
         if !(one_shape_holds(&search) && (refused || real_shapes_hold(&search))) {
             return Ok(self);

@@ -26,11 +26,12 @@ pub(crate) fn may_tell(found: &PoleEstimate) -> bool {
 }
 
 /// The law that needs clearly fewer poles and leaves no more, of a search in each law; `None` where
-/// neither does.
+/// neither does. Where both need many, neither law holds, and their numbers tell nothing.
 pub(crate) fn law_of_fewer_poles(first: &PoleEstimate, other: &PoleEstimate) -> Option<Damping> {
-    let poles = |found: &PoleEstimate| found.refined.lambda.len();
     let needs_fewer = |(fewer, more): &(&PoleEstimate, &PoleEstimate)| {
-        poles(fewer) + limits::POLES_TELL <= poles(more)
+        let [few, many] = [fewer, more].map(|found| beside_modes(found));
+        many >= limits::POLES_TELL + few
+            && many >= limits::TIMES_AS_MANY * few
             && fewer.residual_is_noise
             && !fewer.is_rounding()
             && fewer.variance <= limits::SAME_NOISE * more.variance
@@ -39,4 +40,13 @@ pub(crate) fn law_of_fewer_poles(first: &PoleEstimate, other: &PoleEstimate) -> 
         .into_iter()
         .find(needs_fewer);
     found.map(|(fewer, _)| fewer.work.law)
+}
+
+/// Number of poles that are no sure modes of the band.
+fn beside_modes(found: &PoleEstimate) -> usize {
+    let poles = found.refined.lambda.iter().zip(&found.grades);
+    let is_beside = |(pole, grade): &(&Complex64, &Grade)| {
+        grade.trust != Trust::Sure || !found.work.in_band(**pole)
+    };
+    poles.filter(is_beside).count()
 }

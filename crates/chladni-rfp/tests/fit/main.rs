@@ -6,6 +6,7 @@ mod family;
 mod faults;
 mod force_noise;
 mod identification;
+mod law;
 mod limits;
 mod measured;
 mod measured_faults;

@@ -22,7 +22,6 @@ use chladni_text::door::{place_of, Place};
 use hdf5::types::{FloatSize, TypeDescriptor};
 use hdf5::{Location, LocationType};
 use ndarray::{Ix3, SliceInfo, SliceInfoElem};
-use num_complex::{Complex32, Complex64};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use values::read_values;

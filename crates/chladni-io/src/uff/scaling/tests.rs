@@ -58,6 +58,12 @@ fn revolutions_are_divided_by_60_and_orders_are_refused() {
     }
     let told = refuse_orders(FRF, &axis(ORDER, ""), 3).unwrap_err();
     assert!(told.to_string().contains("found 20, an order"), "{told}");
+    assert!(refuse_orders(FRF, &axis(ORDER, "furlong"), 3).is_err());
+    let mut warnings = Vec::new();
+    let by_label = axis(ORDER, "kHz");
+    assert!(refuse_orders(FRF, &by_label, 3).is_ok());
+    assert_eq!(abscissa(&by_label, FRF, &mut warnings), 1e3);
+    assert_eq!(warnings[0].code, "unit-contradicted");
     // an order spectrum is kept as it is
     assert!(refuse_orders(27, &axis(ORDER, ""), 3).is_ok());
     assert!(refuse_orders(FRF, &axis(RPM, ""), 3).is_ok());

@@ -248,6 +248,8 @@ fn frfs_over_orders_are_refused_and_those_over_rpm_are_read() {
     for words in ["orders", "record 8", "18 (frequency)"] {
         assert!(told.contains(words), "{words}: {told}");
     }
+    let labelled = over("20", "kHz");
+    assert_eq!(only_function(&labelled).abscissa_to_si, 1e3);
     let turns = over("19", "");
     assert_eq!(only_function(&turns).abscissa_to_si, 1.0 / 60.0);
 }

@@ -1,0 +1,161 @@
+//! The damping law where phases do not tell it, or a window turns them.
+
+use crate::common::fitted;
+use chladni_frf::{Damping, FrfSet, FrfValues, Mode, Trust};
+use chladni_plate::Synthetic;
+use chladni_rfp::FitOptions;
+use ndarray::{Array1, Array3};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+const MODES_HZ: [f64; 8] = [36.4, 68.9, 109.3, 124.1, 216.2, 294.1, 349.8, 451.7];
+const LOSS: f64 = 0.02;
+
+/// FRFs of so many responses to two references: the values `of` (response, reference) and ω, and the
+/// white noise of a synthetic set at their level.
+fn set(
+    responses: usize,
+    snr_db: f64,
+    seed: u64,
+    of: impl Fn([usize; 2], f64) -> Complex64,
+) -> FrfSet {
+    let [mut frf, quiet] = [snr_db, f64::INFINITY].map(|snr_db| {
+        let one = Synthetic {
+            natural_frequency_hz: vec![100.0],
+            loss_factor: vec![LOSS],
+            responses,
+            references: 2,
+            frequency_hz: Array1::range(9.8, 499.6, 0.30625),
+            snr_db,
+            seed,
+            ..Synthetic::default()
+        };
+        one.build().expect("a set").frf
+    });
+    let axis = frf.frequency_hz.clone();
+    let (FrfValues::F64(values), FrfValues::F64(quiet)) = (&mut frf.values, quiet.values) else {
+        panic!("simulated values are f64");
+    };
+    let wanted = Array3::from_shape_fn(values.raw_dim(), |(i, j, k)| of([i, j], TAU * axis[k]));
+    let energy = |all: &Array3<Complex64>| all.iter().map(|v| v.norm_sqr()).sum::<f64>();
+    let level = (energy(&wanted) / energy(&quiet)).sqrt();
+    *values = wanted + (&*values - &quiet) * Complex64::from(level);
+    frf
+}
+
+/// The sum of the modes: of each (mode, response, reference) and its natural frequency, rad/s.
+fn modes([i, j]: [usize; 2], of_mode: impl Fn([usize; 3], f64) -> Complex64) -> Complex64 {
+    let of = |(n, f): (usize, &f64)| of_mode([n, i, j], TAU * f);
+    MODES_HZ.iter().enumerate().map(of).sum()
+}
+
+/// The law that the data tell without a condition, and how far the sure mode next to each natural
+/// frequency is off, in error bars.
+fn told(frf: &FrfSet, expected_hz: &[f64]) -> (Option<Damping>, Vec<f64>) {
+    let model = fitted(frf, &FitOptions::default());
+    let findings = &model.quality.findings;
+    let is_told = !findings.iter().any(|f| f.code.starts_with("law-"));
+    let off = |f: &f64| {
+        let sure = model.modes.iter().filter(|mode| mode.trust == Trust::Sure);
+        let off = |mode: &Mode| (mode.frequency_hz - f).abs();
+        let mode = sure
+            .min_by(|a, b| off(a).total_cmp(&off(b)))
+            .expect("a sure mode");
+        assert!(!is_told || mode.frequency_std_hz < 1e-6 * f, "{mode:?}");
+        off(mode) / mode.frequency_std_hz
+    };
+    let off = expected_hz.iter().map(off).collect();
+    (is_told.then_some(model.damping), off)
+}
+
+/// A real shape and its participations, and the angle by which a complex one is turned, rad.
+fn shapes([n, i, j]: [usize; 3], seed: u64) -> (f64, f64) {
+    let (n, i, j, seed) = (n as f64, i as f64 + 1.0, j as f64 + 1.0, seed as f64);
+    let real = ((3.0 * n + 2.0) * i + seed).sin() * ((5.0 * n + 3.0) * j).cos();
+    (real, 0.3 * ((7.0 * n + 1.0) * i + 2.0 * seed).sin())
+}
+
+/// Complex shapes hide the law from phases. With little noise the wrong law needs more poles, and
+/// in the right one error bars hold no other law.
+#[test]
+fn of_complex_shapes_the_structural_law_needs_fewer_poles() {
+    let seed = 1;
+    let frf = set(12, 110.0, seed, |at, omega| {
+        modes(at, |at, natural| {
+            let (real, angle) = shapes(at, seed);
+            let squared = natural * natural * Complex64::new(1.0, LOSS);
+            Complex64::from_polar(real, angle) * Complex64::I * omega / (squared - omega * omega)
+        })
+    });
+    let (law, off) = told(&frf, &MODES_HZ);
+    assert_eq!(law, Some(Damping::Structural));
+    assert!(off.iter().all(|off| *off < 5.0), "{off:?}");
+}
+
+/// Two masses on springs, one of them damped by a dashpot to the ground: noise may leave the law
+/// open, and never makes it the wrong one.
+#[test]
+fn of_masses_with_one_dashpot_the_viscous_law_needs_fewer_poles() {
+    let [first, between, second, dashpot] = [4e5, 3e5, 9e5, 100.0];
+    // M·s² + C·s + K without its off-diagonal −`between`
+    let diagonal = |s: Complex64| {
+        let whole = s * s + between;
+        [whole + dashpot * s + first, whole + second]
+    };
+    let determinant = |s: Complex64| {
+        let [a, d] = diagonal(s);
+        a * d - between * between
+    };
+    let expected_hz = [800.0, 1150.0].map(|start| {
+        let mut s = Complex64::new(-1.0, start);
+        for _ in 0..50 {
+            let slope = (determinant(s + 1e-3) - determinant(s - 1e-3)) / 2e-3;
+            s -= determinant(s) / slope;
+        }
+        s.norm() / TAU
+    });
+    let mut laws = Vec::new();
+    for seed in 1..=8 {
+        let frf = set(2, 80.0, seed, |at, omega| {
+            let s = Complex64::I * omega;
+            let [a, d] = diagonal(s);
+            let cofactor = match at {
+                [0, 0] => d,
+                [1, 1] => a,
+                _ => between.into(),
+            };
+            s * cofactor / determinant(s)
+        });
+        let (law, off) = told(&frf, &expected_hz);
+        assert!(off.iter().all(|off| *off < 5.0), "seed {seed}: {off:?}");
+        laws.push(law);
+    }
+    assert!(laws.contains(&Some(Damping::Viscous)), "{laws:?}");
+    assert!(!laws.contains(&Some(Damping::Structural)), "{laws:?}");
+}
+
+/// An exponential window turns the residues of a viscous mode by α/ω, which is as much as the law
+/// does: where the α is told it decides nothing.
+#[test]
+fn an_exponential_window_makes_the_law_no_other() {
+    let alpha = 0.5;
+    for seed in 1..=2 {
+        let windowed = set(12, 50.0, seed, |at, omega| {
+            let s = Complex64::new(alpha, omega);
+            modes(at, |at, natural| {
+                shapes(at, seed).0 * s / (s * s + LOSS * natural * s + natural * natural)
+            })
+        });
+        let options = FitOptions {
+            exponential_window_per_s: Some(alpha),
+            ..FitOptions::default()
+        };
+        let model = fitted(&windowed, &options);
+        assert_eq!(model.damping, Damping::Viscous, "seed {seed}");
+        assert_eq!(model.in_band_modes().count(), MODES_HZ.len());
+        for (mode, f) in model.in_band_modes().zip(MODES_HZ) {
+            let off = (mode.frequency_hz - f).abs() / mode.frequency_std_hz;
+            assert!(off < 5.0, "{f} Hz, seed {seed}: {off} error bars");
+        }
+    }
+}
