@@ -161,7 +161,7 @@ fn a_set_larger_than_memory_is_read_in_parts_and_gives_the_same_model() {
     );
     // universal files, binary and text, one and several
     for (name, line) in [
-        ("panel.uff", "convert panel.h5 -o panel.uff"),
+        ("panel.uff", "convert panel.h5 -o panel.unv"),
         ("panel.unv", "convert panel.h5 -o panel.unv"),
     ] {
         folder.run(line).exits(0);
@@ -397,9 +397,25 @@ fn left_by_a_killed_run(folder: &Folder, line: &str, output: &str) {
     panic!("no kill came while it ran: {line}");
 }
 
+/// The functions of `panel.h5` at one of its references, as a universal file.
+fn functions_of_reference_101(folder: &Folder) -> String {
+    folder
+        .run("convert panel.h5 -o panel.unv --force -q")
+        .exits(0);
+    let text = folder.text("panel.unv");
+    let sets = text.split("    -1\n").filter(|set| {
+        let dofs = set.lines().nth(6).unwrap_or_default();
+        set.trim_start().starts_with("58") && dofs.trim_end().ends_with(" 101   3")
+    });
+    let sets: Vec<String> = sets.map(|set| format!("    -1\n{set}    -1\n")).collect();
+    assert_eq!(sets.len(), 24);
+    sets.concat()
+}
+
 #[test]
 fn what_was_read_or_fitted_otherwise_is_not_resumed() {
     let folder = noisy();
+    folder.write("one.unv", functions_of_reference_101(&folder));
     for (line, output, others) in [
         (
             "fit panel.h5 --memory 1M -o a.json",
@@ -417,6 +433,11 @@ fn what_was_read_or_fitted_otherwise_is_not_resumed() {
                 ("--window none", "--window", "not given", "none"),
                 ("--memory 1030K", "--memory", "1048576", "1054720"),
             ][..],
+        ),
+        (
+            "fit one.unv --memory 100K -o one.json",
+            "one.json",
+            &[("--reference 101", "--reference", "not given", "[101]")],
         ),
         (
             "block reduce panel.h5 --memory 1M -o a.part --block 1 --blocks 2",

@@ -196,7 +196,7 @@ fn in_brackets(name: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// What a word says of the unit of a phase.
+/// Signs of a unit of phase in a word.
 #[derive(Default)]
 struct Said {
     angle: bool,
