@@ -22,7 +22,8 @@ pub(super) const SAME_NOISE: f64 = 1.01;
 // fewer_poles.rs
 
 /// Shift of a mode under the other law, in error bars, from which the wrong law may need more poles.
-pub(super) const LAW_COSTS_POLES: f64 = 30.0;
+/// At 30 the panel of the benches (40 dB) paid a second search that told nothing.
+pub(super) const LAW_COSTS_POLES: f64 = 1000.0;
 /// Poles beside the modes of the band by which the searches in the two laws must differ: noise makes
 /// one now and then.
 pub(super) const POLES_TELL: usize = 2;
