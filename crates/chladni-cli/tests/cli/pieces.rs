@@ -161,7 +161,7 @@ fn a_set_larger_than_memory_is_read_in_parts_and_gives_the_same_model() {
     );
     // universal files, binary and text, one and several
     for (name, line) in [
-        ("panel.uff", "convert panel.h5 -o panel.unv"),
+        ("panel.uff", "convert panel.h5 -o panel.uff"),
         ("panel.unv", "convert panel.h5 -o panel.unv"),
     ] {
         folder.run(line).exits(0);
