@@ -132,17 +132,6 @@ impl<S: Source> Run<'_, S> {
             Some(evidence) => (law, evidence),
             None => match in_law(law, None)? {
                 Outcome::Ended(Doubt::NotWhite(evidence)) => (law.other(), evidence),
-                Outcome::White(chain) if self.may_have_bought_poles(&chain) => {
-                    return Ok(match in_law(law.other(), None)? {
-                        Outcome::White(other)
-                            if other.whiteness.is_rounding
-                                && other.pole_count() < chain.pole_count() =>
-                        {
-                            Outcome::White(other)
-                        }
-                        _ => Outcome::White(chain),
-                    })
-                }
                 whole => return Ok(whole),
             },
         };
@@ -150,13 +139,6 @@ impl<S: Source> Run<'_, S> {
             white @ Outcome::White(_) => white,
             Outcome::Ended(_) => Outcome::Ended(Doubt::NotWhite(evidence)),
         })
-    }
-
-    /// True if the chain explains data without noise, and the other law does so, too: it may need
-    /// fewer poles. Nothing else tells that poles make good what the law misses.
-    fn may_have_bought_poles(&self, chain: &Chain) -> bool {
-        let is_open = self.options.damping.is_none() && self.data.values().is_some();
-        is_open && chain.whiteness.is_rounding && chain.holds_in_other_law()
     }
 
     /// The fast chain in one law.

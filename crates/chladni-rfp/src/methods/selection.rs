@@ -12,7 +12,7 @@ use crate::methods::found::MethodPoles;
 use crate::methods::survey::Survey;
 use crate::poles::estimate::fewer_modes;
 use crate::poles::noise_variance::noise_variance;
-use crate::poles::prune::{narrower_than_a_line, redundant_pole};
+use crate::poles::prune::{narrower_than_a_line, redundant_pole, Patience};
 use crate::poles::refine::{refine, removable, Projection};
 use crate::poles::removal::{rise_without, Removable};
 use crate::poles::scan::usual_loss;
@@ -120,7 +120,9 @@ fn without_redundant_poles(
     let mut needed = Vec::new();
     loop {
         let moved = refine(work, &lambda, &RESIDUAL_POWERS, tol::ROUGH)?;
-        match redundant_pole(work, &moved, limit, |pole| work.in_band(pole), &mut needed)? {
+        let may_go = |pole| work.in_band(pole);
+        let patience = Patience::SHORT;
+        match redundant_pole(work, &moved, limit, may_go, &mut needed, patience)? {
             Some((q, _)) => lambda.remove(q),
             None => return Ok(lambda),
         };

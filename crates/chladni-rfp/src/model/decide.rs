@@ -7,7 +7,7 @@ use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::data::watch::Watch;
-use crate::model::fewer_poles::{law_of_fewer_poles, may_tell};
+use crate::model::fewer_poles::{law_of_fewer_poles, may_tell, without_idle_poles};
 use crate::model::identified::{Identified, LawOpen};
 use crate::model::in_law::in_law;
 use crate::model::limits;
@@ -24,7 +24,7 @@ use num_complex::Complex64;
 ///
 /// 1. The phases of the residues choose the law.
 /// 2. If they do not decide for good, and little noise tells the laws far apart, the law that needs
-///    fewer poles is taken.
+///    clearly fewer poles is taken.
 /// 3. If neither decides for good and one shape per mode is refused, the other law is taken if one shape
 ///    per mode holds there: heavily overlapping modes may have wrong phases. The law stays open if
 ///    the phases spoke for the first. If the other law has more poles, the first is tried with
@@ -43,19 +43,20 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     watch.stage("damping law")?;
     let verdict = law_verdict(data, &found, options)?;
     let is_open = options.damping.is_none() && !matches!(verdict, Verdict::Decided(_));
-    let other = match is_open && may_tell(&found) {
-        true => Some(again(found.clone(), found.work.law.other())?),
+    let frfs = data.pairs.len();
+    let by_poles = match is_open && may_tell(&found) {
+        true => law_of_fewer_poles(&found, frfs)?,
         false => None,
     };
-    let by_poles = other
-        .as_ref()
-        .and_then(|other| law_of_fewer_poles(&found, other));
     let verdict = by_poles.map_or(verdict, Verdict::Decided);
     let law = options.damping.or(verdict.law()).unwrap_or(found.work.law);
-    let (found, other) = match (found.work.law == law, other) {
-        (true, other) => (found, other),
-        (false, Some(other)) => (other, Some(found)),
-        (false, None) => (again(found, law)?, None),
+    let found = match found.work.law == law {
+        true => found,
+        false => again(found, law)?,
+    };
+    let found = match options.modes.is_none() && options.added_hz.is_empty() {
+        true => without_idle_poles(found, frfs)?,
+        false => found,
     };
     watch.stage("shapes")?;
     let mut choice = Choice {
@@ -64,10 +65,7 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         verdict,
     };
     if options.damping.is_none() && by_poles.is_none() {
-        let in_other = |found: PoleEstimate| match other {
-            Some(other) => Ok(other),
-            None => again(found, law.other()),
-        };
+        let in_other = |found: PoleEstimate| again(found, law.other());
         choice = choice.or_other_law(data, options, law.other(), in_other)?;
     }
     let real = real_shapes_hold(&choice.search);

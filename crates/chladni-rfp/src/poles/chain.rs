@@ -6,7 +6,6 @@
 //! takes over.
 
 use crate::damping::basis::RESIDUAL_POWERS;
-use crate::damping::places::in_plane_of;
 use crate::data::layout::DataLayout;
 use crate::data::options::Asked;
 use crate::data::outliers::outliers_by_energy;
@@ -14,9 +13,8 @@ use crate::data::products::Projected;
 use crate::data::source::{By, Source, Way};
 use crate::data::watch::Watch;
 use crate::poles::by_hand::{self, held};
-use crate::poles::limits;
 use crate::poles::passes::{on_all_lines, MissedPoles, Pass, PassStart};
-use crate::poles::refine::{refine, refined_sum, removable, Refined};
+use crate::poles::refine::{refine, removable, Refined};
 use crate::poles::settle::{keep_strongest, OrderHistory};
 use crate::poles::significance::threshold;
 use crate::poles::sketched::{poles_of_sketch, Doubt, SketchOutcome};
@@ -52,25 +50,6 @@ pub(crate) struct Chain {
     pub idle: Vec<Complex64>,
     /// Orders tried, in order.
     pub history: OrderHistory,
-}
-
-impl Chain {
-    /// Number of poles, those outside the band included.
-    pub fn pole_count(&self) -> usize {
-        self.refined.lambda.len()
-    }
-
-    /// True if as many poles, refined in the other law from these, explain the data to rounding
-    /// there, too.
-    pub fn holds_in_other_law(&self) -> bool {
-        let work = self.projected.work.clone();
-        let law = work.law.other();
-        let work = work.in_law(law);
-        let poles = self.refined.lambda.iter();
-        let start: Vec<Complex64> = poles.filter_map(|pole| in_plane_of(law, *pole)).collect();
-        let refined = refined_sum(&work, &start, &self.refined.powers, tol::FINE);
-        refined.is_ok_and(|(_, left)| left <= limits::EXPLAINED * work.energy())
-    }
 }
 
 /// Runs the chain, or resumes it where it stopped for a pass that was made since.

@@ -39,7 +39,12 @@ pub(crate) struct PoleEstimate {
 impl PoleEstimate {
     /// True if the poles explain the data to rounding.
     pub fn is_rounding(&self) -> bool {
-        self.refined.projection.sse <= EXPLAINED * self.work.energy()
+        self.room_to_rounding() >= 0.0
+    }
+
+    /// Sum of squares that may be added before the residual is more than rounding.
+    pub fn room_to_rounding(&self) -> f64 {
+        EXPLAINED * self.work.energy() - self.refined.projection.sse
     }
 
     /// Largest loss factor among the in-band modes that are sure; 0 if there are none.

@@ -7,7 +7,7 @@ use crate::poles::normal::NormalPoint;
 use crate::poles::refine::{refine_below, Refined};
 use crate::poles::removal::Removable;
 use crate::poles::significance::threshold;
-use crate::tolerances as tol;
+use crate::tolerances::{self as tol, Precision};
 use chladni_linalg::LinalgError;
 use num_complex::Complex64;
 
@@ -111,6 +111,32 @@ fn weakest_first(rises: &[f64]) -> Vec<usize> {
     order
 }
 
+/// The trouble taken to find that a pole is redundant.
+#[derive(Clone, Copy)]
+pub(crate) struct Patience {
+    /// Poles are tried whose rise of the sum of squares, before the others are refined again, is
+    /// below this, in units of the least rise.
+    leaning: f64,
+    /// Of the refinement of the others.
+    precision: Precision,
+}
+
+impl Patience {
+    /// Enough for poles that lean on a neighbour.
+    pub const SHORT: Self = Self {
+        leaning: limits::LEANING,
+        precision: tol::ROUGH,
+    };
+    /// Enough for all others to find their places, too.
+    pub const LONG: Self = Self {
+        leaning: f64::INFINITY,
+        precision: Precision {
+            tolerance: tol::ROUGH.tolerance,
+            ..tol::FINE
+        },
+    };
+}
+
 /// A pole that becomes redundant once the others are refined again, and the fit without it: the
 /// sum of squares rises by less than `least_rise`. Poles found to be `needed` are noted there, and
 /// not judged twice.
@@ -120,11 +146,12 @@ pub(crate) fn redundant_pole(
     least_rise: f64,
     may_go: impl Fn(Complex64) -> bool,
     needed: &mut Vec<Complex64>,
+    patience: Patience,
 ) -> Result<Option<(usize, Refined)>, LinalgError> {
     let rises = refined.significance()?;
     for q in weakest_first(&rises)
         .into_iter()
-        .take_while(|&q| rises[q] < limits::LEANING * least_rise)
+        .take_while(|&q| rises[q] < patience.leaning * least_rise)
     {
         let pole = refined.lambda[q];
         if !may_go(pole) || needed.iter().any(|known| (known - pole).norm() < pole.im) {
@@ -133,7 +160,7 @@ pub(crate) fn redundant_pole(
         let mut fewer = refined.lambda.clone();
         fewer.remove(q);
         let sse_limit = refined.projection.sse + least_rise;
-        match refine_below(work, &fewer, &refined.powers, tol::ROUGH, sse_limit)? {
+        match refine_below(work, &fewer, &refined.powers, patience.precision, sse_limit)? {
             Some(fewer) => return Ok(Some((q, fewer))),
             None => needed.push(pole),
         }

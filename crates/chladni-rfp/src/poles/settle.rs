@@ -4,7 +4,7 @@
 use crate::damping::law::is_rational;
 use crate::data::columns::Columns;
 use crate::poles::limits;
-use crate::poles::prune::{is_one_bad_line, redundant_pole};
+use crate::poles::prune::{is_one_bad_line, redundant_pole, Patience};
 use crate::poles::refine::{refine, Projection, Refined};
 use crate::poles::scan::{places_beyond, scan, Scan};
 use crate::poles::significance::threshold;
@@ -210,7 +210,7 @@ fn dispensable(
         let fewer = refine(work, &kept, &refined.powers, tol::ROUGH)?;
         return Ok(Some((gone.collect(), fewer)));
     }
-    let redundant = redundant_pole(work, refined, least_rise, |_| true, needed)?;
+    let redundant = redundant_pole(work, refined, least_rise, |_| true, needed, Patience::SHORT)?;
     Ok(redundant.map(|(q, fewer)| (vec![lambda[q]], fewer)))
 }
 

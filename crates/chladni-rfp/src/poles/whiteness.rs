@@ -25,8 +25,6 @@ use std::ops::Range;
 pub(crate) struct Whiteness {
     /// True if no look speaks against white noise.
     pub white: bool,
-    /// True if the residual is no more than rounding.
-    pub is_rounding: bool,
     /// The strongest evidence, in words.
     pub evidence: String,
     /// Ratio of this evidence to the limit of white noise and tolerated misfit.
@@ -133,7 +131,6 @@ pub(crate) fn judge(
     if mean * n as f64 <= limits::EXPLAINED * work.energy() {
         return Whiteness {
             white: true,
-            is_rounding: true,
             evidence: "the model explains the data to rounding".into(),
             excess: 0.0,
             misfit_share: 0.0,
@@ -260,7 +257,6 @@ impl Whiteness {
         };
         Self {
             white,
-            is_rounding: false,
             evidence,
             excess,
             misfit_share,

@@ -159,3 +159,41 @@ fn an_exponential_window_makes_the_law_no_other() {
         }
     }
 }
+
+/// Complex shapes without noise: the right law explains them with the modes alone.
+#[test]
+fn of_complex_shapes_without_noise_only_the_modes_are_found() {
+    let seed = 1;
+    for law in [Damping::Structural, Damping::Viscous] {
+        let frf = set(12, f64::INFINITY, seed, |at, omega| {
+            modes(at, |at, natural| {
+                let (real, angle) = shapes(at, seed);
+                let (residue, s) = (Complex64::from_polar(real, angle), Complex64::I * omega);
+                match law {
+                    Damping::Structural => {
+                        let squared = natural * natural * Complex64::new(1.0, LOSS);
+                        residue * s / (squared - omega * omega)
+                    }
+                    Damping::Viscous => {
+                        let damping = 0.5 * LOSS;
+                        let damped = natural * (1.0 - damping * damping).sqrt();
+                        let pole = Complex64::new(-natural * damping, damped);
+                        let residue = residue / (2.0 * Complex64::I * damped);
+                        s * (residue / (s - pole) + residue.conj() / (s - pole.conj()))
+                    }
+                }
+            })
+        });
+        let model = fitted(&frf, &FitOptions::default());
+        assert_eq!(model.damping, law);
+        let found: Vec<f64> = model
+            .in_band_modes()
+            .map(|mode| mode.frequency_hz)
+            .collect();
+        assert_eq!(found.len(), MODES_HZ.len(), "{law:?}: {found:?}");
+        for (found, truth) in found.iter().zip(MODES_HZ) {
+            let error = (found / truth - 1.0).abs();
+            assert!(error < 1e-8, "{law:?}: {found} for {truth}");
+        }
+    }
+}
