@@ -6,6 +6,7 @@ use crate::data::options::ShapeModel;
 use crate::poles::estimate::PoleEstimate;
 use crate::poles::significance::threshold;
 use crate::shapes::around::{fused, Around, Rest};
+use crate::shapes::from_moments::{close_groups, from_moments};
 use crate::shapes::limits;
 use crate::shapes::order::{grown, merged, shed};
 use crate::shapes::residues::{beyond_chance, most_by_chance, strongest};
@@ -135,11 +136,7 @@ impl<'a> Attempt<'a> {
         let several = self.whole.sides[1] > 1;
         let mut state = match known.and_then(|state| self.taken_from(state)) {
             Some(state) => state?,
-            None => {
-                let residues = blocked_matmul_mixed(&self.residues, target.back.view());
-                let along = leading_participations(&residues, target.sides)?;
-                State::new(target, self.inside.clone(), along, false)?
-            }
+            None => self.start()?,
         };
         if several || self.asked == ShapeModel::Rank1 {
             state = state.refined(target, Enough::SumOfSquares(variance));
@@ -158,6 +155,33 @@ impl<'a> Attempt<'a> {
             state = shed(target, state, variance, self.limit());
         }
         Ok(state)
+    }
+
+    /// The start of the search: participations that come nearest to free residues, or close poles
+    /// from the moments of these if that leaves less.
+    fn start(&self) -> Result<State, LinalgError> {
+        let target = self.target();
+        let residues = blocked_matmul_mixed(&self.residues, target.back.view());
+        let along = leading_participations(&residues, target.sides)?;
+        let start = State::new(target, self.inside.clone(), along.clone(), false)?;
+        let groups = close_groups(&self.inside);
+        if groups.is_empty() {
+            return Ok(start);
+        }
+        let (mut lambda, mut along) = (self.inside.clone(), along);
+        for group in groups {
+            let poles: Vec<Complex64> = group.iter().map(|&n| self.inside[n]).collect();
+            let matrices = group.iter().map(|&n| of_pole(&residues, target.sides, n));
+            let Some((poles, rows)) = from_moments(&poles, &matrices.collect::<Vec<_>>())? else {
+                continue;
+            };
+            for ((&n, pole), row) in group.iter().zip(poles).zip(rows.rows()) {
+                lambda[n] = pole;
+                along.row_mut(n).assign(&row);
+            }
+        }
+        let other = State::new(target, lambda, along, false).ok();
+        Ok(other.filter(|other| other.sse < start.sse).unwrap_or(start))
     }
 
     /// The modes of another attempt that are in the band, if they are those of this one.
@@ -337,14 +361,18 @@ fn by_pair<'a>(data: &DataLayout, found: &'a PoleEstimate, swapped: bool) -> Cow
     Cow::Owned(turned)
 }
 
+/// The residues of one pole, (own, other).
+fn of_pole(residues: &Array2<Complex64>, sides: [usize; 2], n: usize) -> Array2<Complex64> {
+    Array2::from_shape_fn(sides.f(), |(i, j)| residues[[n, i * sides[1] + j]])
+}
+
 /// Participations that come nearest to free residues: (mode, other).
 fn leading_participations(
     residues: &Array2<Complex64>,
     sides: [usize; 2],
 ) -> Result<Array2<Complex64>, LinalgError> {
     let leading = |n: usize| -> Result<Array1<Complex64>, LinalgError> {
-        let matrix = Array2::from_shape_fn(sides.f(), |(i, j)| residues[[n, i * sides[1] + j]]);
-        Ok(strongest(&matrix, 1)?.swap_remove(0).1)
+        Ok(strongest(&of_pole(residues, sides, n), 1)?.swap_remove(0).1)
     };
     let rows = (0..residues.nrows())
         .into_par_iter()

@@ -82,6 +82,12 @@ pub(super) const DROP_DECIDES: f64 = 12.0;
 /// Probability of a force below which bars leave it out.
 pub(super) const FORCE_LEAST: f64 = 1e-3;
 
+// from_moments.rs
+
+/// Least singular value of a sum of residues over the largest, from which on it counts as a shape:
+/// rounding.
+pub(super) const MOMENTS_RANK: f64 = 1e-9;
+
 // growth.rs
 
 /// Candidates per block of products.

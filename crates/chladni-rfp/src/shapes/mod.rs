@@ -10,6 +10,7 @@ pub(crate) mod factor;
 pub(crate) mod force_drop;
 mod force_noise;
 pub(crate) mod found;
+mod from_moments;
 pub(crate) mod growth;
 pub(crate) mod influence;
 mod inverse_root;
