@@ -2,7 +2,8 @@
 //!
 //! Elsewhere: what windows leak (`data/window/leakage.rs`), FRFs far noisier
 //! than the others (`data/noisy_frfs.rs`), lines that no neighbour supports
-//! (`data/outliers.rs`), the wrong time sign (`poles/sketched.rs`), padded records
+//! (`data/outliers.rs`), the wrong time sign (`poles/sketched.rs`), data that are nothing but a
+//! delay (`poles/delay_alone.rs`), padded records
 //! (`measured/impulse.rs`), missing values (`data/screening.rs`).
 
 use crate::checks::case::{Case, Checked, Noise};

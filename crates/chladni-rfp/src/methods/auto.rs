@@ -16,6 +16,7 @@ use crate::model::decide::decide;
 use crate::model::in_law::in_law;
 use crate::model::outlier_lines::outliers_of;
 use crate::poles::chain::{fast_chain, Chain, Outcome};
+use crate::poles::delay_alone;
 use crate::poles::estimate::{graded, more_than_asked, PoleEstimate};
 use crate::poles::prune::narrower_than_a_line;
 use crate::poles::refine::{refine, Projection};
@@ -74,6 +75,17 @@ pub(crate) fn auto<S: Source>(
                 law: data.law,
                 lambda: Vec::new(),
                 by: By::Conjugated,
+            })?,
+            Outcome::Ended(doubt @ Doubt::Delay(seconds)) => run.on_way(Way {
+                law: data.law,
+                lambda: Vec::new(),
+                by: By::Measured {
+                    evidence: doubt.words(),
+                    spread: Vec::new(),
+                    grades: Vec::new(),
+                    findings: vec![delay_alone::finding(seconds)],
+                    weights: Vec::new(),
+                },
             })?,
             Outcome::Ended(doubt) => run.by_measured_path(doubt.words())?,
         },

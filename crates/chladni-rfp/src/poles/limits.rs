@@ -19,6 +19,15 @@ pub(super) const BY_HAND_NARROWEST: f64 = 1.0;
 /// that was seen.
 pub(super) const CARRIED_AWAY: f64 = 8.0;
 
+// delay_alone.rs
+
+/// Lines from which on a delay is asked for: ten for each unknown of a column.
+pub(super) const DELAY_LINES_LEAST: usize = 40;
+/// Columns that tell the delay.
+pub(super) const DELAY_COLUMNS: usize = 4;
+/// Part of the energy of the columns that a delay may leave; the whiteness of what it leaves decides.
+pub(super) const DELAY_LEAVES: f64 = 0.5;
+
 // descent.rs
 
 /// Promised decrease of the sum of squares by a step, in units of the noise variance, below which the

@@ -3,6 +3,7 @@
 
 pub(crate) mod by_hand;
 pub(crate) mod chain;
+pub(crate) mod delay_alone;
 pub(crate) mod descent;
 pub(crate) mod estimate;
 pub(crate) mod first_look;

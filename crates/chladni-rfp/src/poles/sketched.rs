@@ -8,6 +8,7 @@ use crate::data::layout::DataLayout;
 use crate::data::outliers::single_lines;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned};
 use crate::data::watch::Watch;
+use crate::poles::delay_alone::delay_alone;
 use crate::poles::first_look::first_look;
 use crate::poles::limits;
 use crate::poles::passes::{on_all_lines, PassStart};
@@ -31,6 +32,8 @@ pub(crate) enum Doubt {
     Outliers(Vec<usize>),
     /// Poles explain the conjugate of the data far better: the data follow e^{−jωt}.
     Conjugated,
+    /// The data are a delay of so many seconds, and nothing else.
+    Delay(f64),
 }
 
 impl Doubt {
@@ -40,6 +43,7 @@ impl Doubt {
             Self::NotWhite(evidence) => evidence.clone(),
             Self::Outliers(_) => "single lines stand out of the residual".into(),
             Self::Conjugated => "every resonance turns the wrong way".into(),
+            Self::Delay(_) => "a delay alone explains the data".into(),
         }
     }
 }
@@ -65,6 +69,9 @@ pub(crate) fn poles_of_sketch(
 ) -> Result<SketchOutcome, FitError> {
     let hz = data.hz();
     let ended = |doubt| Ok(SketchOutcome::Ended(doubt));
+    if let (None, Some(seconds)) = (asked, delay_alone(&sketch, data.kind, hz)?) {
+        return ended(Doubt::Delay(seconds));
+    }
     let noise = fourth_difference_noise(&sketch, limits::SKETCH_NOISE_HALF_WINDOW);
     let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);
     let seeds: Vec<Complex64> = peaks.iter().map(|p| p.lambda).collect();

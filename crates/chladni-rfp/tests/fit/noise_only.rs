@@ -219,3 +219,37 @@ fn loud_frfs_feign_no_sure_mode_beside_true_ones() {
     }
     assert!(told > 0, "no seed shows what the check is for");
 }
+
+/// Six FRFs of one gain each and of so many cycles of delay over the band, in noise 40 dB below.
+fn delayed(cycles: f64, seed: u64) -> FrfSet {
+    let frf = noise_of([3, 2], 801, seed, |row| row.mapv(|v| 0.01 * v));
+    let FrfValues::F64(mut values) = frf.values else {
+        panic!("synthetic sets are in double precision")
+    };
+    for ((i, j, k), value) in values.indexed_iter_mut() {
+        let gain = 0.5 + (3 * i + 5 * j) as f64 / 7.0;
+        let phase = -std::f64::consts::TAU * cycles * k as f64 / 800.0;
+        *value += Complex64::from_polar(gain, phase);
+    }
+    FrfSet {
+        values: FrfValues::F64(values),
+        ..frf
+    }
+}
+
+#[test]
+fn a_delay_is_no_row_of_broad_modes() {
+    for (seed, cycles) in [1.5, 6.0, -4.0, 40.0].into_iter().enumerate() {
+        let model = fit(&delayed(cycles, seed as u64), &FitOptions::default())
+            .unwrap()
+            .model;
+        assert_eq!(model.in_band_modes().count(), 0, "{cycles} cycles");
+        let mut findings = model.quality.findings.iter();
+        let told = findings.find(|told| told.code == "delay-alone");
+        let told = told.unwrap_or_else(|| panic!("{:?}", model.quality));
+        let ms = told.values["delay_ms"].as_slice()[0];
+        let truth = 1e3 * cycles / 400.0;
+        assert!((ms - truth).abs() < 0.02, "{ms} instead of {truth} ms");
+        assert!(!model.quality.trusted);
+    }
+}
