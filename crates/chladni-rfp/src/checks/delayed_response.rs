@@ -31,18 +31,7 @@ struct Delayed {
 /// Names responses that lag or lead the others.
 pub(crate) fn delayed_responses(case: &Case) -> Option<Checked> {
     let responses = &case.model.responses;
-    if responses.len() < limits::AGREE_LEAST {
-        return None;
-    }
-    let modes = case.sure_modes();
-    let seen: Vec<Phases> = modes.iter().filter_map(|mode| Phases::of(mode)).collect();
-    if seen.len() < limits::RESPONSE_LEAST_MODES {
-        return None;
-    }
-    let natural = spread(seen.iter().flat_map(|own| own.turned()));
-    if natural > limits::LEFT_OVER {
-        return None;
-    }
+    let (seen, natural) = phases_of_shapes(case)?;
     let omega: Vec<f64> = seen.iter().map(|own| own.omega).collect();
     let trials = Trials::new(&omega);
     let found: Vec<Delayed> = (0..responses.len())
@@ -79,10 +68,25 @@ pub(crate) fn delayed_responses(case: &Case) -> Option<Checked> {
     Some(finding.into())
 }
 
+/// Phases of the modes that show at enough responses, and their spread; `None` where these are too
+/// few, or shapes too complex to tell a response from the others.
+pub(super) fn phases_of_shapes(case: &Case) -> Option<(Vec<Phases>, f64)> {
+    if case.model.responses.len() < limits::AGREE_LEAST {
+        return None;
+    }
+    let modes = case.sure_modes();
+    let seen: Vec<Phases> = modes.iter().filter_map(|mode| Phases::of(mode)).collect();
+    if seen.len() < limits::RESPONSE_LEAST_MODES {
+        return None;
+    }
+    let natural = spread(seen.iter().flat_map(|own| own.turned()));
+    (natural <= limits::LEFT_OVER).then_some((seen, natural))
+}
+
 /// Phases of a mode at the responses that show it well.
-struct Phases {
+pub(super) struct Phases {
     /// rad/s.
-    omega: f64,
+    pub omega: f64,
     /// Phase against the common one, rad, modulo 180°, and its variance by noise; `None` where
     /// the mode is weak.
     at: Vec<Option<(f64, f64)>>,
@@ -149,6 +153,85 @@ fn spread(phases: impl Iterator<Item = f64>) -> f64 {
     limits::REAL_PHASE.max(SIGMA_OF_MEDIAN * median)
 }
 
+/// Phases of one response in the modes that show it.
+pub(super) struct OfResponse {
+    omega: Vec<f64>,
+    /// rad, modulo 180°.
+    pub phases: Vec<f64>,
+    /// Reciprocal variances.
+    pub weight: Vec<f64>,
+    /// Unit phasors of the doubled phases times the weights, of all modes; zero where not shown.
+    of_all: Vec<Complex64>,
+}
+
+impl OfResponse {
+    /// `None` where few modes show it, or noise explains its phases.
+    pub fn new(response: usize, seen: &[Phases], natural: f64) -> Option<Self> {
+        let mut own = Self {
+            omega: Vec::new(),
+            phases: Vec::new(),
+            weight: Vec::new(),
+            of_all: vec![Complex64::default(); seen.len()],
+        };
+        for (mode, doubled) in seen.iter().zip(&mut own.of_all) {
+            if let Some((phase, variance)) = mode.at[response] {
+                let weight = 1.0 / (natural.max(mode.natural).powi(2) + variance + mode.of_common);
+                *doubled = weight * Complex64::from_polar(1.0, 2.0 * phase);
+                own.omega.push(mode.omega);
+                own.phases.push(phase);
+                own.weight.push(weight);
+            }
+        }
+        // half of what noise leaves on the line, at least
+        let by_noise = limits::DELAY_SIGMAS.powi(2) + limits::NOISE_LEFT * own.count();
+        let shown = own.omega.len() >= limits::RESPONSE_LEAST_MODES;
+        (shown && own.misfit(&own.phases) >= by_noise).then_some(own)
+    }
+
+    /// Number of modes.
+    pub fn count(&self) -> f64 {
+        self.omega.len() as f64
+    }
+
+    /// χ² of phases that are left.
+    pub fn misfit(&self, phases: &[f64]) -> f64 {
+        let terms = phases.iter().zip(&self.weight);
+        terms.map(|(p, w)| w * p * p).sum()
+    }
+
+    /// Log-likelihood but for a common term where this `misfit` is left.
+    pub fn likelihood(&self, misfit: f64) -> f64 {
+        self.weight.iter().map(|w| 0.5 * w.ln()).sum::<f64>() - 0.5 * misfit
+    }
+
+    /// The same of phases of no order, normal or uniform.
+    pub fn of_no_order(&self) -> f64 {
+        let size = self.phases.iter().map(|p| p * p).sum::<f64>() / self.count();
+        -0.5 * self.count() * (size.ln() + 1.0).min((0.5 * PI).ln())
+    }
+
+    /// The likeliest delay, the misfit that it leaves, and how well it is known: Σwω².
+    pub fn delay(&self, trials: &Trials) -> (f64, f64, f64) {
+        let shown = self.of_all.iter().filter(|doubled| doubled.norm() > 0.0);
+        let line = Line {
+            omega: &self.omega,
+            weight: &self.weight,
+            doubled: shown.copied().collect(),
+        };
+        let seconds = line.settled(trials.best(&self.of_all, |sum| sum.re));
+        let left = self.misfit(&line.phases(seconds));
+        (seconds, left, line.moment())
+    }
+
+    /// The likeliest turn by one angle, rad, and the misfit that it leaves.
+    pub fn turn(&self) -> (f64, f64) {
+        let turn = 0.5 * self.of_all.iter().sum::<Complex64>().arg();
+        let off = |phase: &f64| 0.5 * Complex64::from_polar(1.0, 2.0 * (phase - turn)).arg();
+        let left: Vec<f64> = self.phases.iter().map(off).collect();
+        (turn, self.misfit(&left))
+    }
+}
+
 /// Delay of a response where the modes show one.
 fn delay_of(
     response: usize,
@@ -157,58 +240,21 @@ fn delay_of(
     trials: &Trials,
     natural: f64,
 ) -> Option<Delayed> {
-    let (mut omega, mut phases, mut weight) = (Vec::new(), Vec::new(), Vec::new());
-    for own in seen {
-        if let Some((phase, variance)) = own.at[response] {
-            omega.push(own.omega);
-            phases.push(phase);
-            weight.push(1.0 / (natural.max(own.natural).powi(2) + variance + own.of_common));
-        }
-    }
-    let misfit = |phases: &[f64]| -> f64 {
-        let terms = phases.iter().zip(&weight);
-        terms.map(|(p, w)| w * p * p).sum()
-    };
-    let undelayed = misfit(&phases);
-    let sigmas = limits::DELAY_SIGMAS.powi(2);
-    let count = omega.len() as f64;
-    // half of what noise leaves on the line, at least
-    if omega.len() < limits::RESPONSE_LEAST_MODES || undelayed < sigmas + limits::NOISE_LEFT * count
-    {
-        return None;
-    }
-    let turned = phases.iter().zip(&weight);
-    let line = Line {
-        omega: &omega,
-        weight: &weight,
-        doubled: turned
-            .map(|(p, w)| w * Complex64::from_polar(1.0, 2.0 * p))
-            .collect(),
-    };
-    let mut shown = line.doubled.iter();
-    let of_all: Vec<Complex64> = seen
-        .iter()
-        .map(|own| own.at[response].and_then(|_| shown.next().copied()))
-        .map(Option::unwrap_or_default)
-        .collect();
-    let seconds = line.settled(trials.best(&of_all, |sum| sum.re));
-    let left = misfit(&line.phases(seconds));
-    let known = line.moment().sqrt();
-    let deviation = (left / (count - 1.0)).max(1.0).sqrt() / known;
-    // log-likelihoods but for a common term: on the line; of no order, normal or uniform
-    let on_line = weight.iter().map(|w| 0.5 * w.ln()).sum::<f64>() - 0.5 * left;
-    let size = phases.iter().map(|p| p * p).sum::<f64>() / count;
-    let of_no_order = -0.5 * count * (size.ln() + 1.0).min((0.5 * PI).ln());
+    let own = OfResponse::new(response, seen, natural)?;
+    let (seconds, left, moment) = own.delay(trials);
+    let known = moment.sqrt();
+    let deviation = (left / (own.count() - 1.0)).max(1.0).sqrt() / known;
     let looks = (1.0 + 2.0 * seconds.abs() * known).ln() + (responses as f64).ln();
-    let top = omega.iter().copied().fold(0.0, f64::max);
-    let shown = on_line - of_no_order > looks + limits::DELAY_LIKELIER
-        && undelayed - left > sigmas
+    let top = own.omega.iter().copied().fold(0.0, f64::max);
+    let shown = own.likelihood(left) - own.of_no_order() > looks + limits::DELAY_LIKELIER
+        && left < own.turn().1
+        && own.misfit(&own.phases) - left > limits::DELAY_SIGMAS.powi(2)
         && seconds.abs() > limits::DELAY_SIGMAS * deviation
         && seconds.abs() * top > limits::LEAST_PHASE;
     shown.then_some(Delayed {
         response,
         seconds,
         deviation,
-        modes: omega.len(),
+        modes: own.omega.len(),
     })
 }

@@ -9,7 +9,7 @@
 use crate::checks::case::{Case, Checked, Noise};
 use crate::checks::{
     delay, delayed_response, estimation, hidden, kind, moving, noise, reciprocal, split,
-    window_bias,
+    turned_response, window_bias,
 };
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
@@ -26,7 +26,7 @@ type Check = fn(&Case) -> Option<Checked>;
 const MOVEMENT: [Check; 2] = [moving::moving_poles, split::split_modes];
 
 /// Every other check that runs after a fit.
-const CHECKS: [Check; 12] = [
+const CHECKS: [Check; 13] = [
     kind::wrong_kind,
     noise::few_values,
     noise::noise_alone,
@@ -34,6 +34,7 @@ const CHECKS: [Check; 12] = [
     hidden::between_modes,
     delay::delayed_reference,
     delayed_response::delayed_responses,
+    turned_response::turned_responses,
     reciprocal::not_reciprocal,
     window_bias::possible_bias,
     window_bias::modelled,

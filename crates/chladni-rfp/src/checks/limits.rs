@@ -230,6 +230,12 @@ pub(super) const SCALE_OF_DAMPING: f64 = 0.5;
 /// a wrong one 3 to 10⁴ times as much was seen.
 pub(super) const CONTRADICTS: f64 = 2.0;
 
+// turned_response.rs
+
+/// Least angle that is named, rad (10°): shapes of real structures are complex by some degrees, and
+/// signal paths agree to a few.
+pub(super) const LEAST_TURN: f64 = 0.17;
+
 // witness.rs
 
 /// Lines of a stretch whose errors are looked at together.

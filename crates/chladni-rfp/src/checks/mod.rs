@@ -16,5 +16,6 @@ pub(crate) mod moving;
 pub(crate) mod noise;
 pub(crate) mod reciprocal;
 pub(crate) mod split;
+pub(crate) mod turned_response;
 pub(crate) mod window_bias;
 pub(crate) mod witness;

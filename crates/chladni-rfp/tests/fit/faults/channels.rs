@@ -92,6 +92,7 @@ fn delayed_responses_are_named_with_their_delay() {
         });
         let model = fitted(&set.frf);
         let told = delays_told(&model);
+        assert!(turns_told(&model).is_empty());
         assert_eq!(told.len(), 1, "{ms}: {:?}", model.quality.findings);
         assert_eq!(told[0].0, response);
         assert!(
@@ -132,8 +133,8 @@ fn phases_of_no_order_at_one_response_are_no_delay() {
         values(&mut set.frf).assign(&truth.synthesise(&axis));
         chladni_plate::add_noise_of_variance(values(&mut set.frf), set.noise_variance, seed);
         let model = fitted(&set.frf);
-        let told = delays_told(&model);
-        assert!(told.is_empty(), "{size}: {told:?}");
+        let told = (delays_told(&model), turns_told(&model));
+        assert!(told.0.is_empty() && told.1.is_empty(), "{size}: {told:?}");
     }
 }
 
@@ -230,5 +231,37 @@ fn the_wrong_time_sign_is_named() {
             model.quality
         );
         assert_eq!(model.in_band_modes().count(), 0);
+    }
+}
+
+/// Angles in degrees that are told of each response by its place.
+fn turns_told(model: &ModalModel) -> Vec<(usize, f64)> {
+    let mut findings = model.quality.findings.iter();
+    let told = findings.find(|told| told.code == "turned-channel" && !told.dofs.is_empty());
+    let Some(told) = told else {
+        return Vec::new();
+    };
+    let place = |dof: &chladni_frf::Dof| model.responses.iter().position(|own| own == dof);
+    let angles = told.values["turn_deg"].as_slice();
+    let places = told.dofs.iter().filter_map(place);
+    places.zip(angles.iter().copied()).collect()
+}
+
+#[test]
+fn turned_responses_are_named_with_their_angle() {
+    for (seed, (response, degrees)) in (70..).zip([(3, 20.0), (4, -45.0), (0, 30.0), (5, 80.0)]) {
+        let mut set = easy(40.0, seed).build().unwrap();
+        assert!(turns_told(&fitted(&set.frf)).is_empty());
+        spoil(&mut set.frf, |i, _, _, v| {
+            let degrees: f64 = if i == response { degrees } else { 0.0 };
+            v * Complex64::from_polar(1.0, degrees.to_radians())
+        });
+        let model = fitted(&set.frf);
+        let told = turns_told(&model);
+        assert_eq!(told.len(), 1, "{degrees}: {:?}", model.quality.findings);
+        assert_eq!(told[0].0, response);
+        assert!((told[0].1 - degrees).abs() < 2.0, "{told:?}, not {degrees}");
+        assert!(delays_told(&model).is_empty());
+        assert_eq!(missed_spurious_false(&set.truth, &model), (0, 0, 0));
     }
 }

@@ -1,0 +1,86 @@
+//! A response whose phase is turned by one angle in every mode: an amplifier, a filter, an
+//! integrator.
+//!
+//! As a delayed response it is told by the common phase of the others; its phases lie on a constant
+//! instead of a line through zero. One constant must be likelier than phases of no order, and
+//! clearly likelier than a delay (theory.md, eq. F2b).
+
+use crate::checks::case::{Case, Checked};
+use crate::checks::delay::Trials;
+use crate::checks::delayed_response::{phases_of_shapes, OfResponse, Phases};
+use crate::checks::limits;
+use chladni_frf::Finding;
+use rayon::prelude::*;
+
+/// A response with its angle.
+struct Turned {
+    /// Its place.
+    response: usize,
+    /// rad, modulo 180°.
+    angle: f64,
+    /// rad, one sigma.
+    deviation: f64,
+}
+
+/// Names responses that are turned against the others.
+pub(crate) fn turned_responses(case: &Case) -> Option<Checked> {
+    let responses = &case.model.responses;
+    let (seen, natural) = phases_of_shapes(case)?;
+    let omega: Vec<f64> = seen.iter().map(|own| own.omega).collect();
+    let trials = Trials::new(&omega);
+    let found: Vec<Turned> = (0..responses.len())
+        .into_par_iter()
+        .filter_map(|response| turn_of(response, responses.len(), &seen, &trials, natural))
+        .collect();
+    // of two groups as large as each other neither is the turned one
+    if found.is_empty() || 2 * found.len() >= responses.len() {
+        return None;
+    }
+    let named: Vec<String> = found
+        .iter()
+        .map(|own| {
+            format!(
+                "{} by {:+.1}° (± {:.1})",
+                responses[own.response],
+                own.angle.to_degrees(),
+                own.deviation.to_degrees()
+            )
+        })
+        .collect();
+    let words = format!(
+        "turned against the other responses in every mode alike, up to its sign: {}; poles are not \
+         touched, but shapes are wrong there, and their scale where it is a driving point",
+        named.join(", ")
+    );
+    let finding = Finding::caution("turned-channel", words)
+        .list("turn_deg", found.iter().map(|own| own.angle.to_degrees()))
+        .dofs(found.iter().map(|own| responses[own.response]))
+        .help("look at the signal path of the channel");
+    Some(finding.into())
+}
+
+/// Angle by which a response is turned where the modes show one.
+fn turn_of(
+    response: usize,
+    responses: usize,
+    seen: &[Phases],
+    trials: &Trials,
+    natural: f64,
+) -> Option<Turned> {
+    let own = OfResponse::new(response, seen, natural)?;
+    let (angle, left) = own.turn();
+    let known = own.weight.iter().sum::<f64>().sqrt();
+    let deviation = (left / (own.count() - 1.0)).max(1.0).sqrt() / known;
+    let looks = (1.0 + 2.0 * angle.abs() * known).ln() + (responses as f64).ln();
+    let turned = own.likelihood(left);
+    let shown = turned - own.of_no_order() > looks + limits::DELAY_LIKELIER
+        && turned - own.likelihood(own.delay(trials).1) > limits::DELAY_LIKELIER
+        && own.misfit(&own.phases) - left > limits::DELAY_SIGMAS.powi(2)
+        && angle.abs() > limits::DELAY_SIGMAS * deviation
+        && angle.abs() > limits::LEAST_TURN;
+    shown.then_some(Turned {
+        response,
+        angle,
+        deviation,
+    })
+}
