@@ -196,6 +196,10 @@ impl PooledPoles {
             &mut history,
         )?;
         let settled = self.judged(&refined);
+        // broad modes that turn the wrong way leave few poles in the band, and no misfit around them
+        if !settled.white && conjugate_fits_better(&self.mixed, &self.seeds, self.size)? {
+            return Ok(SketchOutcome::Ended(Doubt::Conjugated));
+        }
         if settled.shapeless {
             return Ok(SketchOutcome::Ended(Doubt::NotWhite(settled.evidence)));
         }

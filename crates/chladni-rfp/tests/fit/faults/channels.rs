@@ -234,6 +234,26 @@ fn the_wrong_time_sign_is_named() {
     }
 }
 
+#[test]
+fn the_wrong_time_sign_of_broad_modes_is_named() {
+    for seed in 0..6 {
+        let mut set = Synthetic {
+            loss_factor: vec![0.08],
+            ..easy(45.0, 60 + seed)
+        }
+        .build()
+        .unwrap();
+        assert!(!says(&fitted(&set.frf), "the other time sign"));
+        set.frf.conjugate();
+        let model = fitted(&set.frf);
+        assert!(
+            !model.quality.trusted && says(&model, "the other time sign"),
+            "{seed}: {:?}",
+            model.quality
+        );
+    }
+}
+
 /// Angles in degrees that are told of each response by its place.
 fn turns_told(model: &ModalModel) -> Vec<(usize, f64)> {
     let mut findings = model.quality.findings.iter();
