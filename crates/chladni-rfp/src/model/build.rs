@@ -10,6 +10,7 @@ use crate::data::noise_weights::is_rounding;
 use crate::data::options::{FitOptions, Method};
 use crate::data::screening::Screened;
 use crate::data::window::block_errors::BlockErrors;
+use crate::model::above_noise::above_noise;
 use crate::model::free_fit::{expressible, FreeFit};
 use crate::model::identified::{Identified, LawOpen};
 use crate::model::limits;
@@ -318,6 +319,13 @@ impl Shaped {
         let mut findings = Vec::new();
         if self.chi2_per_dof > limits::SHAPE_MISFIT {
             findings.push(one_shape_worse(self.chi2_per_dof, data.references.len()));
+        }
+        if self.identified.residual_is_noise {
+            let Identified { work, .. } = &self.identified;
+            findings.extend(above_noise(
+                self.chi2_per_dof,
+                work.lines() * work.columns(),
+            ));
         }
         if self.scaling == Scaling::Unscaled {
             findings.push(unscaled(data.reference_unit));

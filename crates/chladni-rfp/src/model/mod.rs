@@ -1,6 +1,7 @@
 //! Enters: pole estimates on compressed columns; leaves: a modal model in the law that
 //! holds.
 
+mod above_noise;
 pub(crate) mod build;
 pub(crate) mod decide;
 pub(crate) mod exponential;
