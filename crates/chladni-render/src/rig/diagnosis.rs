@@ -166,6 +166,7 @@ impl View<'_> {
 
     /// A load at the likeliest place of a grid over the responses, then of finer ones around
     /// it: a load is seen to a millimetre, and leaves much where it is looked for beside that.
+    /// `None` where what is found feeds the panel.
     fn load(&self, operator: &Operator, modal: &ModalField) -> Result<Option<Hypothesis>> {
         let (Some(nodes), Some(around)) = (
             Nodes::new(&operator.positions_m),
@@ -197,7 +198,7 @@ impl View<'_> {
             places = grid(near, step_m);
             alternatives += places.len();
         }
-        Ok(best)
+        Ok(best.filter(takes_energy))
     }
 
     /// The likeliest of loads at `places`.
@@ -255,6 +256,14 @@ impl View<'_> {
         }
         Ok(best)
     }
+}
+
+/// True for a load that takes energy from the panel, as everything does that rests on it; one
+/// that gives some is a fault of another kind.
+fn takes_energy(load: &Hypothesis) -> bool {
+    let [re, im] = load.value.unwrap_or_default();
+    let doubt = load.std.unwrap_or(0.0) + tolerances::LOAD_PASSIVE * re.hypot(im);
+    re >= -doubt
 }
 
 /// Places of at most `step_m` over a rectangle.

@@ -127,6 +127,20 @@ fn fingers_and_masses_are_found_where_they_are() {
 }
 
 #[test]
+fn what_feeds_the_panel_is_not_called_a_touch() {
+    let feeding = Finger {
+        damping_n_s_per_m: -1.0,
+        mass_kg: 0.0,
+        stiffness_n_per_m: 0.0,
+    };
+    let rig = Rig::new(300.0, 1).loaded(&feeding, [0.094, 0.065]);
+    let causes = judged(&drive(), rig, 0.01).agreement.hypotheses;
+    let touch = causes.iter().find(|cause| cause.kind == "load");
+    assert!(touch.is_none(), "{touch:?}");
+    assert_ne!(causes[0].kind, "nothing", "{causes:?}");
+}
+
+#[test]
 fn scattered_gains_are_told_and_the_prediction_no_longer_explains_the_field() {
     let found = right(
         0.01,
