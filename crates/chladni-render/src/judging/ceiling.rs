@@ -41,7 +41,8 @@ impl Ceiling {
     /// or from the bound; `None` without force limits.
     ///
     /// * `thorough`: tell cases apart until bound and drive are within
-    ///   `tolerances::CEILING_CASES_DB`; some seconds
+    ///   `tolerances::CEILING_CASES_DB`; some seconds, which a scene that is proven far out of
+    ///   reach is spared
     ///
     /// # Errors
     /// Those of the kernels: a broken promise.
@@ -80,7 +81,8 @@ impl Ceiling {
             }
         }
         let target = |reached: f64| reached * 10f64.powf(tolerances::CEILING_CASES_DB / 10.0);
-        let possible = match thorough && squared > target(most) {
+        let is_far = db(squared) < -tolerances::CEILING_FAR_DB;
+        let possible = match thorough && !is_far && squared > target(most) {
             true => tighten(&dual, hot.view(), bounded.view(), squared, |drive| {
                 reach(drive).map(target)
             })?,

@@ -2,8 +2,8 @@
 
 use crate::common::{scene, truth};
 use chladni_render::{
-    correct, evaluate, needed_band, play, render, signal_csv, sweep, Count, Ground, Method, On,
-    PlayOptions, RenderOptions, Scene, SignalOptions, Weights,
+    correct, evaluate, needed_band, play, render, signal_csv, sweep, Count, Ground, Method,
+    MethodChoice, On, PlayOptions, RenderOptions, Scene, SignalOptions, Weights,
 };
 use num_complex::Complex64;
 use std::collections::BTreeSet;
@@ -295,4 +295,32 @@ fn a_band_for_a_fit_holds_what_every_tone_needs_and_a_sweep_needs_one() {
         assert!(error.to_string().contains("one frequency"), "{error}");
         assert_eq!(error.file, scene.file, "{error}");
     }
+}
+
+#[test]
+fn tones_that_are_proven_far_out_of_reach_are_told_no_cases_apart() {
+    let hot = "[zones]\ngrid = [2, 2]\nhot = [1, 4]\ncells_m = [0.0, 0.0, 0.268, 0.170]\n";
+    let ceilings = |method: MethodChoice, newtons: f64| -> Vec<f64> {
+        let scene = crate::common::scene(&format!(
+            "frequency_hz = [200.0, 300.0]\n{hot}[actuators]\nmax_force_n = {newtons}\n"
+        ));
+        let options = RenderOptions {
+            method,
+            ..RenderOptions::default()
+        };
+        let weights = render(truth(), &scene, &options).unwrap().weights;
+        let ceilings = weights.tones().map(|tone| tone.ceiling.unwrap());
+        ceilings
+            .map(|ceiling| {
+                assert!(ceiling.forbids(), "{ceiling:?}");
+                ceiling.possible_db
+            })
+            .collect()
+    };
+    let of_both = |newtons: f64| {
+        [Method::Robust.into(), MethodChoice::Best].map(|method| ceilings(method, newtons))
+    };
+    // 8 dB are missing: the verdict stands
+    let [quick, best] = of_both(1e-4);
+    assert_eq!(quick, best);
 }
