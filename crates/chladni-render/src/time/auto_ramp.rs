@@ -39,7 +39,7 @@ pub(crate) fn refuse_short(event: &Event, ramp_s: f64, shortest_s: f64) -> Resul
     }
     Err(
         Error::bad_data("the ramp is faster than the model's band can describe")
-            .at_line(event.line)
+            .at_line(event.ramp_line)
             .field(event.key("ramp_s"))
             .found(format!("{ramp_s} s"))
             .expected(format!("at least {shortest_s:.4} s"))

@@ -51,6 +51,8 @@ pub(crate) struct Event {
     pub(crate) name: String,
     pub(crate) line: u64,
     pub(crate) ramp: RampTime,
+    /// Line of its `ramp_s`, or else its own.
+    pub(crate) ramp_line: u64,
     /// Places, as numbers of [`Plan::places`].
     pub(crate) stops: Vec<usize>,
     shape: Shape,
@@ -115,6 +117,7 @@ impl Plan {
                     name: format!("[[time.burst]] {}", number + 1),
                     line: burst.line,
                     ramp: burst.ramp,
+                    ramp_line: burst.ramp_line,
                     stops: vec![stop],
                     shape: Shape::Burst {
                         start_s,
@@ -223,6 +226,7 @@ impl Plan {
             name: format!("[[time.fade]] {}", number + 1),
             line: fade.line,
             ramp: fade.ramp,
+            ramp_line: fade.ramp_line,
             stops: vec![from, to],
             shape: Shape::Fade(passage),
         });
@@ -252,6 +256,7 @@ impl Plan {
             name: format!("[[time.move]] {}", number + 1),
             line: moving.line,
             ramp: moving.ramp,
+            ramp_line: moving.ramp_line,
             stops,
             shape: Shape::Move(moving.clone(), passages),
         });
@@ -306,7 +311,7 @@ impl Event {
     pub(crate) fn with_ramps(&self, ramp_s: f64) -> Result<Chain> {
         if ramp_s > self.longest_ramp_s() + tolerances::SAME_TIME_S {
             return Err(Error::bad_data("there is no time for the ramps")
-                .at_line(self.line)
+                .at_line(self.ramp_line)
                 .field(self.key("ramp_s"))
                 .found(format!("{:.1} ms", 1e3 * ramp_s))
                 .expected(format!(

@@ -79,6 +79,11 @@ fn ramp(table: &Table) -> Result<RampTime> {
     }
 }
 
+/// Line of `ramp_s`; that of its event, `value`, where it has none.
+fn ramp_line(table: &Table, value: &Value) -> u64 {
+    table.get("ramp_s").map_or(value.line(), |ramp| ramp.line())
+}
+
 fn start(table: &Table) -> Result<f64> {
     table
         .get("start_s")
@@ -111,6 +116,7 @@ fn read_burst(value: &Value, zones: &Zones, keys: Keys) -> Result<Burst> {
         start_s: start(&table)?,
         duration_s,
         ramp,
+        ramp_line: ramp_line(&table, value),
         count,
         period_s,
         hot: table
@@ -161,6 +167,7 @@ fn read_fade(value: &Value, zones: &Zones, keys: Keys) -> Result<Fade> {
         start_s: required(&table, "start_s", "when the fade begins in seconds")?.not_negative()?,
         fade_s: required(&table, "fade_s", "how long the fade takes in seconds")?.positive()?,
         ramp: ramp(&table)?,
+        ramp_line: ramp_line(&table, value),
         line: value.line(),
     })
 }
@@ -219,6 +226,7 @@ fn read_move(value: &Value, zones: &Zones, keys: Keys) -> Result<Move> {
         hot_radius_m,
         quiet_from_m,
         ramp: ramp(&table)?,
+        ramp_line: ramp_line(&table, value),
         line: value.line(),
     };
     let keyframes = read.length_m() / tolerances::KEYFRAME_M;

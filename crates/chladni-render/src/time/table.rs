@@ -97,6 +97,8 @@ pub struct Burst {
     pub duration_s: f64,
     /// Of its rise and of its fall.
     pub ramp: RampTime,
+    /// Line of `ramp_s` in the scene file; that of the event where it has none.
+    pub ramp_line: u64,
     /// Number of bursts.
     pub count: usize,
     /// From one beginning to the next, s.
@@ -120,6 +122,8 @@ pub struct Fade {
     pub fade_s: f64,
     /// Rise before and fall after it, where no burst sounds then.
     pub ramp: RampTime,
+    /// Line of `ramp_s` in the scene file; that of the event where it has none.
+    pub ramp_line: u64,
     /// Line in the scene file.
     pub line: u64,
 }
@@ -139,6 +143,8 @@ pub struct Move {
     pub quiet_from_m: f64,
     /// Rise at the path's beginning, and fall at its end.
     pub ramp: RampTime,
+    /// Line of `ramp_s` in the scene file; that of the event where it has none.
+    pub ramp_line: u64,
     /// Line in the scene file.
     pub line: u64,
 }
@@ -212,6 +218,7 @@ impl Default for TimeTable {
                 start_s: 0.0,
                 duration_s: 2.0,
                 ramp: RampTime::Seconds(0.05),
+                ramp_line: 0,
                 count: 1,
                 period_s: 2.0,
                 hot: None,

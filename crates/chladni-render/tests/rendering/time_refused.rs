@@ -128,7 +128,7 @@ fn a_ramp_that_the_band_cannot_describe_and_a_rate_below_it_are_refused() {
         Some("time.burst[1].ramp_s"),
         "{error}"
     );
-    assert!(error.line.is_some(), "{error}");
+    assert_eq!(error.line, Some(9), "the line of ramp_s: {error}");
     let scene = cell_scene([2, 2], 1, BURST);
     let made = played(truth(), &scene, Ramps::Plain);
     let slow = SignalOptions {
