@@ -396,3 +396,28 @@ fn what_is_wrong_is_said_of_its_own_file_and_a_folder_before_the_work() {
         assert!(words.iter().all(|word| said.contains(word)), "{said}");
     }
 }
+
+#[test]
+fn a_steady_tone_is_played_by_the_weights_that_render_finds() {
+    let folder = Folder::new();
+    folder.write(
+        "panel.toml",
+        "[responses]\ngrid = [2, 1]\nspacing_m = 0.1\nat_references = true\n\
+         [references]\nedge_count = [1, 1]\n[frf]\nstop_hz = 100.0\nstep_hz = 9.8\n",
+    );
+    folder
+        .run("simulate panel.toml -o panel.h5 --truth model.json -q")
+        .exits(0);
+    folder.write(
+        "scene.toml",
+        "frequency_hz = 60.0\n[zones]\ngrid = [2, 1]\nhot = [1]\n",
+    );
+    folder
+        .run("render model.json scene.toml -o weights.json -q")
+        .exits(0);
+    let [given, own] = ["--weights weights.json", ""].map(|weights| {
+        let run = folder.run(&format!("play model.json scene.toml {weights} --json"));
+        run.exits(0).json()["time"].clone()
+    });
+    assert_eq!(given, own);
+}

@@ -118,9 +118,13 @@ struct SteadyDrives<'a> {
 
 impl SteadyDrives<'_> {
     /// The scene with the zones of a place. What time asks for takes the margin that there
-    /// is: amplifiers may err as much as the scene says, and no more.
+    /// is: amplifiers may err as much as the scene says, and no more. A steady tone asks for
+    /// nothing, and is driven as [`render`] drives it.
     fn scene_at(&self, place: &Place) -> Scene {
-        let drift = self.scene.drift.unwrap_or(self.options.drift);
+        let drift = match self.scene.time {
+            Some(_) => Some(self.scene.drift.unwrap_or(self.options.drift).as_named()),
+            None => self.scene.drift,
+        };
         let asked = match place {
             Place::Spot(spot) => Place::Spot(spot.for_passing()),
             other => other.clone(),
@@ -128,7 +132,7 @@ impl SteadyDrives<'_> {
         Scene {
             zones: zones_of(&asked, &self.scene.zones),
             time: None,
-            drift: Some(drift.as_named()),
+            drift,
             ..self.scene.clone()
         }
     }
