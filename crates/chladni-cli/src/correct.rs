@@ -123,15 +123,26 @@ pub fn corrected(
 ) -> Result<(Weights, Calibration)> {
     let (mut weights, mut calibration) =
         calibrate(model, scene, played, &RenderOptions::default())?;
-    let before = scene.actuators.calibration_file.iter();
-    let sources = inputs.iter().chain(before).map(|file| source(file));
-    weights.source = sources.collect::<Result<_>>()?;
-    for file in &weights.source[..inputs.len()] {
+    let files = inputs.iter().map(|file| source(file));
+    name_sources(
+        &mut weights,
+        &mut calibration,
+        files.collect::<Result<_>>()?,
+    );
+    if let Some(before) = &scene.actuators.calibration_file {
+        weights.source.push(source(before)?);
+    }
+    Ok((weights, calibration))
+}
+
+/// Names `inputs` as the sources of corrected weights and of their calibration.
+pub fn name_sources(weights: &mut Weights, calibration: &mut Calibration, inputs: Vec<Source>) {
+    for file in &inputs {
         if !calibration.source.contains(file) {
             calibration.source.push(file.clone());
         }
     }
-    Ok((weights, calibration))
+    weights.source = inputs;
 }
 
 /// The error with the file that it is about: the field that it names, or a file of the first

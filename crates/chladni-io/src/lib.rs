@@ -70,7 +70,9 @@ pub use atomic::{
     create_atomically, is_same_place, refuse_output_among_inputs, try_place, write_atomically,
     write_together,
 };
-pub use checksums::{checksum_of, sha256_of, sha256_of_bytes, stamp_of, Checksums, Turn};
+pub use checksums::{
+    checksum_of, checksum_of_bytes, sha256_of, sha256_of_bytes, stamp_of, Checksums, Turn,
+};
 pub use contents::Contents;
 pub use declared::{DeclaredDofs, DeclaredRow};
 pub use detect::detect_format;

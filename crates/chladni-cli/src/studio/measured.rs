@@ -4,10 +4,11 @@
 use super::question::MeasuredQuestion;
 use super::rendered::Rendered;
 use super::session::Session;
+use crate::correct::name_sources;
 use crate::field_words::{cause, deviation, sentence};
 use chladni_console::quoting::shell_path;
-use chladni_frf::{Error, Result};
-use chladni_io::{parse_field, sha256_of_bytes};
+use chladni_frf::{Error, Result, Source};
+use chladni_io::{checksum_of_bytes, parse_field, sha256_of_bytes};
 use chladni_render::{
     calibrate, evaluate, evaluate_field, Calibration, Evaluation, On, PlayedField, RenderOptions,
     Weights,
@@ -32,13 +33,13 @@ impl Session {
     /// Those of rendering; a field that cannot be read, or is not of its weights.
     pub fn measured(&self, question: &MeasuredQuestion) -> Result<Value> {
         let rendered = self.rendered(&question.scene)?;
-        let played = played(&rendered, question)?;
+        let Played { pairs, .. } = Played::new(&rendered, question)?;
         let PlayedField {
             weights,
             field,
             weights_sha256,
-        } = &played[played.len() - 1];
-        let name = &question.fields[played.len() - 1].name;
+        } = &pairs[pairs.len() - 1];
+        let name = &question.fields[pairs.len() - 1].name;
         let judged = evaluate_field(
             weights,
             &rendered.scene,
@@ -85,10 +86,7 @@ impl Session {
         // the first field was measured under the rendered weights, each later one under the
         // weights that the fields before it corrected
         let pairs = question.fields.iter().enumerate().map(|(k, field)| {
-            let weights = match k {
-                0 => "weights.json".to_owned(),
-                _ => format!("weights-{k}.json"),
-            };
+            let weights = weights_file(k);
             format!(
                 " --weights {weights} --field {}",
                 shell_path(Path::new(&field.name))
@@ -99,9 +97,9 @@ impl Session {
             "correction": corrected.weights.correction,
             "findings": corrected.weights.findings.0,
             "command": format!(
-                "chladni correct {model} scene.toml{} -o weights-{}.json --calibration calibration.json",
+                "chladni correct {model} scene.toml{} -o {} --calibration calibration.json",
                 pairs.collect::<String>(),
-                question.fields.len(),
+                weights_file(question.fields.len()),
             ),
         }))
     }
@@ -114,34 +112,70 @@ impl Corrected {
     }
 }
 
-/// The fields, each with the weights that it was measured under: the rendered ones for the
-/// first, for each later one those that the fields before it correct.
-fn played(rendered: &Rendered, question: &MeasuredQuestion) -> Result<Vec<PlayedField>> {
-    if question.fields.is_empty() {
-        return Err(Error::bad_data("no measured field")
-            .field("fields")
-            .expected("the text of a field file"));
+/// Weights that so many fields corrected, in the commands on the page.
+fn weights_file(fields: usize) -> String {
+    match fields {
+        0 => "weights.json".to_owned(),
+        _ => format!("weights-{fields}.json"),
     }
-    let mut played: Vec<PlayedField> = Vec::new();
-    for file in &question.fields {
-        let field = parse_field(&file.csv).map_err(|error| error.file(&file.name))?;
-        let weights = match played.is_empty() {
-            true => rendered.rendering.weights.clone(),
-            false => corrected_by(rendered, &played)?.0,
-        };
-        let sha256 = sha256_of_bytes(weights.to_json()?.as_bytes());
-        played.push(PlayedField {
-            weights,
-            field,
-            weights_sha256: Some(sha256),
-        });
-    }
-    Ok(played)
 }
 
-fn corrected_by(rendered: &Rendered, played: &[PlayedField]) -> Result<(Weights, Calibration)> {
-    let options = RenderOptions::default();
-    calibrate(&rendered.model, &rendered.scene, played, &options)
+/// The fields, each with the weights that it was measured under: the rendered ones for the
+/// first, for each later one those that the fields before it correct. The weights are those that
+/// the commands on the page write, to the last byte: a field may name the checksum of theirs.
+struct Played {
+    pairs: Vec<PlayedField>,
+    weights_files: Vec<Source>,
+    field_files: Vec<Source>,
+}
+
+impl Played {
+    fn new(rendered: &Rendered, question: &MeasuredQuestion) -> Result<Self> {
+        if question.fields.is_empty() {
+            return Err(Error::bad_data("no measured field")
+                .field("fields")
+                .expected("the text of a field file"));
+        }
+        let mut played = Self {
+            pairs: Vec::new(),
+            weights_files: Vec::new(),
+            field_files: Vec::new(),
+        };
+        for (k, file) in question.fields.iter().enumerate() {
+            let field = parse_field(&file.csv).map_err(|error| error.file(&file.name))?;
+            let weights = match k {
+                0 => rendered.rendering.weights.clone(),
+                _ => played.corrected(rendered)?.0,
+            };
+            let json = weights.to_json()?;
+            let named = |file: String, content: &str| Source {
+                file,
+                checksum: checksum_of_bytes(content.as_bytes()),
+            };
+            played.weights_files.push(named(weights_file(k), &json));
+            played.field_files.push(named(file.name.clone(), &file.csv));
+            played.pairs.push(PlayedField {
+                weights,
+                field,
+                weights_sha256: Some(sha256_of_bytes(json.as_bytes())),
+            });
+        }
+        Ok(played)
+    }
+
+    /// The weights that all fields so far correct, and the calibration; both name their sources.
+    fn corrected(&self, rendered: &Rendered) -> Result<(Weights, Calibration)> {
+        let options = RenderOptions::default();
+        let (mut weights, mut calibration) =
+            calibrate(&rendered.model, &rendered.scene, &self.pairs, &options)?;
+        let of_scene = &rendered.rendering.weights.source;
+        let files = of_scene
+            .iter()
+            .chain(&self.weights_files)
+            .chain(&self.field_files);
+        name_sources(&mut weights, &mut calibration, files.cloned().collect());
+        Ok((weights, calibration))
+    }
 }
 
 /// The drive that all fields of `question` correct.
@@ -149,7 +183,7 @@ fn corrected_by(rendered: &Rendered, played: &[PlayedField]) -> Result<(Weights,
 /// # Errors
 /// Those of [`Session::measured`].
 pub fn corrected(rendered: &Rendered, question: &MeasuredQuestion) -> Result<Corrected> {
-    let (weights, calibration) = corrected_by(rendered, &played(rendered, question)?)?;
+    let (weights, calibration) = Played::new(rendered, question)?.corrected(rendered)?;
     let calibration = Arc::new(calibration);
     let mut scene = rendered.scene.clone();
     scene.actuators.calibration = Some(calibration.clone());

@@ -2,7 +2,8 @@
 //! a threshold table or a measured field comes along as text.
 
 use crate::limits::{HIGHEST_HZ, MOST_QUESTIONS, QUESTION_MOST_MODES};
-use chladni_frf::{Error, Result};
+use chladni_frf::{Error, Result, Source};
+use chladni_io::checksum_of_bytes;
 use chladni_render::{MethodChoice, Scene, Threshold, ThresholdTable};
 use chladni_rfp::FitOptions;
 use serde::Deserialize;
@@ -100,6 +101,9 @@ impl FitQuestion {
         Ok((options, turn))
     }
 }
+
+/// Name of the scene in the commands on the page.
+const SCENE_FILE: &str = "scene.toml";
 
 /// Asks for the rendering of a scene.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -212,8 +216,17 @@ impl SceneQuestion {
         for hz in self.range_hz.into_iter().flatten() {
             within("range_hz", hz, 0.0..=HIGHEST_HZ)?;
         }
-        let scene = Scene::parse_alone(&self.toml, table.as_slice())?;
+        let mut scene = Scene::parse_alone(&self.toml, table.as_slice())?;
+        scene.file = Some(SCENE_FILE.into());
         Ok((scene, self.method()?))
+    }
+
+    /// The scene file of the commands on the page.
+    pub fn source(&self) -> Source {
+        Source {
+            file: SCENE_FILE.into(),
+            checksum: checksum_of_bytes(self.toml.as_bytes()),
+        }
     }
 
     /// The method.

@@ -3,7 +3,7 @@
 use super::measured::{corrected, Corrected};
 use super::question::{FileName, FileQuestion, MeasuredQuestion, SceneQuestion};
 use super::rendered::Rendered;
-use super::session::Session;
+use super::session::{Session, SELECTED};
 use crate::curves::curves;
 use crate::in_time::in_time;
 use chladni_frf::{Error, ModalModel, ModeName, ModePick, Result, Selection};
@@ -158,7 +158,7 @@ impl Session {
     pub(super) fn selected_file(&self, question: &SceneQuestion) -> &str {
         match question.drop.is_empty() {
             true => self.model_file(),
-            false => "selected.json",
+            false => SELECTED,
         }
     }
 
@@ -178,6 +178,12 @@ impl Session {
             ..RenderOptions::default()
         };
         let mut rendering = render(&model, &scene, &options)?;
+        // as the command on the page writes them, since a measured field may name their file; the
+        // quick drives while zones are dragged are not played
+        if method != MethodChoice::Fast {
+            let file = self.model_source(&model, !question.drop.is_empty())?;
+            rendering.weights.source = vec![file, question.source()];
+        }
         if method == MethodChoice::Best {
             try_out(&mut rendering.weights, &scene, &model)?;
         }

@@ -7,10 +7,11 @@ use super::rendered::Rendered;
 use crate::explain::explain;
 use crate::fit::echo_of;
 use crate::report::Contents;
-use chladni_console::input::{expand, model_of, read_frf, Reading};
+use chladni_console::input::{expand, model_of, read_frf, source, Reading};
 use chladni_console::quoting::shell_path;
 use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
+use chladni_io::{checksum_of_bytes, model_json};
 use chladni_report::{data, draft_data, head_data, measured_data, studio_html, ReportInput};
 use chladni_rfp::{fit_watched, CancelToken, Fit, FitError, FitOptions, Method};
 use serde_json::{json, Value};
@@ -20,6 +21,8 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 /// Name of the fitted model in the commands on the page.
 const MODEL: &str = "model.json";
+/// The same of a model without the modes that were dropped on the page.
+pub(super) const SELECTED: &str = "selected.json";
 
 /// The state that the studio keeps between the questions of its pages.
 pub struct Session {
@@ -31,8 +34,8 @@ pub struct Session {
     findings: Vec<Finding>,
     /// The files and options of reading, as on a command line.
     input_words: String,
-    /// True where a model was opened: nothing is fitted.
-    is_model: bool,
+    /// The file of an opened model: nothing is fitted.
+    model_source: Option<Source>,
     fitted: RwLock<Fitted>,
     /// Pages served so far.
     pages: AtomicU64,
@@ -67,9 +70,11 @@ impl Session {
     pub fn open(files: &[PathBuf], reading: &Reading, console: &Console) -> Result<Self> {
         let files = expand(files, console)?;
         let mut words: Vec<String> = files.iter().map(|file| shell_path(file)).collect();
+        let mut model_source = None;
         let (frf, sources, model) = match files.as_slice() {
             [file] if model_of(file)?.is_some() => {
                 let contents = Contents::read(&files, &[], console)?;
+                model_source = Some(source(file)?);
                 (contents.measured, Vec::new(), contents.model)
             }
             _ => {
@@ -87,7 +92,7 @@ impl Session {
             },
             findings: console.findings(),
             input_words: words.join(" "),
-            is_model: model.is_some(),
+            model_source,
             fitted: RwLock::new(Fitted {
                 latest: model.map(Arc::new),
                 ..Fitted::default()
@@ -133,7 +138,12 @@ impl Session {
     }
 
     fn refits(&self) -> bool {
-        !self.is_model && self.frf.is_some()
+        !self.is_model() && self.frf.is_some()
+    }
+
+    /// True where a model was opened.
+    fn is_model(&self) -> bool {
+        self.model_source.is_some()
     }
 
     /// A model with its data, as a report takes them.
@@ -155,7 +165,7 @@ impl Session {
     pub fn fit(&self, question: &FitQuestion) -> Result<Value> {
         let (options, turn) = question.checked(self.pages.load(Ordering::Relaxed))?;
         let model = match (&self.frf, self.current()) {
-            (_, Some(model)) if self.is_model => model,
+            (_, Some(model)) if self.is_model() => model,
             (Some(frf), _) => match self.fit_anew(frf, question, options, turn)? {
                 Some(model) => model,
                 None => return Ok(json!({ self.why_given_up(turn): true })),
@@ -230,7 +240,7 @@ impl Session {
 
     /// The command that makes the same fit; empty where a model was opened.
     fn fit_command(&self, question: &FitQuestion) -> String {
-        if self.is_model {
+        if self.is_model() {
             return String::new();
         }
         let band = question
@@ -315,9 +325,25 @@ impl Session {
 
     /// The file of the model in the commands on the page.
     pub(super) fn model_file(&self) -> &str {
-        match self.is_model {
+        match self.is_model() {
             true => &self.input_words,
             false => MODEL,
+        }
+    }
+
+    /// The file of a model in the commands on the page: the opened one, or one that they write.
+    ///
+    /// * `drops`: modes of it were dropped on the page
+    ///
+    /// # Errors
+    /// [`ErrorKind::Internal`] where it has no JSON.
+    pub(super) fn model_source(&self, model: &ModalModel, drops: bool) -> Result<Source> {
+        match &self.model_source {
+            Some(opened) if !drops => Ok(opened.clone()),
+            _ => Ok(Source {
+                file: if drops { SELECTED } else { MODEL }.into(),
+                checksum: checksum_of_bytes(model_json(model)?.as_bytes()),
+            }),
         }
     }
 }
