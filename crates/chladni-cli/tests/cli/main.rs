@@ -21,6 +21,7 @@ mod hostile;
 mod info;
 mod journey;
 mod layouts;
+mod looks;
 mod malformed;
 mod measured_fields;
 mod measured_studio;

@@ -1,0 +1,64 @@
+//! The looks of the studio, in a real headless Chromium: nothing is cut off, and scales can be read.
+
+use crate::common::browser::Page;
+use crate::common::studio::Studio;
+use crate::common::Folder;
+use crate::workbench::AT_REST;
+
+/// Drawn elements outside the window, and those whose text is cut off.
+const BEYOND: &str = "[...document.querySelectorAll('body *')].filter((e) => { \
+    const r = e.getBoundingClientRect(); \
+    if (!r.width || !r.height || e.closest('svg, .table-scroll, .spoken, option, .menu-body, .drawer-body')) return false; \
+    return r.left < -1 || r.top < -1 || r.right > innerWidth + 1 || r.bottom > innerHeight + 1; \
+  }).map((e) => `${e.tagName}.${e.className} ${JSON.stringify(e.getBoundingClientRect())}`)";
+
+#[test]
+fn the_workbench_fits_its_window_in_either_theme() {
+    let folder = Folder::with_panel();
+    // a name that takes the room of the buttons in the narrow window
+    let model = "panel-of-march-truth.json";
+    folder.write(model, folder.text("truth.json"));
+    let mut shots = Vec::new();
+    for (width, height, dark) in [
+        (1280, 800, false),
+        (1280, 800, true),
+        (1920, 1080, false),
+        (400, 800, false),
+    ] {
+        let Some(mut page) = Page::new(width, height, dark) else {
+            return;
+        };
+        let studio = Studio::start(&folder, &[model]);
+        page.open(&studio.url);
+        page.wait(AT_REST);
+        let scrolls = page.eval(
+            "[document.documentElement.scrollWidth - innerWidth, document.documentElement.scrollHeight - innerHeight]",
+        );
+        assert_eq!(scrolls, serde_json::json!([0, 0]), "{width} × {height}");
+        let beside = "[...document.querySelectorAll('.top > *')].map((e) => e.getBoundingClientRect().right).filter((right) => right > innerWidth)";
+        assert_eq!(
+            page.eval(beside),
+            serde_json::json!([]),
+            "{width} px: the bar"
+        );
+        if width > 1100 {
+            assert_eq!(
+                page.eval(BEYOND),
+                serde_json::json!([]),
+                "{width} × {height}"
+            );
+            for view in [
+                "#zone-board",
+                "#stabilization-chart",
+                "#frf-magnitude",
+                "#result",
+            ] {
+                let [_, _, wide, high] = page.place(view);
+                assert!(wide > 200.0 && high > 80.0, "{view}: {wide} × {high}");
+            }
+        }
+        shots.push(page.screenshot());
+        assert_eq!(page.complaints(), Vec::<String>::new());
+    }
+    assert!(shots.iter().all(|shot| shot.len() > 20_000));
+}
