@@ -3,7 +3,37 @@
 use crate::common::browser::Page;
 use crate::common::studio::Studio;
 use crate::common::Folder;
-use crate::workbench::AT_REST;
+use crate::workbench::{workbench, AT_REST, CTRL};
+
+#[test]
+fn the_whole_error_of_a_scene_is_readable_and_the_state_is_a_fault() {
+    let Some((_folder, _studio, mut page)) = workbench("truth.json") else {
+        return;
+    };
+    let worst = "document.querySelector('.result-bar').dataset.worst";
+    let before = page.eval(worst);
+    // no frequency of the profile: the error names it, its range, and what helps
+    for (input, value) in [
+        ("#scene-frequency", "50000"),
+        ("#scene-threshold", "classic"),
+    ] {
+        page.eval(&format!("(() => {{ const i = document.querySelector('{input}'); i.value = '{value}'; i.dispatchEvent(new Event('change')); }})()"));
+    }
+    page.wait("document.querySelector('.sentence .error')");
+    let error = page.text(".sentence .error");
+    assert!(error.len() > 120 && error.contains("classic"), "{error}");
+    assert_eq!(page.eval(worst), "fault");
+    for what in [".sentence", "#scene-status"] {
+        let cut = format!("(() => {{ const e = document.querySelector('{what}'); return e.scrollHeight > e.clientHeight + 1 || e.scrollWidth > e.clientWidth + 1; }})()");
+        assert_eq!(page.eval(&cut), false, "{what} is cut off");
+    }
+    page.key_with("z", CTRL);
+    page.key_with("z", CTRL);
+    page.wait("!document.querySelector('.sentence .error')");
+    page.wait(AT_REST);
+    assert_eq!(page.eval(worst), before);
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
 
 /// Drawn elements outside the window, and those whose text is cut off.
 const BEYOND: &str = "[...document.querySelectorAll('body *')].filter((e) => { \

@@ -37,6 +37,8 @@ let rig = none();
 let here = null;
 let full = null;
 let shown = null;
+/** The error for which there is no drive of the scene; null without one. */
+let refused = null;
 /** Head of the last full fit: sentence, findings, better band. */
 let head = null;
 /** The measured data, drawn before any fit. */
@@ -65,7 +67,7 @@ export async function start() {
   showPane(1);
   result.show(["Reading …"], [], null);
   const said = await answerTo("start");
-  if (said.error) return result.show([h("span", { class: "error", role: "alert" }, said.error)], [], null);
+  if (said.error) return result.show([complaint(said.error)], [], null, "fault");
   begin(said);
   document.documentElement.dataset.drawn = String(Math.round(performance.now()));
   askFit(false);
@@ -130,7 +132,7 @@ function askFit(moving) {
     if (said.overtaken && number === fits.asked) return result.show(["Another page of this studio asked for a fit; reload this one to go on here."], [], null);
     if (said.cancelled) return result.show(["The fit was cancelled. "], [], { words: "Fit again", action: () => askFit(false) });
     if (said.overtaken) return;
-    if (said.error) return result.show([h("span", { class: "error", role: "alert" }, said.error)], head?.findings ?? [], here ? null : { words: "Fit again", action: () => askFit(false) });
+    if (said.error) return result.show([complaint(said.error)], head?.findings ?? [], here ? null : { words: "Fit again", action: () => askFit(false) }, "fault");
     fits.shown = number;
     showFit(said);
     askScene(moving);
@@ -292,27 +294,29 @@ function askScene(moving) {
 function showScene(said, question, number, light) {
   // during a drag an older answer is shown too; the best drive is not replaced by a quick one
   if (number <= scenes.bestShown || (number < scenes.asked && !light) || said.cancelled) return;
-  if (said.error) return number === scenes.asked ? refuseScene(said.error) : undefined;
+  if (said.error) return number === scenes.asked ? refuseScene(said.error, true) : undefined;
   if (!light) {
     scenes.bestShown = number;
     panel.busy("computing other frequencies …", true);
   }
+  refused = null;
   shown = { question, said };
   panel.show(said.scene, light);
   foot.set("scene", said.command);
   showSentence();
 }
 
-/** Says why there is no drive, and leaves none of another scene. */
-function refuseScene(why) {
+/** Says why there is no drive, and leaves none of another scene. An error may be long: the sentence has room for it. */
+function refuseScene(why, isError = false) {
   shown = null;
+  refused = isError ? why : null;
   panel.noScene();
   panel.sweep.show(null);
   panel.showTime(work.burst ? { error: why } : null);
   foot.set("scene", "");
   foot.set("play", "");
   showSentence();
-  panel.busy(why);
+  panel.busy(isError ? "no drive" : why);
 }
 
 /** Asks for the scene over time, under the best drive. */
@@ -378,8 +382,8 @@ async function correct() {
   panel.busy("correcting the drive …");
   const said = await answerTo("correct", { scene: shown.question, fields: rig.fields });
   if (rig !== before) return;
-  panel.busy(said.error ?? "");
-  if (said.error) return;
+  panel.busy("");
+  if (said.error) return panel.refuseField(said.error);
   rig = { ...rig, corrected: said };
   panel.show(said.scene, false);
   panel.openField();
@@ -395,6 +399,10 @@ function cancelScene() {
 }
 
 // ---- sentences and findings
+
+function complaint(words) {
+  return h("span", { class: "error", role: "alert" }, words);
+}
 
 function showSentence() {
   const parts = [head?.sentence ? `${head.sentence} ` : ""];
@@ -413,6 +421,7 @@ function showSentence() {
     const calmer = shown.sweep?.frequencies.find((one) => one.frequency_hz === shown.sweep.suggested_hz && one.success_ratio === 1)?.frequency_hz;
     if (calmer && calmer !== work.frequency && (on !== undefined || !scene.feasible)) offer = { words: `Use ${fixed(calmer, 0)} Hz`, action: () => edit({ frequency: calmer }) };
   }
+  if (refused) parts.push(complaint(refused));
   if (rig.corrected) {
     const { scene, findings: found } = rig.corrected;
     findings.splice(0, findings.length, ...found.map((one) => ({ about: "Correction", ...one })));
@@ -426,7 +435,7 @@ function showSentence() {
     offer = { words: "Correct", action: correct };
   }
   const isMissed = (rig.said ?? shown?.said)?.scene.indices.points.min_ratio < 1 && !rig.corrected;
-  result.show(parts, findings, offer, isMissed ? "caution" : undefined);
+  result.show(parts, findings, offer, refused ? "fault" : isMissed ? "caution" : undefined);
 }
 
 // ---- keys and panes
