@@ -35,6 +35,20 @@ fn the_whole_error_of_a_scene_is_readable_and_the_state_is_a_fault() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
+#[test]
+fn scales_have_numbers_and_levels_their_reference() {
+    let Some((_folder, _studio, mut page)) = workbench("truth.json") else {
+        return;
+    };
+    let said = page.text("#frf-magnitude");
+    assert!(said.contains("dB re 1 (m/s)/N, mobility"), "{said}");
+    let numbers = "(() => { const svg = document.querySelector('#drive').closest('svg'); \
+        const left = Number(svg.querySelector('.frame').getAttribute('x')); \
+        return [...svg.querySelectorAll('text[text-anchor=end]')].filter((e) => Number(e.getAttribute('x')) < left).map((e) => e.textContent); })()";
+    let numbers = page.eval(numbers);
+    assert!(numbers.as_array().unwrap().len() > 1, "{numbers}");
+}
+
 /// Drawn elements outside the window, and those whose text is cut off.
 const BEYOND: &str = "[...document.querySelectorAll('body *')].filter((e) => { \
     const r = e.getBoundingClientRect(); \

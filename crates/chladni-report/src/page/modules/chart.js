@@ -16,8 +16,11 @@ const LABEL_PX = 30;
 const LETTER_PX = 7;
 /** Size of a letter in the label of a point, px. */
 const SMALL_PX = [6.5, 12];
-/** Number of ticks along x in a narrow window. */
+/** Number of ticks along x in a narrow window, and along y in a low chart: fewer could leave one number, which is no scale. */
 const LEAST_TICKS = 5;
+const LEAST_ROWS = 3;
+/** Distance of the numbers along y in a high one, px. */
+const ROW_PX = 45;
 /** Part of the range that a key moves by, and factor that it zooms by. */
 const MOVE = 0.15;
 const ZOOM = 1.5;
@@ -58,7 +61,7 @@ export function chart(first) {
     svg.setAttribute("role", spec.grips ? "group" : "img");
     const right = spec.right ? (spec.compact ? 34 : 52) : margin.right;
     // wider numbers than usual push the label outwards
-    const numbers = ticks(ruler(spec.y.range, [height - margin.bottom, margin.top], spec.y.log).ends, (height - margin.bottom - margin.top) / 45, spec.y.log, spec.y.step);
+    const numbers = ticks(ruler(spec.y.range, [height - margin.bottom, margin.top], spec.y.log).ends, rows(height - margin.bottom - margin.top), spec.y.log, spec.y.step);
     const left = Math.max(margin.left, (spec.compact ? 0 : LABEL_PX) + LETTER_PX * Math.max(0, ...numbers.map(([, text]) => text.length)));
     const box = { left, right: wide - right, top: margin.top, bottom: height - margin.bottom };
     const x = ruler(zoom ?? spec.x.range, [box.left, box.right], spec.x.log);
@@ -87,13 +90,13 @@ export function chart(first) {
       parts.push(s("line", { class: "grid", x1: at, x2: at, y1: box.top, y2: box.bottom }));
       parts.push(s("text", { x: at, y: box.bottom + 16, "text-anchor": spec.compact && k === last && box.right - at < UNIT_PX ? "end" : "middle" }, spec.x.names ? (spec.x.names[value] ?? "") : spec.compact && k === last ? `${text} ${spec.x.unit}` : text));
     }
-    for (const [value, text] of ticks(y.ends, (box.bottom - box.top) / 45, spec.y.log, spec.y.step)) {
+    for (const [value, text] of ticks(y.ends, rows(box.bottom - box.top), spec.y.log, spec.y.step)) {
       const at = y.place(value);
       parts.push(s("line", { class: "grid", x1: box.left, x2: box.right, y1: at, y2: at }));
       parts.push(s("text", { x: box.left - 6, y: at + 4, "text-anchor": "end" }, text));
     }
     if (spec.right) {
-      for (const [value, text] of ticks(y2.ends, (box.bottom - box.top) / 45)) {
+      for (const [value, text] of ticks(y2.ends, rows(box.bottom - box.top))) {
         parts.push(s("text", { x: box.right + 6, y: y2.place(value) + 4 }, text));
       }
       if (spec.compact) parts.push(s("text", { x: box.right + 30, y: 11, "text-anchor": "end" }, spec.right.label));
@@ -369,6 +372,11 @@ function path({ x: xs, y: ys, breaks }, x, y, box) {
   }
   flush();
   return parts.join("");
+}
+
+/** Number of ticks along y over so many px. */
+function rows(px) {
+  return Math.max(LEAST_ROWS, px / ROW_PX);
 }
 
 /** Index of the first entry of a rising list that is at least `value`. */

@@ -77,7 +77,7 @@ export function dataPane() {
     const series = (of, breaks) => curves.map(([style, curve]) => ({ name: style, x: frequency, y: style === "measured" ? of(curve) : inBand(model, frequency, of(curve)), style, breaks }));
     const shown = series(PARTS[name]);
     const ends = range(shown.map((one) => one.y));
-    single.update({ x: axis(lines), y: { label: `${frfs.quantity.toLowerCase()} ${frfs.response_names[i]} / ${frfs.reference_names[j]}`, unit: name === "dB" ? "dB" : frfs.unit.replace("dB re 1 ", ""), range: ends }, series: shown });
+    single.update({ x: axis(lines), y: { label: `${frfs.quantity.toLowerCase()} ${frfs.response_names[i]} / ${frfs.reference_names[j]}`, unit: name === "dB" ? frfs.unit : frfs.unit.replace("dB re 1 ", ""), range: ends }, series: shown });
     angle.update({ x: axis(lines), series: series(phase, 180) });
   }
 
