@@ -117,7 +117,7 @@ def solve_poles(partial, *, progress=None, **options):
     partial : Partial
         All blocks, merged.
     progress : bool or callable, optional
-        As of `fit`; an error that it raises comes at the end.
+        As of `fit`.
     **options
         ``modes``, ``damping``, ``shapes``, ``exponential_window_per_s``, as of `fit`.
 

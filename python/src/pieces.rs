@@ -289,8 +289,8 @@ pub fn solve_poles(
         ..FitOptions::default()
     };
     let missing = partial.0.missing();
-    let solved = telling(py, progress.as_ref(), |tell, _stop| {
-        pieces::solve(partial.0.clone(), &options, tell)
+    let solved = telling(py, progress.as_ref(), |tell, stop| {
+        pieces::solve_watched(partial.0.clone(), &options, tell, stop)
     })?;
     match solved.map_err(|error| unpieced(py, &error, &options))? {
         Solved::Poles(poles) => {

@@ -65,6 +65,22 @@ def test_a_fit_stops_where_its_callback_raises():
     assert time.perf_counter() - began < 0.5 * whole
 
 
+def test_solving_pieces_stops_where_its_callback_raises():
+    simulated, _ = chladni.simulate(FIXTURES / "panel-driving-points.toml", seed=3)
+    partial = chladni.reduce_block(simulated, 0)
+
+    def fail(_):
+        raise KeyError("mine")
+
+    began = time.perf_counter()
+    chladni.solve_poles(partial)
+    whole = time.perf_counter() - began
+    began = time.perf_counter()
+    with pytest.raises(KeyError, match="mine"):
+        chladni.solve_poles(partial, progress=fail)
+    assert time.perf_counter() - began < 0.5 * whole
+
+
 def test_a_callback_may_fit_itself(frf):
     inner = []
 

@@ -37,4 +37,4 @@ pub use error::PieceError;
 pub use given::residues;
 pub use partial::Partial;
 pub use poles::Poles;
-pub use solve::{solve, Solved};
+pub use solve::{solve, solve_watched, Solved};

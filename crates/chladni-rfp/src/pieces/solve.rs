@@ -37,9 +37,22 @@ pub fn solve(
     options: &FitOptions,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Solved, PieceError> {
+    solve_watched(partial, options, progress, &CancelToken::new())
+}
+
+/// As [`solve`]; `cancel` stops it at its next stage.
+///
+/// # Errors
+/// Those of [`solve`]; [`crate::FitError::Cancelled`].
+pub fn solve_watched(
+    partial: Partial,
+    options: &FitOptions,
+    progress: &(dyn Fn(&str) + Sync),
+    cancel: &CancelToken,
+) -> Result<Solved, PieceError> {
     let watch = Watch {
         tell: progress,
-        cancel: &CancelToken::new(),
+        cancel,
     };
     in_pool(|| {
         let whole = Whole::new(partial)?;

@@ -3,9 +3,12 @@
 use super::blocks::{blocks, difference, in_pieces, reduced, rows, set};
 use crate::common::{easy, fitted, resynthesis_error};
 use chladni_frf::{FrfSet, FrfValues, Trust};
-use chladni_rfp::pieces::{reduce, residues, solve, Partial, Reducer, Solved};
-use chladni_rfp::FitOptions;
+use chladni_rfp::pieces::{
+    reduce, residues, solve, solve_watched, Partial, PieceError, Reducer, Solved,
+};
+use chladni_rfp::{CancelToken, FitError, FitOptions};
 use ndarray::{s, Axis};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 #[test]
 fn blocks_find_what_the_whole_finds() {
@@ -195,4 +198,22 @@ fn single_precision_and_both_axes_of_the_set_hold() {
     let double = in_pieces(&blocks(&set.frf, 1)).0;
     assert!(difference(&model, &double) < 1e-7);
     assert_eq!(values.len_of(Axis(0)), model.responses.len());
+}
+
+#[test]
+fn solving_stops_at_the_stage_at_which_it_is_asked_to() {
+    let set = set();
+    let merged = Partial::merge(reduced(&blocks(&set.frf, 2), None)).unwrap();
+    let (cancel, stages) = (CancelToken::new(), AtomicUsize::new(0));
+    let tell = |_: &str| {
+        if stages.fetch_add(1, Ordering::Relaxed) == 1 {
+            cancel.cancel();
+        }
+    };
+    let stopped = solve_watched(merged, &FitOptions::default(), &tell, &cancel);
+    assert!(
+        matches!(stopped, Err(PieceError::Fit(FitError::Cancelled))),
+        "{stopped:?}"
+    );
+    assert_eq!(stages.into_inner(), 2);
 }
