@@ -2,6 +2,7 @@
 
 use crate::detached::Threads;
 use chladni_rfp::CancelToken;
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use std::panic::resume_unwind;
 use std::sync::mpsc::{channel, RecvTimeoutError};
@@ -38,34 +39,41 @@ pub fn telling<T: Send>(
         }
     };
     let threads = Threads::of_process()?;
-    let done = py.detach(|| {
+    let done = py.detach(|| -> PyResult<T> {
         let work = || threads.run(|| work(&tell, &stop));
         // a callback works on a thread of the pool, which must not wait for the others
         if rayon::current_thread_index().is_some() {
-            return work();
+            return Ok(work());
         }
         watched(work, || {
             if !stop.is_cancelled() {
                 note(Python::attach(|py| py.check_signals()));
             }
         })
-    });
+    })?;
     let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
     failed.map_or(Ok(done), Err)
 }
 
 /// Runs `work` on a thread of its own, and `look` on this one again and again until it has
-/// ended: Python hands signals to its main thread alone.
-fn watched<T: Send>(work: impl FnOnce() -> T + Send, look: impl Fn()) -> T {
+/// ended: Python hands signals to its main thread alone. An `OSError` where the system starts
+/// no thread.
+fn watched<T: Send>(work: impl FnOnce() -> T + Send, look: impl Fn()) -> PyResult<T> {
     let (ended, end) = channel::<()>();
     thread::scope(|scope| {
-        let worker = scope.spawn(move || {
+        let started = thread::Builder::new().spawn_scoped(scope, move || {
             let _ended = ended; // gone when the work has ended, even by a panic
             work()
         });
+        let worker = started.map_err(|error| {
+            PyOSError::new_err(format!(
+                "the system starts no thread: {error}; end other programs, or allow this one \
+                 more memory or threads (ulimit)"
+            ))
+        })?;
         while end.recv_timeout(SIGNALS_EVERY) == Err(RecvTimeoutError::Timeout) {
             look();
         }
-        worker.join().unwrap_or_else(|panic| resume_unwind(panic))
+        Ok(worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
     })
 }

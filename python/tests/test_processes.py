@@ -81,6 +81,28 @@ def test_solving_pieces_stops_where_its_callback_raises():
     assert time.perf_counter() - began < 0.5 * whole
 
 
+WITHOUT_THREADS = """
+import resource
+import chladni, numpy as np
+f = np.arange(20.0, 240.0, 0.5)
+w = 2 * np.pi * f
+frf = chladni.FrfSet(f, (1j * w / ((2 * np.pi * 100) ** 2 * (1 + 0.01j) - w**2))[None, None])
+with open("/proc/self/statm") as sizes:
+    here = int(sizes.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (here + 2**20, resource.RLIM_INFINITY))
+try:
+    chladni.fit(frf)
+except OSError as error:
+    print(str(error).split(":")[0])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux says what a process takes, and takes a limit for it")
+def test_a_system_that_starts_no_thread_is_an_error():
+    run = subprocess.run([sys.executable, "-c", WITHOUT_THREADS], capture_output=True, text=True, timeout=120)
+    assert run.stdout == "the system starts no thread\n", run.stderr
+
+
 def test_a_callback_may_fit_itself(frf):
     inner = []
 
