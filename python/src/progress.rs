@@ -67,8 +67,8 @@ fn watched<T: Send>(work: impl FnOnce() -> T + Send, look: impl Fn()) -> PyResul
         });
         let worker = started.map_err(|error| {
             PyOSError::new_err(format!(
-                "the system starts no thread: {error}; end other programs, or allow this one \
-                 more memory or threads (ulimit)"
+                "the system starts no more threads: {error}; end other programs, or allow this \
+                 one more memory or threads (ulimit)"
             ))
         })?;
         while end.recv_timeout(SIGNALS_EVERY) == Err(RecvTimeoutError::Timeout) {

@@ -122,7 +122,8 @@ fn weights_file(fields: usize) -> String {
 
 /// The fields, each with the weights that it was measured under: the rendered ones for the
 /// first, for each later one those that the fields before it correct. The weights are those that
-/// the commands on the page write, to the last byte: a field may name the checksum of theirs.
+/// the commands on the page write, to the last byte, unless modes were dropped or added: a field may
+/// name the checksum of theirs.
 struct Played {
     pairs: Vec<PlayedField>,
     weights_files: Vec<Source>,

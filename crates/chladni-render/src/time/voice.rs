@@ -118,8 +118,8 @@ struct SteadyDrives<'a> {
 
 impl SteadyDrives<'_> {
     /// The scene with the zones of a place. What time asks for takes the margin that there
-    /// is: amplifiers may err as much as the scene says, and no more. A steady tone asks for
-    /// nothing, and is driven as [`render`] drives it.
+    /// is: amplifiers may err as much as the scene says, and no more. A steady tone needs no
+    /// margin for time: it is driven as [`render`] drives it.
     fn scene_at(&self, place: &Place) -> Scene {
         let drift = match self.scene.time {
             Some(_) => Some(self.scene.drift.unwrap_or(self.options.drift).as_named()),

@@ -87,9 +87,9 @@ pub const LARGEST_SHIFT: f64 = 0.1;
 /// fingers have 0.5 to 4.
 pub const LOAD_IMPEDANCE: f64 = 3.0;
 
-/// Share of its size by which the impedance of a load may lie below zero in its real part,
-/// beside its error bar: that of a mass, which takes no energy, errs so far with the model's
-/// damping. What fed the panel was called a touch of −1.08 ± 0.015 N·s/m.
+/// Share of its size by which the real part of a load's impedance may be negative, beyond its
+/// error bar: for a mass, errors of the model's damping give that much. A panel that was fed
+/// read −1.08 ± 0.015 N·s/m.
 pub const LOAD_PASSIVE: f64 = 0.2;
 
 /// Distance of the places where a load is looked for, m.

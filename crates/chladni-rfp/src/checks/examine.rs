@@ -15,7 +15,7 @@ use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
 use crate::data::screening::Screened;
 use crate::poles::whiteness::Residual;
-use chladni_frf::{ModalModel, Mode, Severity, Trust};
+use chladni_frf::{Dof, ModalModel, Mode, Severity, Trust};
 use rayon::prelude::*;
 
 /// A check of the data behind a model.
@@ -63,13 +63,29 @@ pub(crate) fn examine(
         // the few that take long must not wait for one another
         let each = checks.par_iter().with_max_len(1);
         let found: Vec<Checked> = each.filter_map(|check| check(&case)).collect();
-        for checked in found {
+        for checked in without_kind_of_turned(found, model) {
             join(model, checked);
         }
         drop_scale_of_moving(model);
     }
     let sure = model.in_band_modes().any(|mode| mode.trust == Trust::Sure);
     model.quality.trusted &= sure;
+}
+
+/// Findings without one on the phase of all driving points where each of these is at a response that
+/// is turned against the others: then it is the response, and no matter of all FRFs.
+fn without_kind_of_turned(mut found: Vec<Checked>, model: &ModalModel) -> Vec<Checked> {
+    let all = found.iter().map(|checked| &checked.finding);
+    let turned: Vec<Dof> = all
+        .filter(|told| told.code == "turned-response")
+        .flat_map(|told| told.dofs.iter().copied())
+        .collect();
+    let mut driving = model.references.iter();
+    if driving.all(|dof| !model.responses.contains(dof) || turned.contains(dof)) {
+        let on_all = ["wrong-kind", "turned-channel"];
+        found.retain(|checked| turned.is_empty() || !on_all.contains(&&*checked.finding.code));
+    }
+    found
 }
 
 /// A finding joins those of the model; modes that it doubts are weak.

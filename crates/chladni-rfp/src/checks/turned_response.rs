@@ -52,7 +52,7 @@ pub(crate) fn turned_responses(case: &Case) -> Option<Checked> {
          touched, but shapes are wrong there, and their scale where it is a driving point",
         named.join(", ")
     );
-    let finding = Finding::caution("turned-channel", words)
+    let finding = Finding::caution("turned-response", words)
         .list("turn_deg", found.iter().map(|own| own.angle.to_degrees()))
         .dofs(found.iter().map(|own| responses[own.response]))
         .help("look at the signal path of the channel");

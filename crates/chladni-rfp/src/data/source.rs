@@ -95,7 +95,7 @@ impl Way {
     pub fn weights(&self) -> &[f64] {
         match &self.by {
             By::Measured { weights, .. } => weights,
-            By::Fast { .. } | By::Conjugated => &[],
+            By::Fast { .. } | By::Conjugated | By::Delay(_) => &[],
         }
     }
 }
@@ -127,6 +127,8 @@ pub(crate) enum By {
     },
     /// The fit was stopped: every resonance turns the wrong way.
     Conjugated,
+    /// The fit was stopped: a delay of so many seconds explains the data.
+    Delay(f64),
 }
 
 /// Findings and reasons as JSON text inside files of a format that does not describe itself: they

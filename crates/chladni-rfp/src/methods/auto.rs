@@ -23,7 +23,7 @@ use crate::poles::refine::{refine, Projection};
 use crate::poles::sketched::Doubt;
 use crate::poles::whiteness::Residual;
 use crate::tolerances as tol;
-use chladni_frf::{Damping, Finding, ModalModel, Trust};
+use chladni_frf::{Damping, Finding, ModalModel, Severity, Trust};
 use chladni_linalg::LinalgError;
 use ndarray::{Array1, Array2};
 use num_complex::Complex64;
@@ -76,16 +76,10 @@ pub(crate) fn auto<S: Source>(
                 lambda: Vec::new(),
                 by: By::Conjugated,
             })?,
-            Outcome::Ended(doubt @ Doubt::Delay(seconds)) => run.on_way(Way {
+            Outcome::Ended(Doubt::Delay(seconds)) => run.on_way(Way {
                 law: data.law,
                 lambda: Vec::new(),
-                by: By::Measured {
-                    evidence: doubt.words(),
-                    spread: Vec::new(),
-                    grades: Vec::new(),
-                    findings: vec![delay_alone::finding(seconds)],
-                    weights: Vec::new(),
-                },
+                by: By::Delay(seconds),
             })?,
             Outcome::Ended(doubt) => run.by_measured_path(doubt.words())?,
         },
@@ -187,7 +181,9 @@ impl<S: Source> Run<'_, S> {
             None => shaped.residual_energy_by_sums(data),
         };
         let mut model = shaped.model(data, options, &residual_energy)?;
-        if model.quality.relative_error > BAND_UNEXPLAINED {
+        let mut findings = model.quality.findings.iter();
+        let is_stopped = findings.any(|told| told.severity == Severity::Fault);
+        if model.quality.relative_error > BAND_UNEXPLAINED && !is_stopped {
             warnings.push(band_unexplained(model.quality.relative_error));
         }
         model.quality.findings.append(&mut warnings);
@@ -267,6 +263,12 @@ impl<S: Source> Run<'_, S> {
                 Vec::new(),
                 "stopped after the pole pool".into(),
                 vec![conjugated()],
+            ),
+            By::Delay(seconds) => (
+                Vec::new(),
+                Vec::new(),
+                "stopped: a delay alone explains the data".into(),
+                vec![delay_alone::finding(seconds)],
             ),
         };
         Ok(PoleSearch::from(PoleEstimate {

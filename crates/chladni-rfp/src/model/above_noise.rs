@@ -15,13 +15,13 @@ pub(super) fn above_noise(chi2_per_dof: f64, values: usize) -> Option<Finding> {
     (is_told && chi2_per_dof <= limits::SHAPE_MISFIT).then(|| {
         let words = format!(
             "the model leaves {:.0} % more than the noise (χ² per degree of freedom \
-             {chi2_per_dof:.2}): one shape per mode, or what lies outside the band, is not quite as \
-             the model has it; error bars follow the noise alone",
+             {chi2_per_dof:.2}): the modes are not quite of one shape each, or the terms for what lies \
+             outside the band are not quite right; error bars follow the noise alone",
             100.0 * excess
         );
         Finding::note("above-noise", words)
             .value("chi2_per_dof", chi2_per_dof)
-            .help("nothing where frequencies and damping count; else fit a narrower band")
+            .help("nothing to do for frequencies and damping; for shapes, fit a narrower band")
     })
 }
 

@@ -7,7 +7,7 @@ use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::data::watch::Watch;
-use crate::model::fewer_poles::{law_of_fewer_poles, may_tell, without_idle_poles};
+use crate::model::fewer_poles::{law_of_fewer_poles, may_tell, without_needless_poles};
 use crate::model::identified::{Identified, LawOpen};
 use crate::model::in_law::in_law;
 use crate::model::limits;
@@ -23,14 +23,16 @@ use num_complex::Complex64;
 /// mode if that serves all references; and the findings on both. If no law is asked for:
 ///
 /// 1. The phases of the residues choose the law.
-/// 2. If they do not decide for good, and little noise tells the laws far apart, the law that needs
-///    clearly fewer poles is taken.
+/// 2. If they do not decide for good, and little noise tells the laws far apart, the law in which few
+///    poles explain the data clearly better is taken.
 /// 3. If neither decides for good and one shape per mode is refused, the other law is taken if one shape
 ///    per mode holds there: heavily overlapping modes may have wrong phases. The law stays open if
 ///    the phases spoke for the first. If the other law has more poles, the first is tried with
 ///    these before.
 /// 4. If shapes are complex in the first law and real in the other, the other is taken, on
 ///    condition that phases are true.
+///
+/// Before shapes are looked at, poles that data without noise do not need are taken out.
 ///
 /// * `again`: finds the poles in another law
 pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
@@ -45,8 +47,18 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     let is_open = options.damping.is_none() && !matches!(verdict, Verdict::Decided(_));
     let frfs = data.pairs.len();
     let by_poles = match is_open && may_tell(&found) {
-        true => law_of_fewer_poles(&found, frfs)?,
+        true => law_of_fewer_poles(&found, frfs, watch)?,
         false => None,
+    };
+    let (by_poles, found) = match by_poles {
+        Some(law) if law != found.work.law => {
+            let other = again(found.clone(), law)?;
+            match other.leaves_no_more_than(&found) {
+                true => (by_poles, other),
+                false => (None, found),
+            }
+        }
+        _ => (by_poles, found),
     };
     let verdict = by_poles.map_or(verdict, Verdict::Decided);
     let law = options.damping.or(verdict.law()).unwrap_or(found.work.law);
@@ -55,7 +67,7 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
         false => again(found, law)?,
     };
     let found = match options.modes.is_none() && options.added_hz.is_empty() {
-        true => without_idle_poles(found, frfs)?,
+        true => without_needless_poles(found, frfs)?,
         false => found,
     };
     watch.stage("shapes")?;
@@ -145,7 +157,7 @@ impl Choice {
         let here = in_law(found.clone(), self.found.work.law, frfs)?;
         let verdict = law_verdict(data, &here, options)?;
         let is_contradicted = verdict == Verdict::Decided(found.work.law);
-        if is_contradicted || here.variance > limits::SAME_NOISE * found.variance {
+        if is_contradicted || !here.leaves_no_more_than(found) {
             return Ok(None);
         }
         let search = shape_search(data, &here, options)?;

@@ -7,7 +7,9 @@ use crate::damping::basis::RESIDUAL_POWERS;
 use crate::damping::places::in_plane_of;
 use crate::damping::verdict::shift;
 use crate::data::columns::Columns;
+use crate::data::error::FitError;
 use crate::data::grade::Grade;
+use crate::data::watch::Watch;
 use crate::model::limits;
 use crate::poles::estimate::{graded, PoleEstimate};
 use crate::poles::prune::{redundant_pole, Patience};
@@ -21,6 +23,9 @@ use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
+
+/// Name of the search as a stage of the fit.
+const STAGE: &str = "damping law";
 
 /// True if the numbers of poles can tell: the residual is noise, and so small that a mode of the
 /// band is far from itself in the other law.
@@ -43,23 +48,24 @@ pub(crate) fn may_tell(found: &PoleEstimate) -> bool {
 /// * `frfs`: number of FRFs behind the columns
 ///
 /// # Errors
-/// A kernel that fails.
+/// A kernel that fails; a watch that ends it.
 pub(crate) fn law_of_fewer_poles(
     found: &PoleEstimate,
     frfs: usize,
-) -> Result<Option<Damping>, LinalgError> {
+    watch: &Watch,
+) -> Result<Option<Damping>, FitError> {
     let (own, variance) = with_some_noise(found, frfs);
     let other = own.clone().in_law(own.law.other());
     let price = threshold(frfs, own.lines()) * variance;
     let cost = |found: &Refined| found.projection.sse / price + found.lambda.len() as f64;
+    watch.stage(STAGE)?;
     let first = fewest(&own, &found.refined.lambda, variance, frfs)?;
-    let start = first.lambda.iter();
-    let start: Vec<Complex64> = start
-        .filter_map(|pole| in_plane_of(other.law, *pole))
-        .collect();
+    let in_other = |pole: &Complex64| in_plane_of(other.law, *pole);
+    let start: Vec<Complex64> = first.lambda.iter().filter_map(in_other).collect();
+    watch.stage(STAGE)?;
     let second = fewest(&other, &start, variance, frfs)?;
     let lead = cost(&second) - cost(&first);
-    Ok(match lead.abs() > limits::POLES_TELL {
+    Ok(match lead.abs() > limits::LEAD_THAT_TELLS {
         true if lead > 0.0 => Some(own.law),
         true => Some(other.law),
         false => None,
@@ -76,7 +82,7 @@ fn with_some_noise(found: &PoleEstimate, frfs: usize) -> (Columns, f64) {
     if found.variance >= added {
         return (work, found.variance);
     }
-    let mut random = ChaCha8Rng::seed_from_u64(0);
+    let mut random = ChaCha8Rng::seed_from_u64(limits::SEED_OF_ADDED_NOISE);
     work.b.mapv_inplace(|value| {
         let (u, turn): (f64, f64) = (random.random(), random.random());
         value + Complex64::from_polar((-added * (1.0 - u).ln()).sqrt(), TAU * turn)
@@ -111,7 +117,7 @@ fn fewest(
 ///
 /// # Errors
 /// A kernel that fails.
-pub(crate) fn without_idle_poles(
+pub(crate) fn without_needless_poles(
     mut found: PoleEstimate,
     frfs: usize,
 ) -> Result<PoleEstimate, LinalgError> {

@@ -205,6 +205,7 @@ impl Poles {
             Some(By::Fast { .. }) => "fast chain on the sketch".into(),
             Some(By::Measured { evidence, .. }) => format!("measured-data path: {evidence}"),
             Some(By::Conjugated) => "every resonance turns the wrong way".into(),
+            Some(By::Delay(_)) => "a delay alone explains the data".into(),
             None => "not sought yet".to_owned(),
         };
         match (self.pass, &self.weighting) {

@@ -270,6 +270,7 @@ impl Way {
             By::Fast { extra_passes, .. } if *extra_passes > limits::ROUNDS_MOST => {
                 Err(refused("passes", extra_passes, "a few"))
             }
+            By::Delay(seconds) => finite("delay", [*seconds]),
             By::Fast { .. } | By::Conjugated => Ok(()),
         }
     }

@@ -35,9 +35,9 @@ pub(crate) fn delay_alone(
         return Ok(None);
     }
     let gains = gains(sketch, kind, &omega, seconds)?;
-    let energy = |b: &Array2<Complex64>| b.iter().map(|v| v.norm_sqr()).sum::<f64>();
+    let energy = |b: ArrayView2<Complex64>| b.iter().map(|v| v.norm_sqr()).sum::<f64>();
     let left = projected(gains.view(), few).1;
-    if energy(&left) > limits::DELAY_LEAVES * energy(&few.to_owned()) {
+    if energy(left.view()) > limits::DELAY_LEAVES * energy(few) {
         return Ok(None);
     }
     let left = projected(gains.view(), sketch.b.view()).1;
@@ -57,8 +57,8 @@ fn lag(columns: ArrayView2<Complex64>, omega: &[f64]) -> f64 {
                 product * Complex64::from_polar(1.0, seconds * (omega[k + apart] - omega[k]))
             })
             .sum();
-        let mean = (0..lines - apart).map(|k| omega[k + apart] - omega[k]);
-        seconds -= turned.arg() * (lines - apart) as f64 / mean.sum::<f64>();
+        let distances = (0..lines - apart).map(|k| omega[k + apart] - omega[k]);
+        seconds -= turned.arg() * (lines - apart) as f64 / distances.sum::<f64>();
         apart *= 2;
     }
     seconds

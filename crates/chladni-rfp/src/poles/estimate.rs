@@ -1,6 +1,6 @@
 //! The poles that a path found, and their grades by their error bars alone.
 
-use super::limits::{EXPLAINED, FAINT, FAINT_OVER_USUAL, UNCERTAIN};
+use super::limits::{EXPLAINED, FAINT, FAINT_OVER_USUAL, SAME_NOISE, UNCERTAIN};
 use crate::data::columns::Columns;
 use crate::data::grade::Grade;
 use crate::data::information::covariance;
@@ -40,6 +40,12 @@ impl PoleEstimate {
     /// True if the poles explain the data to rounding.
     pub fn is_rounding(&self) -> bool {
         self.room_to_rounding() >= 0.0
+    }
+
+    /// True if the poles leave noise or rounding, and no more of it than those of another estimate.
+    pub fn leaves_no_more_than(&self, other: &Self) -> bool {
+        let is_same = self.variance <= SAME_NOISE * other.variance;
+        self.residual_is_noise && (is_same || self.is_rounding())
     }
 
     /// Sum of squares that may be added before the residual is more than rounding.

@@ -52,6 +52,9 @@ pub(crate) const UNCERTAIN: f64 = 0.3;
 pub(super) const FAINT: f64 = 0.01;
 /// Standard deviation of a faint pole over the usual one of the band, both in half-bandwidths.
 pub(super) const FAINT_OVER_USUAL: f64 = 300.0;
+/// Noise variance in one law over that in the other up to which both leave the same: the noise is
+/// one, and a misfit of 1 % of it stands out of some ten thousand values.
+pub(super) const SAME_NOISE: f64 = 1.01;
 
 // first_look.rs
 

@@ -69,8 +69,10 @@ pub(crate) fn poles_of_sketch(
 ) -> Result<SketchOutcome, FitError> {
     let hz = data.hz();
     let ended = |doubt| Ok(SketchOutcome::Ended(doubt));
-    if let (None, Some(seconds)) = (asked, delay_alone(&sketch, data.kind, hz)?) {
-        return ended(Doubt::Delay(seconds));
+    if asked.is_none() {
+        if let Some(seconds) = delay_alone(&sketch, data.kind, hz)? {
+            return ended(Doubt::Delay(seconds));
+        }
     }
     let noise = fourth_difference_noise(&sketch, limits::SKETCH_NOISE_HALF_WINDOW);
     let peaks = peaks(&sketch, &line_energy(&sketch.b), &noise);

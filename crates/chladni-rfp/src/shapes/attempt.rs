@@ -169,6 +169,7 @@ impl<'a> Attempt<'a> {
             return Ok(start);
         }
         let (mut lambda, mut along) = (self.inside.clone(), along);
+        let mut is_other = false;
         for group in groups {
             let poles: Vec<Complex64> = group.iter().map(|&n| self.inside[n]).collect();
             let matrices = group.iter().map(|&n| of_pole(&residues, target.sides, n));
@@ -179,7 +180,12 @@ impl<'a> Attempt<'a> {
                 lambda[n] = pole;
                 along.row_mut(n).assign(&row);
             }
+            is_other = true;
         }
+        if !is_other {
+            return Ok(start);
+        }
+        // modes that coincide in pole and participations have no shapes: the first start is left
         let other = State::new(target, lambda, along, false).ok();
         Ok(other.filter(|other| other.sse < start.sse).unwrap_or(start))
     }

@@ -88,7 +88,10 @@ mod tests {
 
     #[test]
     fn modes_are_told_from_the_residues_of_other_poles_with_the_same_moments() {
-        let value = |n: usize, i: usize| Complex64::from(((5 * n + 3 * i * i) % 7) as f64 - 2.5);
+        let value = |n: usize, i: usize| {
+            let part = |i: usize| ((5 * n + 3 * i * i) % 7) as f64 - 2.5;
+            Complex64::new(part(i), part(i + 2))
+        };
         let term = |n: usize| Array2::from_shape_fn((4, 3), |(i, j)| value(n, i) * value(n + 2, j));
         let at = |re: f64| Complex64::new(re, 0.01);
         let modes = [at(1.0), at(1.0001)];

@@ -251,5 +251,7 @@ fn a_delay_is_no_row_of_broad_modes() {
         let truth = 1e3 * cycles / 400.0;
         assert!((ms - truth).abs() < 0.02, "{ms} instead of {truth} ms");
         assert!(!model.quality.trusted);
+        let mut findings = model.quality.findings.iter();
+        assert!(findings.all(|told| told.code != "mostly-unexplained"));
     }
 }

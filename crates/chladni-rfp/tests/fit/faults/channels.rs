@@ -257,7 +257,7 @@ fn the_wrong_time_sign_of_broad_modes_is_named() {
 /// Angles in degrees that are told of each response by its place.
 fn turns_told(model: &ModalModel) -> Vec<(usize, f64)> {
     let mut findings = model.quality.findings.iter();
-    let told = findings.find(|told| told.code == "turned-channel" && !told.dofs.is_empty());
+    let told = findings.find(|told| told.code == "turned-response");
     let Some(told) = told else {
         return Vec::new();
     };
@@ -284,4 +284,23 @@ fn turned_responses_are_named_with_their_angle() {
         assert!(delays_told(&model).is_empty());
         assert_eq!(missed_spurious_false(&set.truth, &model), (0, 0, 0));
     }
+}
+
+/// The others agree that it is the response: no kind of all FRFs is doubted.
+#[test]
+fn a_turned_driving_point_of_one_reference_is_no_wrong_kind() {
+    let mut set = Synthetic {
+        references: 1,
+        ..easy(40.0, 80)
+    }
+    .build()
+    .unwrap();
+    spoil(&mut set.frf, |i, _, _, v| match i {
+        0 => v * Complex64::from_polar(1.0, 88_f64.to_radians()),
+        _ => v,
+    });
+    let model = fitted(&set.frf);
+    assert_eq!(turns_told(&model).len(), 1, "{:?}", model.quality.findings);
+    let mut findings = model.quality.findings.iter();
+    assert!(findings.all(|told| told.code != "wrong-kind"));
 }
