@@ -6,7 +6,7 @@
 // above_noise.rs
 
 /// Excess of χ² per degree of freedom up to which nothing is said. The search for shapes accepts half
-/// of it; in `chladni bench wild --seeds 150` no model leaves as much.
+/// of it; of 150 structures drawn by the benches (docs/accuracy.md) none leaves as much.
 pub(super) const ABOVE_NOISE: f64 = 0.1;
 /// ... and standard deviations of χ².
 pub(super) const ABOVE_CHANCE: f64 = 8.0;
