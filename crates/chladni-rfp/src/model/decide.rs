@@ -23,8 +23,8 @@ use num_complex::Complex64;
 /// mode if that serves all references; and the findings on both. If no law is asked for:
 ///
 /// 1. The phases of the residues choose the law.
-/// 2. If they do not decide for good, and little noise tells the laws far apart, the law in which few
-///    poles explain the data clearly better is taken.
+/// 2. If they do not decide for good, or there is no noise to judge them by, and little noise tells the
+///    laws far apart, the law in which few poles explain the data clearly better is taken.
 /// 3. If neither decides for good and one shape per mode is refused, the other law is taken if one shape
 ///    per mode holds there: heavily overlapping modes may have wrong phases. The law stays open if
 ///    the phases spoke for the first. If the other law has more poles, the first is tried with
@@ -44,14 +44,17 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
 ) -> Result<(Identified, Vec<Finding>), E> {
     watch.stage("damping law")?;
     let verdict = law_verdict(data, &found, options)?;
-    let is_open = options.damping.is_none() && !matches!(verdict, Verdict::Decided(_));
+    let is_asked = options.damping.is_some();
+    let is_decided = matches!(verdict, Verdict::Decided(_));
+    // without noise the phases are judged by rounding
+    let is_open = found.is_rounding() || !(is_asked || is_decided);
     let frfs = data.pairs.len();
     let by_poles = match is_open && may_tell(&found) {
         true => law_of_fewer_poles(&found, frfs, watch)?,
         false => None,
     };
     let (by_poles, found) = match by_poles {
-        Some(law) if law != found.work.law => {
+        Some(law) if law != found.work.law && !is_asked => {
             let other = again(found.clone(), law)?;
             match other.leaves_no_more_than(&found) {
                 true => (by_poles, other),
