@@ -31,17 +31,9 @@ struct Delayed {
 /// Names responses that lag or lead the others.
 pub(crate) fn delayed_responses(case: &Case) -> Option<Checked> {
     let responses = &case.model.responses;
-    let (seen, natural) = phases_of_shapes(case)?;
-    let omega: Vec<f64> = seen.iter().map(|own| own.omega).collect();
-    let trials = Trials::new(&omega);
-    let found: Vec<Delayed> = (0..responses.len())
-        .into_par_iter()
-        .filter_map(|response| delay_of(response, responses.len(), &seen, &trials, natural))
-        .collect();
-    // of two groups as large as each other neither is the one that lags
-    if found.is_empty() || 2 * found.len() >= responses.len() {
-        return None;
-    }
+    let found = at_few_responses(case, |response, seen, trials, natural| {
+        delay_of(response, responses.len(), seen, trials, natural)
+    })?;
     let named: Vec<String> = found
         .iter()
         .map(|own| {
@@ -68,9 +60,28 @@ pub(crate) fn delayed_responses(case: &Case) -> Option<Checked> {
     Some(finding.into())
 }
 
+/// What `of` finds at each response; `None` where it finds nothing, or something at half of them: of
+/// two groups as large as each other neither is the one that is off.
+///
+/// * `of`: is given the response, the phases of all, delays to try, and the spread of the phases
+pub(super) fn at_few_responses<T: Send>(
+    case: &Case,
+    of: impl Fn(usize, &[Phases], &Trials, f64) -> Option<T> + Sync,
+) -> Option<Vec<T>> {
+    let responses = case.model.responses.len();
+    let (seen, natural) = phases_of_shapes(case)?;
+    let omega: Vec<f64> = seen.iter().map(|own| own.omega).collect();
+    let trials = Trials::new(&omega);
+    let found: Vec<T> = (0..responses)
+        .into_par_iter()
+        .filter_map(|response| of(response, &seen, &trials, natural))
+        .collect();
+    (!found.is_empty() && 2 * found.len() < responses).then_some(found)
+}
+
 /// Phases of the modes that show at enough responses, and their spread; `None` where these are too
 /// few, or shapes too complex to tell a response from the others.
-pub(super) fn phases_of_shapes(case: &Case) -> Option<(Vec<Phases>, f64)> {
+fn phases_of_shapes(case: &Case) -> Option<(Vec<Phases>, f64)> {
     if case.model.responses.len() < limits::AGREE_LEAST {
         return None;
     }
@@ -86,7 +97,7 @@ pub(super) fn phases_of_shapes(case: &Case) -> Option<(Vec<Phases>, f64)> {
 /// Phases of a mode at the responses that show it well.
 pub(super) struct Phases {
     /// rad/s.
-    pub omega: f64,
+    omega: f64,
     /// Phase against the common one, rad, modulo 180°, and its variance by noise; `None` where
     /// the mode is weak.
     at: Vec<Option<(f64, f64)>>,

@@ -7,10 +7,9 @@
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::delay::Trials;
-use crate::checks::delayed_response::{phases_of_shapes, OfResponse, Phases};
+use crate::checks::delayed_response::{at_few_responses, OfResponse, Phases};
 use crate::checks::limits;
 use chladni_frf::Finding;
-use rayon::prelude::*;
 
 /// A response with its angle.
 struct Turned {
@@ -25,17 +24,9 @@ struct Turned {
 /// Names responses that are turned against the others.
 pub(crate) fn turned_responses(case: &Case) -> Option<Checked> {
     let responses = &case.model.responses;
-    let (seen, natural) = phases_of_shapes(case)?;
-    let omega: Vec<f64> = seen.iter().map(|own| own.omega).collect();
-    let trials = Trials::new(&omega);
-    let found: Vec<Turned> = (0..responses.len())
-        .into_par_iter()
-        .filter_map(|response| turn_of(response, responses.len(), &seen, &trials, natural))
-        .collect();
-    // of two groups as large as each other neither is the turned one
-    if found.is_empty() || 2 * found.len() >= responses.len() {
-        return None;
-    }
+    let found = at_few_responses(case, |response, seen, trials, natural| {
+        turn_of(response, responses.len(), seen, trials, natural)
+    })?;
     let named: Vec<String> = found
         .iter()
         .map(|own| {

@@ -7,7 +7,7 @@ use crate::data::error::FitError;
 use crate::data::layout::DataLayout;
 use crate::data::options::{FitOptions, ShapeModel};
 use crate::data::watch::Watch;
-use crate::model::fewer_poles::{law_of_fewer_poles, may_tell, without_needless_poles};
+use crate::model::fewer_poles::{law_of_fewer_poles, may_tell, without_needless_poles, STAGE};
 use crate::model::identified::{Identified, LawOpen};
 use crate::model::in_law::in_law;
 use crate::model::limits;
@@ -42,7 +42,7 @@ pub(crate) fn decide<E: From<LinalgError> + From<FitError>>(
     watch: &Watch,
     again: &dyn Fn(PoleEstimate, Damping) -> Result<PoleEstimate, E>,
 ) -> Result<(Identified, Vec<Finding>), E> {
-    watch.stage("damping law")?;
+    watch.stage(STAGE)?;
     let verdict = law_verdict(data, &found, options)?;
     let is_asked = options.damping.is_some();
     let is_decided = matches!(verdict, Verdict::Decided(_));

@@ -24,8 +24,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
-/// Name of the search as a stage of the fit.
-const STAGE: &str = "damping law";
+/// Name of the decision on the law as a stage of the fit.
+pub(crate) const STAGE: &str = "damping law";
 
 /// True if the numbers of poles can tell: the residual is noise, and so small that a mode of the
 /// band is far from itself in the other law.
