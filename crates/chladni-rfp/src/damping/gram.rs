@@ -146,66 +146,98 @@ fn by_partial_fractions(
     gram
 }
 
-/// Inner products of the columns of a [`Cauchy`], with each other and with those of `others`,
-/// (column, ·). Where partial fractions give the first, the columns of a few poles are alive at a
-/// time, so that they stay in the cache.
-pub(crate) fn products<const K: usize>(
-    work: &Columns,
-    lambda: &[Complex64],
-    powers: &[i32],
-    derivatives: bool,
-    others: [ArrayView2<Complex64>; K],
-) -> (Array2<Complex64>, [Array2<Complex64>; K]) {
-    if !has_partial_fractions(work, lambda) {
-        let cauchy = Cauchy::with(work, lambda, powers, derivatives);
-        let with = others.map(|other| blocked_matmul_h(cauchy.columns.view(), other));
-        return (cauchy.gram(), with);
-    }
-    let (n, m) = (lambda.len(), lambda.len() + powers.len());
-    let lines = work.lines().max(1);
-    let kinds = if derivatives { 2 } else { 1 };
-    let mut terms = Array2::zeros((work.lines(), powers.len()).f());
-    let of_terms = terms.as_slice_memory_order_mut().unwrap_or_default();
-    fill_terms(work, powers, of_terms);
-    let beside: Vec<_> = std::iter::once(terms.view()).chain(others).collect();
-    // blocks of nearly one size, mostly an even number: two threads end together
-    let pairs = n.div_ceil(2 * limits::POLES_IN_CACHE).max(1);
-    let size = n.div_ceil(2 * pairs).max(1);
-    let block = |memory: &mut Vec<Complex64>, poles: &[Complex64]| {
-        let columns = &mut memory[..kinds * poles.len() * work.lines()];
-        let (plain, slopes) = columns.split_at_mut(poles.len() * work.lines());
-        let slopes = slopes.chunks_mut(lines).map(Some);
-        let slopes = slopes.chain(std::iter::repeat_with(|| None));
-        let columns_of = plain.chunks_mut(lines).zip(slopes).zip(poles);
-        let sums: Vec<_> = columns_of
-            .map(|((column, derivative), &pole)| fill(work, pole, column, derivative))
-            .collect();
-        let columns = ArrayView2::from_shape((work.lines(), kinds * poles.len()).f(), columns)
-            .expect("as many values");
-        let with = beside.iter().map(|other| matmul_h(columns, *other));
-        (sums, with.collect())
-    };
-    let parts: Vec<(Vec<_>, Vec<Array2<Complex64>>)> = lambda
-        .par_chunks(size)
-        .map_init(|| vec![Complex64::ZERO; kinds * size * lines], block)
-        .collect();
-    let whole = |k: usize| {
-        let mut whole = Array2::zeros((m + (kinds - 1) * n, beside[k].ncols()).f());
-        for (number, (sums, with)) in parts.iter().enumerate() {
-            for kind in 0..kinds {
-                let (from, to) = (kind * sums.len(), kind * m + number * size);
-                whole
-                    .slice_mut(s![to..to + sums.len(), ..])
-                    .assign(&with[k].slice(s![from..from + sums.len(), ..]));
-            }
+/// The lines of a search for poles with all that does not change while these move: residual terms,
+/// other columns, and the inner products of both.
+pub(crate) struct Beside<'a, const K: usize> {
+    pub work: &'a Columns,
+    /// Powers of x of the residual terms.
+    pub powers: &'a [i32],
+    others: [ArrayView2<'a, Complex64>; K],
+    /// Residual terms, (line, term), and their inner products with themselves and with the others.
+    terms: Array2<Complex64>,
+    of_terms: Array2<Complex64>,
+    with_terms: [Array2<Complex64>; K],
+}
+
+impl<'a, const K: usize> Beside<'a, K> {
+    pub fn new(
+        work: &'a Columns,
+        powers: &'a [i32],
+        others: [ArrayView2<'a, Complex64>; K],
+    ) -> Self {
+        let mut terms = Array2::zeros((work.lines(), powers.len()).f());
+        let of_terms = terms.as_slice_memory_order_mut().unwrap_or_default();
+        fill_terms(work, powers, of_terms);
+        Self {
+            work,
+            powers,
+            others,
+            of_terms: matmul_h(terms.view(), terms.view()),
+            with_terms: others.map(|other| matmul_h(terms.view(), other)),
+            terms,
         }
-        let of_terms = matmul_h(terms.view(), beside[k]);
-        whole.slice_mut(s![n..m, ..]).assign(&of_terms);
-        whole
-    };
-    let sums: Vec<_> = parts.iter().flat_map(|(sums, _)| sums).copied().collect();
-    let gram = by_partial_fractions(work, lambda, &sums, whole(0).view());
-    (gram, std::array::from_fn(|k| whole(k + 1)))
+    }
+
+    /// Inner products of the columns of a [`Cauchy`], with each other and with the other columns,
+    /// (column, ·). Where partial fractions give the first, the columns of a few poles are alive at
+    /// a time, so that they stay in the cache.
+    pub fn products(
+        &self,
+        lambda: &[Complex64],
+        derivatives: bool,
+    ) -> (Array2<Complex64>, [Array2<Complex64>; K]) {
+        let work = self.work;
+        if !has_partial_fractions(work, lambda) {
+            let cauchy = Cauchy::with(work, lambda, self.powers, derivatives);
+            let with = |other| blocked_matmul_h(cauchy.columns.view(), other);
+            return (cauchy.gram(), self.others.map(with));
+        }
+        let (n, m) = (lambda.len(), lambda.len() + self.powers.len());
+        let lines = work.lines().max(1);
+        let kinds = if derivatives { 2 } else { 1 };
+        let beside: Vec<_> = std::iter::once(self.terms.view())
+            .chain(self.others)
+            .collect();
+        // blocks of nearly one size, mostly an even number: two threads end together
+        let pairs = n.div_ceil(2 * limits::POLES_IN_CACHE).max(1);
+        let size = n.div_ceil(2 * pairs).max(1);
+        let block = |memory: &mut Vec<Complex64>, poles: &[Complex64]| {
+            let columns = &mut memory[..kinds * poles.len() * work.lines()];
+            let (plain, slopes) = columns.split_at_mut(poles.len() * work.lines());
+            let slopes = slopes.chunks_mut(lines).map(Some);
+            let slopes = slopes.chain(std::iter::repeat_with(|| None));
+            let columns_of = plain.chunks_mut(lines).zip(slopes).zip(poles);
+            let sums: Vec<_> = columns_of
+                .map(|((column, derivative), &pole)| fill(work, pole, column, derivative))
+                .collect();
+            let columns = ArrayView2::from_shape((work.lines(), kinds * poles.len()).f(), columns)
+                .expect("as many values");
+            let with = beside.iter().map(|other| matmul_h(columns, *other));
+            (sums, with.collect())
+        };
+        let parts: Vec<(Vec<_>, Vec<Array2<Complex64>>)> = lambda
+            .par_chunks(size)
+            .map_init(|| vec![Complex64::ZERO; kinds * size * lines], block)
+            .collect();
+        let whole = |k: usize, of_terms: &Array2<Complex64>| {
+            let mut whole = Array2::zeros((m + (kinds - 1) * n, beside[k].ncols()).f());
+            for (number, (sums, with)) in parts.iter().enumerate() {
+                for kind in 0..kinds {
+                    let (from, to) = (kind * sums.len(), kind * m + number * size);
+                    whole
+                        .slice_mut(s![to..to + sums.len(), ..])
+                        .assign(&with[k].slice(s![from..from + sums.len(), ..]));
+                }
+            }
+            whole.slice_mut(s![n..m, ..]).assign(of_terms);
+            whole
+        };
+        let sums: Vec<_> = parts.iter().flat_map(|(sums, _)| sums).copied().collect();
+        let with_terms = whole(0, &self.of_terms);
+        let gram = by_partial_fractions(work, lambda, &sums, with_terms.view());
+        let with_others = |k: usize| whole(k + 1, &self.with_terms[k]);
+        (gram, std::array::from_fn(with_others))
+    }
 }
 
 #[cfg(test)]
@@ -288,7 +320,8 @@ mod tests {
             for (powers, derivatives) in [(&[][..], true), (&[-1, 0, 2], true), (&[0, 1], false)] {
                 let cauchy = Cauchy::with(&work, &lambda, powers, derivatives);
                 let others = [some.view(), none.view()];
-                let (gram, with) = products(&work, &lambda, powers, derivatives, others);
+                let (gram, with) =
+                    Beside::new(&work, powers, others).products(&lambda, derivatives);
                 let direct = matmul_h(cauchy.columns.view(), cauchy.columns.view());
                 let with_some = matmul_h(cauchy.columns.view(), some.view());
                 assert_eq!(with[1].dim(), (cauchy.columns.ncols(), 0));

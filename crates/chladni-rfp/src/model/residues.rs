@@ -57,7 +57,7 @@ fn complex(work: &Columns, poles: &[Complex64], powers: &[i32]) -> Result<Linear
         weight,
         terms_per_residue,
         sse,
-    } = match NormalFit::at(work, work.energy(), poles, powers) {
+    } = match NormalFit::at(work, poles, powers) {
         Some(fit) => fit.partitioned(n)?,
         None => on_orthonormal_basis(work, poles, powers)?,
     };

@@ -1,6 +1,7 @@
 //! The search for the likeliest poles: Gauss–Newton steps with Levenberg–Marquardt
 //! damping (theory.md, eq. 12), for any way of computing the matrix and the gradient.
 
+use crate::damping::gram::Beside;
 use crate::damping::law::{is_rational, oscillating};
 use crate::data::columns::Columns;
 use crate::poles::limits;
@@ -33,20 +34,36 @@ impl NewtonSystem {
     }
 }
 
+/// The data of a search.
+pub(crate) struct SearchData<'a> {
+    /// Lines with the residual terms and the data.
+    pub beside: Beside<'a, 1>,
+    /// Sum of squares of the data.
+    pub energy: f64,
+}
+
+impl<'a> SearchData<'a> {
+    /// On the lines and columns of `work`, with the residual terms x^`powers`.
+    pub fn new(work: &'a Columns, powers: &'a [i32]) -> Self {
+        Self {
+            beside: Beside::new(work, powers, [work.b.view()]),
+            energy: work.energy(),
+        }
+    }
+}
+
 /// One set of poles, with all that a step from them needs.
 pub(crate) trait Point: Sized {
     /// True if another kind of point can take over the search where this kind cannot be computed.
     const HAS_FALLBACK: bool;
     /// Everything linear at the poles `lambda`; `None` if it cannot be computed.
-    ///
-    /// * `energy`: sum of squares of the data
-    fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self>;
+    fn at(search: &SearchData, lambda: &[Complex64]) -> Option<Self>;
     /// Residual sum of squares.
     fn sse(&self) -> f64;
     /// Rounding error of [`Self::sse`].
     fn rounding(&self, energy: f64) -> f64;
     /// Matrix and gradient of the next step.
-    fn system(&self, work: &Columns, lambda: &[Complex64]) -> NewtonSystem;
+    fn system(&self, search: &SearchData, lambda: &[Complex64]) -> NewtonSystem;
 }
 
 /// Largest step a pole may take at once: half a bandwidth, and more the farther it lies
@@ -80,12 +97,7 @@ fn still_physical(work: &Columns, pole: Complex64, next: Complex64) -> Complex64
 
 /// A search under way.
 pub(crate) struct Descent<'a> {
-    /// Data.
-    pub work: &'a Columns,
-    /// Powers of x of the residual terms.
-    pub powers: &'a [i32],
-    /// Sum of squares of the data.
-    energy: f64,
+    pub search: &'a SearchData<'a>,
     /// Current poles.
     pub lambda: Vec<Complex64>,
     damping: f64,
@@ -95,12 +107,10 @@ pub(crate) struct Descent<'a> {
 
 impl<'a> Descent<'a> {
     /// A search from the poles `start`, for so many steps.
-    pub fn new(work: &'a Columns, start: &[Complex64], powers: &'a [i32], steps: usize) -> Self {
+    pub fn new(search: &'a SearchData<'a>, start: &[Complex64], steps: usize) -> Self {
         let steps = if start.is_empty() { 0 } else { steps };
         Self {
-            work,
-            powers,
-            energy: work.energy(),
+            search,
             lambda: start.to_vec(),
             damping: tol::LM_START,
             steps,
@@ -109,12 +119,12 @@ impl<'a> Descent<'a> {
 
     /// The point at the current poles; `None` if it cannot be computed.
     pub fn point<P: Point>(&self) -> Option<P> {
-        P::at(self.work, self.energy, &self.lambda, self.powers)
+        P::at(self.search, &self.lambda)
     }
 
     /// Fall of the sum of squares by a whole Gauss–Newton step, if the model were linear.
     pub fn promised_fall<P: Point>(&self, point: &P) -> f64 {
-        let newton = point.system(self.work, &self.lambda);
+        let newton = point.system(self.search, &self.lambda);
         let step = solve_hermitian(newton.information.view(), newton.gradient.view());
         step.map_or(f64::INFINITY, |step| newton.promised_fall(&step))
     }
@@ -129,7 +139,7 @@ impl<'a> Descent<'a> {
             self.steps -= 1;
             let newton = refused
                 .take()
-                .unwrap_or_else(|| point.system(self.work, &self.lambda));
+                .unwrap_or_else(|| point.system(self.search, &self.lambda));
             let Some(step) = newton.damped_step(self.damping) else {
                 if self.damp_more(limits::LM_LEAST_UNSOLVED) {
                     return true;
@@ -138,12 +148,13 @@ impl<'a> Descent<'a> {
                 continue;
             };
             let (trial, largest) = self.moved(step.index_axis(Axis(1), 0));
-            let negligible = limits::PROMISED * point.sse() / self.work.b.len() as f64;
+            let negligible =
+                limits::PROMISED * point.sse() / self.search.beside.work.b.len() as f64;
             let is_last = largest < tolerance || newton.promised_fall(&step) < negligible;
-            match P::at(self.work, self.energy, &trial, self.powers) {
+            match P::at(self.search, &trial) {
                 // near the end rounding decides which sum of squares is the smaller: it
                 // must not refuse good steps
-                Some(next) if next.sse() <= point.sse() + point.rounding(self.energy) => {
+                Some(next) if next.sse() <= point.sse() + point.rounding(self.search.energy) => {
                     self.lambda = trial;
                     *point = next;
                     self.damping *= tol::LM_DOWN;
@@ -171,16 +182,17 @@ impl<'a> Descent<'a> {
 
     /// Poles after a step, and its largest part in half-bandwidths.
     fn moved(&self, step: ArrayView1<Complex64>) -> (Vec<Complex64>, f64) {
+        let work = self.search.beside.work;
         let mut largest = 0.0_f64;
         let capped = |(&pole, &delta): (&Complex64, &Complex64)| {
-            let cap = step_cap(self.work, pole);
+            let cap = step_cap(work, pole);
             let delta = if delta.norm() > cap {
                 delta * (cap / delta.norm())
             } else {
                 delta
             };
             largest = largest.max(delta.norm() / pole.im);
-            still_physical(self.work, pole, pole + delta)
+            still_physical(work, pole, pole + delta)
         };
         (self.lambda.iter().zip(step).map(capped).collect(), largest)
     }

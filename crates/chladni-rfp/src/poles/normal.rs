@@ -7,10 +7,9 @@
 //! takes over where rounding comes near the residual: for data of some 100 dB, and for poles that
 //! nearly coincide.
 
-use crate::damping::gram::products;
 use crate::data::columns::Columns;
 use crate::data::inner_products::sum_of_squares;
-use crate::poles::descent::{NewtonSystem, Point};
+use crate::poles::descent::{NewtonSystem, Point, SearchData};
 use crate::poles::limits;
 use crate::poles::removal::Removable;
 use chladni_linalg::{
@@ -122,8 +121,9 @@ impl Factored {
 
 impl NormalFit {
     /// The fit with the poles `lambda`; `None` as for [`NormalPoint`].
-    pub fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
-        let (gram, [against]) = products(work, lambda, powers, false, [work.b.view()]);
+    pub fn at(work: &Columns, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
+        let SearchData { beside, energy } = SearchData::new(work, powers);
+        let (gram, [against]) = beside.products(lambda, false);
         Some(Factored::new(gram, against, energy)?.fit)
     }
 
@@ -174,16 +174,16 @@ impl Point for NormalPoint {
     const HAS_FALLBACK: bool = true;
 
     /// `None` where the columns are too alike, or the residual lies too near rounding.
-    fn at(work: &Columns, energy: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
-        let m = lambda.len() + powers.len();
-        let (all, [against]) = products(work, lambda, powers, true, [work.b.view()]);
+    fn at(search: &SearchData, lambda: &[Complex64]) -> Option<Self> {
+        let m = lambda.len() + search.beside.powers.len();
+        let (all, [against]) = search.beside.products(lambda, true);
         let gram = all.slice(s![..m, ..m]).to_owned();
         let right = against.slice(s![..m, ..]).to_owned();
         let Factored {
             fit,
             lower,
             half_solved,
-        } = Factored::new(gram, right, energy)?;
+        } = Factored::new(gram, right, search.energy)?;
         let mut across = all.slice(s![..m, m..]).to_owned();
         divide_rows(across.view_mut(), &fit.norms);
         // the part of the derivatives along the columns
@@ -214,7 +214,7 @@ impl Point for NormalPoint {
         self.fit.rounding
     }
 
-    fn system(&self, _: &Columns, lambda: &[Complex64]) -> NewtonSystem {
+    fn system(&self, _: &SearchData, lambda: &[Complex64]) -> NewtonSystem {
         let residues = self.fit.coefficients.slice(s![..lambda.len(), ..]);
         let products = matmul(residues, residues.t().mapv(|v| v.conj()).view());
         NewtonSystem {

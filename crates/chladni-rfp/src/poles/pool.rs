@@ -10,7 +10,7 @@
 //! Ψ = (1/(λ_q − x), 1) that of σ, and D_l the diagonal matrix of column l of the data.
 
 use crate::damping::basis::basis;
-use crate::damping::gram::products;
+use crate::damping::gram::Beside;
 use crate::damping::law::{is_rational, RATIONAL};
 use crate::data::columns::{line_energy, Columns};
 use crate::poles::limits;
@@ -261,7 +261,7 @@ fn well_conditioned_adjoint(
     powers: &[i32],
 ) -> Option<Array2<Complex64>> {
     let m = lambda.len() + powers.len();
-    let (gram, []) = products(work, lambda, powers, false, []);
+    let (gram, []) = Beside::new(work, powers, []).products(lambda, false);
     let norms: Vec<f64> = gram.diag().iter().take(m).map(|v| v.re.sqrt()).collect();
     let unit_gram =
         Array2::from_shape_fn((m, m).f(), |(i, j)| gram[[i, j]] / (norms[i] * norms[j]));

@@ -1,10 +1,10 @@
 //! Choice of the poles that the data can tell from noise (theory.md, eq. 8).
 
 use crate::data::columns::Columns;
-use crate::poles::descent::Descent;
+use crate::poles::descent::{Descent, SearchData};
 use crate::poles::limits;
 use crate::poles::normal::NormalPoint;
-use crate::poles::refine::{refine_below, Refined};
+use crate::poles::refine::{on_orthonormal_basis, refine_below, refined_poles, Refined};
 use crate::poles::removal::Removable;
 use crate::poles::significance::threshold;
 use crate::tolerances::{self as tol, Precision};
@@ -55,53 +55,59 @@ pub(crate) fn is_one_bad_line(
 }
 
 /// Takes poles out one by one, the least significant first, residues refitted exactly
-/// after each, until all that are left are significant. The same holds for out-of-band poles.
+/// after each, until all that are left are significant; these are roughly refined. The same holds
+/// for out-of-band poles.
 ///
+/// * `mixed`: a few mixtures of the columns, on which the poles are refined in between
 /// * `removable`: the fit with `lambda` and `powers`
 /// * `variance`: of the noise
-pub(crate) fn prune(
+///
+/// # Errors
+/// A kernel that fails.
+pub(crate) fn pruned(
     work: &Columns,
+    mixed: &Columns,
     removable: Removable,
     lambda: &[Complex64],
     powers: &[i32],
     variance: f64,
-) -> Vec<Complex64> {
+) -> Result<Refined, LinalgError> {
     let least_rise = threshold(work.columns(), work.lines()) * variance;
     let significant = removable.thin_out(lambda, |candidate| candidate.rise < least_rise);
-    thinned(work, &significant, powers, least_rise)
+    // a pole of noise follows the noise of the mixtures, and then explains less of the rest
+    let moved = refined_poles(mixed, &significant, powers, tol::ROUGH).unwrap_or(significant);
+    let data = SearchData::new(work, powers);
+    let mut descent = Descent::new(&data, &moved, 0);
+    let end = thinned(&mut descent, least_rise);
+    on_orthonormal_basis(descent, end, tol::ROUGH)
 }
 
-/// Prunes again after every few steps of refinement, as long as that takes poles out: fewer
-/// poles make the later steps cheaper.
-fn thinned(
-    work: &Columns,
-    lambda: &[Complex64],
-    powers: &[i32],
-    least_rise: f64,
-) -> Vec<Complex64> {
-    let mut descent = Descent::new(work, lambda, powers, 0);
+/// Thins poles out after every few steps, as long as that takes some out: fewer poles make the later
+/// steps cheaper. Then refines the rest roughly. Returns the last point of the search if it
+/// has ended.
+fn thinned(descent: &mut Descent, least_rise: f64) -> Option<NormalPoint> {
+    let tolerance = tol::ROUGH.tolerance;
     let mut rounds_in_vain = 0;
-    let mut last_point = None;
-    while rounds_in_vain < limits::THINNING_ROUNDS && !descent.lambda.is_empty() {
-        let point = last_point.take().or_else(|| descent.point::<NormalPoint>());
-        let Some(mut point) = point else {
-            break;
-        };
-        descent.steps = limits::THINNING_STEPS;
-        let ended = descent.run(&mut point, tol::ROUGH.tolerance);
-        let Ok(removable) = point.fit.removable() else {
-            break;
-        };
-        let kept = removable.thin_out(&descent.lambda, |candidate| candidate.rise < least_rise);
+    let mut ended = false;
+    let mut point = descent.point::<NormalPoint>();
+    while !ended && rounds_in_vain < limits::THINNING_ROUNDS {
+        let at = point.as_mut()?;
+        let kept = at
+            .fit
+            .removable()
+            .ok()?
+            .thin_out(&descent.lambda, |candidate| candidate.rise < least_rise);
         if kept.len() < descent.lambda.len() {
             (descent.lambda, rounds_in_vain) = (kept, 0);
-        } else if ended {
-            break;
-        } else {
-            (last_point, rounds_in_vain) = (Some(point), rounds_in_vain + 1);
+            point = descent.point();
+            continue;
         }
+        descent.steps = limits::THINNING_STEPS;
+        ended = descent.run(at, tolerance);
+        rounds_in_vain += 1;
     }
-    descent.lambda
+    descent.steps = tol::ROUGH.steps;
+    point.take_if(|point| ended || descent.ends(point, tolerance))
 }
 
 /// Indices of poles by the rise of the sum of squares without them, the least first.

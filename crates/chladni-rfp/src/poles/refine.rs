@@ -9,11 +9,11 @@
 //! about 8Nm(5m + 3r) flop. The search needs a start within about a bandwidth of each pole.
 
 use crate::damping::basis::basis_derivative;
-use crate::damping::gram::Cauchy;
+use crate::damping::gram::{Beside, Cauchy};
 use crate::data::columns::Columns;
 use crate::data::information::coefficients;
 use crate::data::inner_products::sum_of_squares;
-use crate::poles::descent::{Descent, NewtonSystem, Point};
+use crate::poles::descent::{Descent, NewtonSystem, Point, SearchData};
 use crate::poles::limits;
 use crate::poles::normal::{gradient, NormalFit, NormalPoint};
 use crate::poles::removal::{rise_without, Removable};
@@ -101,7 +101,7 @@ pub(crate) fn removable(
     lambda: &[Complex64],
     powers: &[i32],
 ) -> Result<Removable, LinalgError> {
-    match NormalFit::at(work, work.energy(), lambda, powers) {
+    match NormalFit::at(work, lambda, powers) {
         Some(fit) => fit.removable(),
         None => Projection::new(work, lambda, powers)?.removable(),
     }
@@ -161,8 +161,8 @@ impl OrthonormalPoint {
 
 impl Point for OrthonormalPoint {
     const HAS_FALLBACK: bool = false;
-    fn at(work: &Columns, _: f64, lambda: &[Complex64], powers: &[i32]) -> Option<Self> {
-        Self::new(work, lambda, powers).ok()
+    fn at(search: &SearchData, lambda: &[Complex64]) -> Option<Self> {
+        Self::new(search.beside.work, lambda, search.beside.powers).ok()
     }
     fn sse(&self) -> f64 {
         self.projection.sse
@@ -170,8 +170,13 @@ impl Point for OrthonormalPoint {
     fn rounding(&self, energy: f64) -> f64 {
         tol::STEP_ROUNDING * (energy * self.projection.sse).sqrt()
     }
-    fn system(&self, work: &Columns, lambda: &[Complex64]) -> NewtonSystem {
-        newton_system(work, lambda, &self.projection, &self.coefficients)
+    fn system(&self, search: &SearchData, lambda: &[Complex64]) -> NewtonSystem {
+        newton_system(
+            search.beside.work,
+            lambda,
+            &self.projection,
+            &self.coefficients,
+        )
     }
 }
 
@@ -183,7 +188,8 @@ pub(crate) fn refine(
     powers: &[i32],
     precision: Precision,
 ) -> Result<Refined, LinalgError> {
-    let (descent, end) = by_normal_equations(work, start, powers, precision);
+    let search = SearchData::new(work, powers);
+    let (descent, end) = by_normal_equations(&search, start, precision);
     on_orthonormal_basis(descent, end, precision)
 }
 
@@ -210,7 +216,8 @@ pub(crate) fn refined_poles(
     powers: &[i32],
     precision: Precision,
 ) -> Result<Vec<Complex64>, LinalgError> {
-    let (descent, end) = by_normal_equations(work, start, powers, precision);
+    let search = SearchData::new(work, powers);
+    let (descent, end) = by_normal_equations(&search, start, precision);
     if end.is_some() || descent.steps == 0 {
         return Ok(descent.lambda);
     }
@@ -224,12 +231,13 @@ pub(crate) fn refined_sum(
     powers: &[i32],
     precision: Precision,
 ) -> Result<(Vec<Complex64>, f64), LinalgError> {
-    let (descent, end) = by_normal_equations(work, start, powers, precision);
+    let search = SearchData::new(work, powers);
+    let (descent, end) = by_normal_equations(&search, start, precision);
     let sum = match end {
         Some(point) => Some(point.sse()),
         // no step was asked for
         None if descent.steps == 0 => {
-            NormalFit::at(work, work.energy(), &descent.lambda, powers).map(|fit| fit.sse())
+            NormalFit::at(work, &descent.lambda, powers).map(|fit| fit.sse())
         }
         None => None,
     };
@@ -242,13 +250,12 @@ pub(crate) fn refined_sum(
 
 /// The residual sum of squares after a few steps, and the least that further ones can leave by what
 /// the next of them promises; −∞ where that is not known.
-pub(crate) fn sum_in_sight(
-    work: &Columns,
+pub(crate) fn sum_in_sight<'a>(
+    search: &'a SearchData<'a>,
     start: &[Complex64],
-    powers: &[i32],
     precision: Precision,
 ) -> Result<[f64; 2], LinalgError> {
-    let (descent, end) = by_normal_equations(work, start, powers, precision);
+    let (descent, end) = by_normal_equations(search, start, precision);
     match end {
         Some(point) => {
             let largest_fall = limits::GAIN_OVER_PROMISE * descent.promised_fall(&point);
@@ -264,12 +271,11 @@ pub(crate) fn sum_in_sight(
 /// Makes steps by normal equations, as far as rounding allows. Returns the search, and its last
 /// point if the refinement ended there: at this precision, or with its last step.
 fn by_normal_equations<'a>(
-    work: &'a Columns,
+    search: &'a SearchData<'a>,
     start: &[Complex64],
-    powers: &'a [i32],
     precision: Precision,
 ) -> (Descent<'a>, Option<NormalPoint>) {
-    let mut descent = Descent::new(work, start, powers, precision.steps);
+    let mut descent = Descent::new(search, start, precision.steps);
     let mut point = match descent.steps {
         0 => None,
         _ => descent.point::<NormalPoint>(),
@@ -279,13 +285,17 @@ fn by_normal_equations<'a>(
 }
 
 /// Goes on from where normal equations left the search; `end`: their last point if it has ended.
-fn on_orthonormal_basis(
+///
+/// # Errors
+/// A kernel that fails.
+pub(super) fn on_orthonormal_basis(
     mut descent: Descent,
     end: Option<NormalPoint>,
     precision: Precision,
 ) -> Result<Refined, LinalgError> {
-    let Descent { work, powers, .. } = descent;
-    let information = end.map(|point| point.system(work, &descent.lambda).information);
+    let search = descent.search;
+    let Beside { work, powers, .. } = search.beside;
+    let information = end.map(|point| point.system(search, &descent.lambda).information);
     let mut point = OrthonormalPoint::new(work, &descent.lambda, powers)?;
     if information.is_none() {
         descent.run(&mut point, precision.tolerance);
@@ -315,7 +325,8 @@ pub(crate) fn refine_below(
     precision: Precision,
     sse_limit: f64,
 ) -> Result<Option<Refined>, LinalgError> {
-    let mut descent = Descent::new(work, start, powers, precision.steps);
+    let search = SearchData::new(work, powers);
+    let mut descent = Descent::new(&search, start, precision.steps);
     let mut point = descent.point::<NormalPoint>();
     if let Some(point) = &point {
         let largest_fall = limits::GAIN_OVER_PROMISE * descent.promised_fall(point);
@@ -337,8 +348,9 @@ impl Refined {
     /// refinement.
     pub fn information(&self, work: &Columns) -> Array2<Complex64> {
         self.information.clone().unwrap_or_else(|| {
-            let system = match NormalPoint::at(work, work.energy(), &self.lambda, &self.powers) {
-                Some(point) => point.system(work, &self.lambda),
+            let search = SearchData::new(work, &self.powers);
+            let system = match NormalPoint::at(&search, &self.lambda) {
+                Some(point) => point.system(&search, &self.lambda),
                 None => newton_system(work, &self.lambda, &self.projection, &self.coefficients),
             };
             system.information
@@ -402,7 +414,8 @@ mod tests {
         let work = two_resonances(poles);
         let near = poles.map(|pole| pole + 0.1 * pole.im);
         let best = refine(&work, &near, &RESIDUAL_POWERS, tol::ROUGH).unwrap();
-        let descent = Descent::new(&work, &near, &RESIDUAL_POWERS, tol::ROUGH.steps);
+        let search = SearchData::new(&work, &RESIDUAL_POWERS);
+        let descent = Descent::new(&search, &near, tol::ROUGH.steps);
         let point = descent.point::<NormalPoint>().unwrap();
         let (left, falls) = (best.projection.sse, point.sse() - best.projection.sse);
         let promised = descent.promised_fall(&point);

@@ -6,9 +6,9 @@ use crate::data::columns::Columns;
 use crate::poles::limits;
 use crate::poles::noise_variance::noise_variance;
 use crate::poles::pool::{starts, vector_fit, StepBasis};
-use crate::poles::prune::prune;
+use crate::poles::prune::pruned;
 use crate::poles::rank::visible_rank;
-use crate::poles::refine::{refine, removable, Refined};
+use crate::poles::refine::{removable, Refined};
 use crate::poles::removal::Removable;
 use crate::tolerances as tol;
 use chladni_linalg::LinalgError;
@@ -50,9 +50,8 @@ pub(crate) fn started(
         .collect();
     let all = removable(sketch, &stable, &RESIDUAL_POWERS)?;
     let variance = pool_variance(sketch, &all);
-    let kept = prune(sketch, all, &stable, &RESIDUAL_POWERS, variance);
     Ok(Start {
-        refined: refine(sketch, &kept, &RESIDUAL_POWERS, tol::ROUGH)?,
+        refined: pruned(sketch, mixed, all, &stable, &RESIDUAL_POWERS, variance)?,
         variance,
     })
 }

@@ -6,6 +6,7 @@ use crate::damping::law::{is_rational, loss_bound};
 use crate::damping::saved;
 use crate::data::columns::Columns;
 use crate::data::inner_products::inner;
+use crate::poles::descent::SearchData;
 use crate::poles::refine::{refined_sum, sum_in_sight, Projection};
 use crate::poles::scan::places_beyond;
 use crate::shapes::limits;
@@ -157,9 +158,10 @@ impl<'a> Rest<'a> {
         to_pay: f64,
         allowed: impl Fn(&Around) -> bool + Sync,
     ) -> Option<Around> {
+        let search = SearchData::new(&self.work, self.powers);
         let after_few_steps = |start: &Vec<Complex64>| {
             let few = tol::FINE.within(limits::AROUND_FIRST_STEPS);
-            let found = sum_in_sight(&self.work, start, self.powers, few);
+            let found = sum_in_sight(&search, start, few);
             found.unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
         };
         let left: Vec<[f64; 2]> = starts.par_iter().map(after_few_steps).collect();

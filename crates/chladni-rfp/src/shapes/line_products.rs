@@ -1,7 +1,7 @@
 //! Products over lines of pole columns and their derivatives.
 
 use crate::damping::basis::{basis, basis_derivative};
-use crate::damping::gram::products;
+use crate::damping::gram::Beside;
 use crate::data::columns::Columns;
 use crate::data::information::answer;
 use crate::shapes::limits;
@@ -45,7 +45,7 @@ impl LineProducts {
         powers: &[i32],
     ) -> Result<Self, LinalgError> {
         let all = [lambda, others].concat();
-        let (gram, []) = products(work, &all, powers, true, []);
+        let (gram, []) = Beside::new(work, powers, []).products(&all, true);
         let (n, m) = (lambda.len(), all.len() + powers.len());
         let (own, free): (Vec<usize>, Vec<usize>) =
             (0..gram.nrows()).partition(|&i| i < n || (m..m + n).contains(&i));
@@ -61,7 +61,7 @@ impl LineProducts {
                 .filter(outstanding)
         else {
             let free = background(work, others, powers)?;
-            let (gram, [free]) = products(work, lambda, &[], true, [free.view()]);
+            let (gram, [free]) = Beside::new(work, &[], [free.view()]).products(lambda, true);
             return Ok(Self::outside_of(&gram, &free));
         };
         let across = Array2::from_shape_fn((size, own.len()).f(), |(i, j)| {

@@ -2,7 +2,7 @@
 //! out-of-band poles are taken out, and the way back to pairs.
 
 use crate::damping::basis::basis;
-use crate::damping::gram::products;
+use crate::damping::gram::Beside;
 use crate::data::columns::Columns;
 use crate::data::inner_products::{inner, sum_of_squares};
 use crate::shapes::alternation::add_products;
@@ -175,7 +175,7 @@ impl Products {
     pub fn new(target: &Target, lambda: &[Complex64]) -> Self {
         // the data have nothing inside what is free
         let others = [target.data.view(), target.free.view()];
-        let (gram, [against, free]) = products(target.work, lambda, &[], true, others);
+        let (gram, [against, free]) = Beside::new(target.work, &[], others).products(lambda, true);
         Self {
             against,
             lines: LineProducts::outside_of(&gram, &free),
