@@ -75,57 +75,83 @@ fn shapes([n, i, j]: [usize; 3], seed: u64) -> (f64, f64) {
     (real, 0.3 * ((7.0 * n + 1.0) * i + 2.0 * seed).sin())
 }
 
-/// Complex shapes hide the law from phases. With little noise the wrong law needs more poles, and
-/// in the right one error bars hold no other law.
-#[test]
-fn of_complex_shapes_the_structural_law_needs_fewer_poles() {
-    let seed = 1;
-    let frf = set(12, 110.0, seed, |at, omega| {
+/// Modes of complex shapes in structural damping.
+pub(super) fn complex_shapes(snr_db: f64, seed: u64) -> FrfSet {
+    set(12, snr_db, seed, |at, omega| {
         modes(at, |at, natural| {
             let (real, angle) = shapes(at, seed);
             let squared = natural * natural * Complex64::new(1.0, LOSS);
             Complex64::from_polar(real, angle) * Complex64::I * omega / (squared - omega * omega)
         })
-    });
-    let (law, off) = told(&frf, &MODES_HZ);
+    })
+}
+
+/// Complex shapes hide the law from phases. With little noise the wrong law needs more poles, and
+/// in the right one error bars hold no other law.
+#[test]
+fn of_complex_shapes_the_structural_law_needs_fewer_poles() {
+    let (law, off) = told(&complex_shapes(110.0, 1), &MODES_HZ);
     assert_eq!(law, Some(Damping::Structural));
     assert!(off.iter().all(|off| *off < 5.0), "{off:?}");
+}
+
+/// Mobility of masses of 1 kg on springs, one of them damped by a dashpot (N·s/m) to the ground: two
+/// masses, between which is one of the springs.
+pub(super) struct OnOneDashpot {
+    pub(super) dashpot: f64,
+}
+
+impl OnOneDashpot {
+    const FIRST: f64 = 4e5;
+    const BETWEEN: f64 = 3e5;
+    const SECOND: f64 = 9e5;
+
+    /// M·s² + C·s + K without its off-diagonal, which is −[`Self::BETWEEN`].
+    fn diagonal(&self, s: Complex64) -> [Complex64; 2] {
+        let whole = s * s + Self::BETWEEN;
+        [whole + self.dashpot * s + Self::FIRST, whole + Self::SECOND]
+    }
+
+    fn determinant(&self, s: Complex64) -> Complex64 {
+        let [a, d] = self.diagonal(s);
+        a * d - Self::BETWEEN * Self::BETWEEN
+    }
+
+    /// FRFs of both masses to both.
+    pub(super) fn set(&self, snr_db: f64, seed: u64) -> FrfSet {
+        set(2, snr_db, seed, |at, omega| {
+            let s = Complex64::I * omega;
+            let [a, d] = self.diagonal(s);
+            let cofactor = match at {
+                [0, 0] => d,
+                [1, 1] => a,
+                _ => Self::BETWEEN.into(),
+            };
+            s * cofactor / self.determinant(s)
+        })
+    }
+
+    fn natural_hz(&self) -> [f64; 2] {
+        [800.0, 1150.0].map(|start| {
+            let mut s = Complex64::new(-1.0, start);
+            for _ in 0..50 {
+                let slope = (self.determinant(s + 1e-3) - self.determinant(s - 1e-3)) / 2e-3;
+                s -= self.determinant(s) / slope;
+            }
+            s.norm() / TAU
+        })
+    }
 }
 
 /// Two masses on springs, one of them damped by a dashpot to the ground: noise may leave the law
 /// open, and never makes it the wrong one.
 #[test]
 fn of_masses_with_one_dashpot_the_viscous_law_needs_fewer_poles() {
-    let [first, between, second, dashpot] = [4e5, 3e5, 9e5, 100.0];
-    // M·s² + C·s + K without its off-diagonal −`between`
-    let diagonal = |s: Complex64| {
-        let whole = s * s + between;
-        [whole + dashpot * s + first, whole + second]
-    };
-    let determinant = |s: Complex64| {
-        let [a, d] = diagonal(s);
-        a * d - between * between
-    };
-    let expected_hz = [800.0, 1150.0].map(|start| {
-        let mut s = Complex64::new(-1.0, start);
-        for _ in 0..50 {
-            let slope = (determinant(s + 1e-3) - determinant(s - 1e-3)) / 2e-3;
-            s -= determinant(s) / slope;
-        }
-        s.norm() / TAU
-    });
+    let masses = OnOneDashpot { dashpot: 100.0 };
+    let expected_hz = masses.natural_hz();
     let mut laws = Vec::new();
     for seed in 1..=8 {
-        let frf = set(2, 80.0, seed, |at, omega| {
-            let s = Complex64::I * omega;
-            let [a, d] = diagonal(s);
-            let cofactor = match at {
-                [0, 0] => d,
-                [1, 1] => a,
-                _ => between.into(),
-            };
-            s * cofactor / determinant(s)
-        });
+        let frf = masses.set(80.0, seed);
         let (law, off) = told(&frf, &expected_hz);
         assert!(off.iter().all(|off| *off < 5.0), "seed {seed}: {off:?}");
         laws.push(law);

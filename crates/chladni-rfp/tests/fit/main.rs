@@ -1,5 +1,6 @@
 //! The fit, against closed forms, bounds and measured sets.
 
+mod above_noise;
 mod common;
 mod doubts;
 mod family;
