@@ -221,7 +221,7 @@ fn loud_frfs_feign_no_sure_mode_beside_true_ones() {
 }
 
 /// Six FRFs of one gain each and of so many cycles of delay over the band, in noise 40 dB below.
-fn delayed(cycles: f64, seed: u64) -> FrfSet {
+pub(super) fn delayed(cycles: f64, seed: u64) -> FrfSet {
     let frf = noise_of([3, 2], 801, seed, |row| row.mapv(|v| 0.01 * v));
     let FrfValues::F64(mut values) = frf.values else {
         panic!("synthetic sets are in double precision")

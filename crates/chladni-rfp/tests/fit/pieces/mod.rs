@@ -2,6 +2,7 @@
 //! blocks alone, and pieces that do not belong together are refused by name.
 
 mod blocks;
+mod law;
 mod refusals;
 mod spoilt;
 mod whole;
