@@ -56,8 +56,7 @@ pub(crate) fn law_of_fewer_poles(
 ) -> Result<Option<Damping>, FitError> {
     let (own, variance) = with_some_noise(found, frfs);
     let other = own.clone().in_law(own.law.other());
-    let price = threshold(frfs, own.lines()) * variance;
-    let cost = |found: &Refined| found.projection.sse / price + found.lambda.len() as f64;
+    let cost = |found: &Refined| cost(found, threshold(frfs, own.lines()) * variance);
     watch.stage(STAGE)?;
     let first = fewest(&own, &found.refined.lambda, variance, frfs)?;
     let in_other = |pole: &Complex64| in_plane_of(other.law, *pole);
@@ -90,7 +89,13 @@ fn with_some_noise(found: &PoleEstimate, frfs: usize) -> (Columns, f64) {
     (work, added + found.variance)
 }
 
-/// As few poles as explain the columns up to noise of this variance.
+/// Cost of poles: what they leave in units of the `price` of a pole, and their number.
+fn cost(found: &Refined, price: f64) -> f64 {
+    found.projection.sse / price + found.lambda.len() as f64
+}
+
+/// As few poles as explain the columns up to noise of this variance. A search that ends at a higher cost
+/// than it began with went astray: its start is kept.
 fn fewest(
     work: &Columns,
     start: &[Complex64],
@@ -98,9 +103,13 @@ fn fewest(
     frfs: usize,
 ) -> Result<Refined, LinalgError> {
     let mut refined = refine(work, start, &RESIDUAL_POWERS, tol::FINE)?;
-    let (mut level, mut history) = (variance, Vec::new());
-    settle(work, &mut refined, &mut level, frfs, &mut history)?;
     let least_rise = threshold(frfs, work.lines()) * variance;
+    let (mut level, mut history) = (variance, Vec::new());
+    let began = refined.clone();
+    settle(work, &mut refined, &mut level, frfs, &mut history)?;
+    if cost(&refined, least_rise) > cost(&began, least_rise) {
+        refined = began;
+    }
     let mut needed = Vec::new();
     loop {
         let may_go = |_| true;
