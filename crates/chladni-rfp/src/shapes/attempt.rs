@@ -323,7 +323,12 @@ impl<'a> Attempt<'a> {
         let most = self.most(&state, state.real);
         let rest = Rest::new(&self.whole, &state, &self.found.refined.powers);
         let worth = (self.whole.work.columns() as f64 + limits::AROUND_GAIN) * variance;
-        let around = rest.completed(rest.placed(&self.outside)?, worth, most);
+        let mut around = rest.completed(rest.placed(&self.outside)?, worth, most);
+        if self.asked != ShapeModel::Auto && around.sse > most {
+            // poles beside cannot make good what shapes that were asked for leave: they would only
+            // become many, and lean on each other
+            around = rest.placed(&self.outside)?;
+        }
         let shape = &state.shapes.shape;
         let shapes = match self.swapped {
             true => [&state.participation, shape],
