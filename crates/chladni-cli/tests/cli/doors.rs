@@ -178,6 +178,27 @@ fn control_characters_of_a_name_do_not_reach_the_terminal() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn a_file_is_read_where_the_system_starts_no_thread_beside() {
+    let folder = Folder::with_panel();
+    let read = |limits: &str| {
+        let line = format!(
+            "{limits} exec {} info panel.h5 --threads 1 --json",
+            env!("CARGO_BIN_EXE_chladni")
+        );
+        let mut command = Command::new("sh");
+        command.args(["-c", &line]).current_dir(folder.path());
+        let output = command.output().unwrap();
+        (output.status.code(), output.stdout)
+    };
+    // the stacks of the threads for signals and for computing fit into the memory allowed, that of
+    // one more does not
+    let limited = read("export RUST_MIN_STACK=1073741824; ulimit -v 2600000;");
+    assert_eq!(limited.0, Some(0));
+    assert!(limited == read(""));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn threads_that_the_system_refuses_are_no_bug() {
     let folder = Folder::with_panel();
     // the stack of one thread exceeds the memory allowed
