@@ -12,7 +12,7 @@ use chladni_console::Outcome;
 use chladni_frf::{Error, ModalModel, Result, Selected, Source, Trust};
 use chladni_io::read_model;
 use chladni_rfp::{fit_watched, CancelToken, FitOptions, Method};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `select`.
 #[derive(Debug, clap::Args)]
@@ -117,17 +117,7 @@ impl Args {
                 .expected("the FRFs that the model was fitted to, beside it")
                 .help("name them: --measured FRF")
         })?;
-        let options = FitOptions::adding_to(model, added_hz);
-        if options.method != Method::Auto {
-            return Err(
-                Error::bad_data("modes are added to fits of the method auto")
-                    .file(&self.model)
-                    .field("method")
-                    .found(options.method)
-                    .expected("auto")
-                    .help("fit again without --method"),
-            );
-        }
+        let options = options_adding(model, added_hz, &self.model)?;
         let stage = |name: &str| console.stage(name);
         let fit = fit_watched(&frf, &options, &stage, &CancelToken::new())
             .map_err(|error| explain(&error, &options, &self.model))?;
@@ -135,8 +125,27 @@ impl Args {
     }
 }
 
+/// The options of a fit like that of `model`, which is in `file`, with additional modes.
+///
+/// # Errors
+/// A model that another method fitted.
+pub fn options_adding(model: &ModalModel, added_hz: &[f64], file: &Path) -> Result<FitOptions> {
+    let options = FitOptions::adding_to(model, added_hz);
+    if options.method == Method::Auto {
+        return Ok(options);
+    }
+    Err(
+        Error::bad_data("modes are added to fits of the method auto")
+            .file(file)
+            .field("method")
+            .found(options.method)
+            .expected("auto")
+            .help("fit again without --method"),
+    )
+}
+
 /// The new fit with the sources and options of `before`, and the added modes.
-fn again(mut model: ModalModel, before: &ModalModel, options: &FitOptions) -> ModalModel {
+pub fn again(mut model: ModalModel, before: &ModalModel, options: &FitOptions) -> ModalModel {
     model.source.clone_from(&before.source);
     model.options.clone_from(&before.options);
     let added = options.added_hz.clone();

@@ -1,14 +1,14 @@
 //! Measured fields in the studio: the agreement of the last one with its prediction, the
 //! likely causes of the deviation, and the drive that all of them correct.
 
-use super::question::MeasuredQuestion;
+use super::question::{source_of_text, MeasuredQuestion};
 use super::rendered::Rendered;
 use super::session::Session;
 use crate::correct::name_sources;
 use crate::field_words::{cause, deviation, sentence};
 use chladni_console::quoting::shell_path;
 use chladni_frf::{Error, Result, Source};
-use chladni_io::{checksum_of_bytes, parse_field, sha256_of_bytes};
+use chladni_io::{parse_field, sha256_of_bytes};
 use chladni_render::{
     calibrate, evaluate, evaluate_field, Calibration, Evaluation, On, PlayedField, RenderOptions,
     Weights,
@@ -63,8 +63,9 @@ impl Session {
             "causes": causes.collect::<Vec<_>>(),
             "findings": judged.findings,
             "command": format!(
-                "chladni evaluate weights.json --scene scene.toml --on {} --field {}",
-                self.selected_file(&question.scene),
+                "chladni evaluate {} --scene scene.toml --on {} --field {}",
+                weights_file(pairs.len() - 1),
+                self.rendered_file(&rendered),
                 shell_path(Path::new(name)),
             ),
         }))
@@ -82,7 +83,7 @@ impl Session {
             scenes: vec![corrected.scene()],
             ..ReportInput::default()
         };
-        let model = self.selected_file(&question.scene);
+        let model = self.rendered_file(&rendered);
         // the first field was measured under the rendered weights, each later one under the
         // weights that the fields before it corrected
         let pairs = question.fields.iter().enumerate().map(|(k, field)| {
@@ -122,8 +123,7 @@ fn weights_file(fields: usize) -> String {
 
 /// The fields, each with the weights that it was measured under: the rendered ones for the
 /// first, for each later one those that the fields before it correct. The weights are those that
-/// the commands on the page write, to the last byte, unless modes were dropped or added: a field may
-/// name the checksum of theirs.
+/// the commands on the page write, to the last byte: a field may name the checksum of theirs.
 struct Played {
     pairs: Vec<PlayedField>,
     weights_files: Vec<Source>,
@@ -149,12 +149,12 @@ impl Played {
                 _ => played.corrected(rendered)?.0,
             };
             let json = weights.to_json()?;
-            let named = |file: String, content: &str| Source {
-                file,
-                checksum: checksum_of_bytes(content.as_bytes()),
-            };
-            played.weights_files.push(named(weights_file(k), &json));
-            played.field_files.push(named(file.name.clone(), &file.csv));
+            played
+                .weights_files
+                .push(source_of_text(&weights_file(k), &json));
+            played
+                .field_files
+                .push(source_of_text(&file.name, &file.csv));
             played.pairs.push(PlayedField {
                 weights,
                 field,

@@ -3,9 +3,10 @@
 //! `server.rs` answers the page, which is in `chladni-report` and shares the report's views.
 //! `question.rs` holds the questions that it may ask, and `token.rs` distinguishes the owner
 //! from other users of the machine. `session.rs` fits, on the lines of `draft.rs` while
-//! something is dragged, and `progress.rs` holds the stages of the fit. `scenes.rs` renders
-//! scenes, and `measured.rs` judges measured fields.
+//! something is dragged, and `progress.rs` holds the stages of the fit. `chosen.rs` adds and drops
+//! modes as the commands on the page do. `scenes.rs` renders scenes, and `measured.rs` judges measured fields.
 
+mod chosen;
 mod draft;
 mod measured;
 mod progress;

@@ -67,6 +67,11 @@ impl DataQuestion {
 }
 
 impl FitQuestion {
+    /// The band, Hz, and the number of modes.
+    pub fn asked(&self) -> (Option<[f64; 2]>, Option<usize>) {
+        (self.band_hz, self.modes)
+    }
+
     /// The options of the fit, and its turn. `pages` were served so far.
     ///
     /// # Errors
@@ -115,9 +120,9 @@ pub struct SceneQuestion {
     pub method: String,
     /// The table that `threshold.profile` names, where it names none that is built in.
     threshold: Option<TableText>,
-    /// Numbers of the modes that were dropped on the page, from 1.
+    /// The selection file's text, where modes were dropped on the page; else empty.
     #[serde(default)]
-    pub drop: Vec<usize>,
+    pub selection: String,
     /// Drive frequencies to try, Hz; for a sweep.
     pub range_hz: Option<[f64; 2]>,
 }
@@ -149,9 +154,9 @@ pub struct FieldText {
 pub struct FileQuestion {
     /// Name of the file.
     pub name: FileName,
-    /// Numbers of the modes that were dropped on the page, from 1.
+    /// The selection file's text, where modes were dropped on the page; else empty.
     #[serde(default)]
-    pub drop: Vec<usize>,
+    pub selection: String,
     /// The rendered scene, for files of a scene.
     pub scene: Option<SceneQuestion>,
     /// The measured fields that corrected its drive; empty for the rendered drive.
@@ -223,10 +228,7 @@ impl SceneQuestion {
 
     /// The scene file of the commands on the page.
     pub fn source(&self) -> Source {
-        Source {
-            file: SCENE_FILE.into(),
-            checksum: checksum_of_bytes(self.toml.as_bytes()),
-        }
+        source_of_text(SCENE_FILE, &self.toml)
     }
 
     /// The method.
@@ -235,6 +237,14 @@ impl SceneQuestion {
     /// An unknown one.
     pub fn method(&self) -> Result<MethodChoice> {
         self.method.parse()
+    }
+}
+
+/// A file of the commands on the page, by its text.
+pub fn source_of_text(file: &str, text: &str) -> Source {
+    Source {
+        file: file.into(),
+        checksum: checksum_of_bytes(text.as_bytes()),
     }
 }
 

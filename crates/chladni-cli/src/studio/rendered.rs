@@ -10,7 +10,7 @@ pub struct Rendered {
     pub question: SceneQuestion,
     /// The fitted or opened model.
     pub whole: Arc<ModalModel>,
-    /// That model without the modes that were dropped on the page.
+    /// That model without the modes that were dropped on the page, as its file holds it.
     pub model: Arc<ModalModel>,
     pub scene: Scene,
     pub rendering: Rendering,

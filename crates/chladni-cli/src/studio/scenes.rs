@@ -1,12 +1,13 @@
 //! Scenes of the studio: renderings with the current model, sweeps, and files.
 
+use super::chosen::selected;
 use super::measured::{corrected, Corrected};
 use super::question::{FileName, FileQuestion, MeasuredQuestion, SceneQuestion};
 use super::rendered::Rendered;
-use super::session::{Session, SELECTED};
+use super::session::Session;
 use crate::curves::curves;
 use crate::in_time::in_time;
-use chladni_frf::{Error, ModalModel, ModeName, ModePick, Result, Selection};
+use chladni_frf::{Error, ModalModel, Result};
 use chladni_render::{
     play, render, stress, sweep, MethodChoice, PlayOptions, RenderOptions, Scene, SignalOptions,
     StressOptions, Weights,
@@ -35,7 +36,7 @@ impl Session {
         };
         Ok(json!({
             "scene": scene_data(&input),
-            "command": self.render_command(question),
+            "command": self.render_command(&rendered),
             "findings": rendering.weights.findings.0,
         }))
     }
@@ -45,7 +46,7 @@ impl Session {
     /// # Errors
     /// Those of [`Self::render`]; no range, or none that can be swept.
     pub fn sweep(&self, question: &SceneQuestion) -> Result<Value> {
-        let model = self.selected(&question.drop)?;
+        let model = selected(&self.current_model()?, &question.selection)?;
         let (scene, _) = question.checked()?;
         let range = question.range_hz.ok_or_else(|| {
             Error::bad_data("no range of frequencies")
@@ -74,7 +75,7 @@ impl Session {
             scenes: vec![scene],
             ..ReportInput::default()
         };
-        let model = self.selected_file(question);
+        let model = self.rendered_file(&rendered);
         Ok(json!({
             "time": scene_data(&input)["time"],
             "command": format!("chladni play {model} scene.toml --weights weights.json -o drive.wav"),
@@ -87,7 +88,7 @@ impl Session {
     /// # Errors
     /// Those of [`Self::render`]; a file of a scene without one.
     pub fn file(&self, question: &FileQuestion) -> Result<Vec<u8>> {
-        let model = self.selected(&question.drop)?;
+        let model = self.chosen(&self.current_model()?, &question.selection)?;
         match question.name {
             FileName::Model => return Ok(chladni_io::model_json(&model)?.into_bytes()),
             FileName::Report => return self.report(&model, question),
@@ -141,7 +142,8 @@ impl Session {
     }
 
     /// The command that renders the same.
-    fn render_command(&self, question: &SceneQuestion) -> String {
+    fn render_command(&self, rendered: &Rendered) -> String {
+        let question = &rendered.question;
         let stress = if question.method == "best" {
             " --stress"
         } else {
@@ -149,17 +151,14 @@ impl Session {
         };
         format!(
             "chladni render {} scene.toml --method {}{stress} -o weights.json",
-            self.selected_file(question),
+            self.rendered_file(rendered),
             question.method
         )
     }
 
     /// The file of the model that renders a scene, in the commands on the page.
-    pub(super) fn selected_file(&self, question: &SceneQuestion) -> &str {
-        match question.drop.is_empty() {
-            true => self.model_file(),
-            false => SELECTED,
-        }
+    pub(super) fn rendered_file(&self, rendered: &Rendered) -> &str {
+        self.chosen_file(&rendered.whole, &rendered.question.selection)
     }
 
     /// The rendering of the last question, or a new one.
@@ -171,17 +170,21 @@ impl Session {
                 return Ok(known.clone());
             }
         }
-        let model = self.selected(&question.drop)?;
         let (scene, method) = question.checked()?;
+        // the quick drives while zones are dragged are not played: they name no source
+        let is_quick = method == MethodChoice::Fast;
+        let model = match is_quick {
+            true => selected(&whole, &question.selection)?,
+            false => self.chosen(&whole, &question.selection)?,
+        };
         let options = RenderOptions {
             method,
             ..RenderOptions::default()
         };
         let mut rendering = render(&model, &scene, &options)?;
-        // as the command on the page writes them, since a measured field may name their file; the
-        // quick drives while zones are dragged are not played
-        if method != MethodChoice::Fast {
-            let file = self.model_source(&model, !question.drop.is_empty())?;
+        // as the command on the page writes them, since a measured field may name their file
+        if !is_quick {
+            let file = self.chosen_source(&model, &question.selection)?;
             rendering.weights.source = vec![file, question.source()];
         }
         if method == MethodChoice::Best {
@@ -196,26 +199,6 @@ impl Session {
         });
         *last() = Some(rendered.clone());
         Ok(rendered)
-    }
-
-    /// The current model without the modes that were dropped on the page.
-    fn selected(&self, drop: &[usize]) -> Result<Arc<ModalModel>> {
-        let model = self.current_model()?;
-        if drop.is_empty() {
-            return Ok(model);
-        }
-        let pick = |&number: &usize| ModePick {
-            name: ModeName::Number(number),
-            line: 0,
-            field: "drop".into(),
-        };
-        let selection = Selection::new(false, drop.iter().map(pick).collect());
-        Ok(Arc::new(selection.apply(&model)?.model))
-    }
-
-    fn current_model(&self) -> Result<Arc<ModalModel>> {
-        self.current()
-            .ok_or_else(|| Error::bad_data("no model yet").help("fit first"))
     }
 }
 

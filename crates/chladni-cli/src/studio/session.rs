@@ -1,5 +1,6 @@
 //! The data of the studio: the measured FRFs and the current model.
 
+use super::chosen::{with_added, MODEL};
 use super::draft::few_lines;
 use super::progress::Progress;
 use super::question::{DataQuestion, FitQuestion, Turn};
@@ -7,22 +8,17 @@ use super::rendered::Rendered;
 use crate::explain::explain;
 use crate::fit::echo_of;
 use crate::report::Contents;
+use crate::select::options_adding;
 use chladni_console::input::{expand, model_of, read_frf, source, Reading};
 use chladni_console::quoting::shell_path;
 use chladni_console::Console;
 use chladni_frf::{Error, ErrorKind, Finding, FrfSet, ModalModel, Result, Source};
-use chladni_io::{checksum_of_bytes, model_json};
 use chladni_report::{data, draft_data, head_data, measured_data, studio_html, ReportInput};
 use chladni_rfp::{fit_watched, CancelToken, Fit, FitError, FitOptions, Method};
-use serde_json::{json, Value};
+use serde_json::{json, Map, Value};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
-
-/// Name of the fitted model in the commands on the page.
-const MODEL: &str = "model.json";
-/// The same of a model without the modes that were dropped on the page.
-pub(super) const SELECTED: &str = "selected.json";
 
 /// The state that the studio keeps between the questions of its pages.
 pub struct Session {
@@ -32,10 +28,14 @@ pub struct Session {
     frf: Option<FrfSet>,
     sources: Vec<Source>,
     findings: Vec<Finding>,
-    /// The files and options of reading, as on a command line.
-    input_words: String,
+    /// The files, as on a command line.
+    pub(super) file_words: String,
+    /// The options of reading, as on a command line.
+    reading_words: Vec<String>,
+    /// The same in a model's options.
+    reading_echo: Map<String, Value>,
     /// The file of an opened model: nothing is fitted.
-    model_source: Option<Source>,
+    pub(super) model_source: Option<Source>,
     fitted: RwLock<Fitted>,
     /// Pages served so far.
     pages: AtomicU64,
@@ -60,7 +60,13 @@ struct Fitted {
     settled: Option<Arc<ModalModel>>,
     /// The question that `settled` answers.
     settled_turn: Turn,
+    /// The last full fit to which no mode was added, with the band and the number of modes that
+    /// were asked for.
+    without_added: Option<(Asked, Arc<ModalModel>)>,
 }
+
+/// The band, Hz, and the number of modes that a question asks for.
+type Asked = (Option<[f64; 2]>, Option<usize>);
 
 impl Session {
     /// Reads FRFs, or a model with the FRFs that it names.
@@ -69,7 +75,8 @@ impl Session {
     /// Those of reading.
     pub fn open(files: &[PathBuf], reading: &Reading, console: &Console) -> Result<Self> {
         let files = expand(files, console)?;
-        let mut words: Vec<String> = files.iter().map(|file| shell_path(file)).collect();
+        let words: Vec<String> = files.iter().map(|file| shell_path(file)).collect();
+        let mut reading_echo = Map::new();
         let mut model_source = None;
         let (frf, sources, model) = match files.as_slice() {
             [file] if model_of(file)?.is_some() => {
@@ -79,7 +86,7 @@ impl Session {
             }
             _ => {
                 let (frf, sources) = read_frf(&files, reading, console)?;
-                words.extend(reading.flags());
+                reading.echo(&mut reading_echo);
                 (Some(frf), sources, None)
             }
         };
@@ -91,7 +98,12 @@ impl Session {
                 None => sources,
             },
             findings: console.findings(),
-            input_words: words.join(" "),
+            file_words: words.join(" "),
+            reading_words: match model_source {
+                Some(_) => Vec::new(),
+                None => reading.flags(),
+            },
+            reading_echo,
             model_source,
             fitted: RwLock::new(Fitted {
                 latest: model.map(Arc::new),
@@ -146,13 +158,20 @@ impl Session {
         self.model_source.is_some()
     }
 
+    /// The opened model on a command line.
+    pub(super) fn opened_words(&self) -> Option<&str> {
+        self.is_model().then_some(&self.file_words)
+    }
+
     /// A model with its data, as a report takes them.
     pub(super) fn input<'a>(&'a self, model: &'a ModalModel) -> ReportInput<'a> {
+        // a fitted model has those of reading already
+        let is_new = |finding: &&Finding| !model.quality.findings.contains(finding);
         ReportInput {
             title: self.title.clone(),
             model: Some(model),
             measured: self.frf.as_ref(),
-            findings: self.findings.clone(),
+            findings: self.findings.iter().filter(is_new).cloned().collect(),
             ..ReportInput::default()
         }
     }
@@ -172,12 +191,19 @@ impl Session {
             },
             (None, _) => return Err(Error::new(ErrorKind::Internal, "neither FRFs nor a model")),
         };
-        let mut answer = json!({"model_file": self.model_file(), "refit": self.refits()});
+        let mut answer = json!({"model_file": self.model_file(&model), "refit": self.refits()});
         if question.draft || question.light {
             answer["draft"] = draft_data(&model);
         }
         if !question.draft {
             answer["command"] = self.fit_command(question).into();
+            let added_hz = if self.is_model() {
+                &[]
+            } else {
+                question.added_hz.as_slice()
+            };
+            let [command, toml] = self.add_command(added_hz);
+            answer["added"] = json!({"command": command, "toml": toml});
             let input = self.input(&model);
             match question.light {
                 true => answer["head"] = head_data(&input),
@@ -210,7 +236,15 @@ impl Session {
         mut options: FitOptions,
         turn: Turn,
     ) -> Result<Option<Arc<ModalModel>>> {
-        let mut thinned = None;
+        let (mut thinned, mut before) = (None, None);
+        if !question.draft && !options.added_hz.is_empty() {
+            // as the commands on the page do: a fit, and then one with the added modes
+            let Some(model) = self.fit_without_added(frf, question, &options, turn)? else {
+                return Ok(None);
+            };
+            options = options_adding(&model, &question.added_hz, Path::new(MODEL))?;
+            before = Some(model);
+        }
         if question.draft {
             options.method = Method::Lean;
             let known = || self.known_modes(question.band_hz);
@@ -224,18 +258,51 @@ impl Session {
         else {
             return Ok(None);
         };
-        let mut model = fit.model;
-        (model.source, model.options) = (self.sources.clone(), echo_of(&options));
-        let model = Arc::new(model);
+        let model = Arc::new(match &before {
+            Some(before) => with_added(fit.model, before, &options)?,
+            None => self.named(fit.model, &options),
+        });
         if let Ok(mut fitted) = self.fitted.write() {
             if turn >= fitted.turn {
                 (fitted.turn, fitted.latest) = (turn, Some(model.clone()));
             }
             if !question.draft {
                 (fitted.settled_turn, fitted.settled) = (turn, Some(model.clone()));
+                let without_added = before.unwrap_or_else(|| model.clone());
+                fitted.without_added = Some((question.asked(), without_added));
             }
         }
         Ok(Some(model))
+    }
+
+    /// The fit to which no mode is added; `None` where it was given up.
+    fn fit_without_added(
+        &self,
+        frf: &FrfSet,
+        question: &FitQuestion,
+        options: &FitOptions,
+        turn: Turn,
+    ) -> Result<Option<Arc<ModalModel>>> {
+        let known = self.fitted.read().ok();
+        let known = known.and_then(|fitted| fitted.without_added.clone());
+        if let Some((_, model)) = known.filter(|(asked, _)| *asked == question.asked()) {
+            return Ok(Some(model));
+        }
+        let options = FitOptions {
+            added_hz: Vec::new(),
+            ..options.clone()
+        };
+        let fit = self.fit_or_give_up(frf, &options, turn)?;
+        Ok(fit.map(|fit| Arc::new(self.named(fit.model, &options))))
+    }
+
+    /// A fitted model as its file holds it: with sources, options, and the findings of reading.
+    fn named(&self, mut model: ModalModel, options: &FitOptions) -> ModalModel {
+        (model.source, model.options) = (self.sources.clone(), echo_of(options));
+        model.options.extend(self.reading_echo.clone());
+        let findings = self.findings.iter().cloned();
+        model.quality.findings.splice(0..0, findings);
+        model
     }
 
     /// The command that makes the same fit; empty where a model was opened.
@@ -251,7 +318,8 @@ impl Session {
             .modes
             .map(|modes| format!(" --modes {modes}"))
             .unwrap_or_default();
-        format!("chladni fit {}{band}{modes} -o {MODEL}", self.input_words)
+        let words = [std::slice::from_ref(&self.file_words), &self.reading_words].concat();
+        format!("chladni fit {}{band}{modes} -o {MODEL}", words.join(" "))
     }
 
     /// Fits, and gives up at the next stage once a newer question has come. Drafts, which take
@@ -321,29 +389,5 @@ impl Session {
 
     pub(super) fn current(&self) -> Option<Arc<ModalModel>> {
         self.fitted.read().ok()?.latest.clone()
-    }
-
-    /// The file of the model in the commands on the page.
-    pub(super) fn model_file(&self) -> &str {
-        match self.is_model() {
-            true => &self.input_words,
-            false => MODEL,
-        }
-    }
-
-    /// The file of a model in the commands on the page: the opened one, or one that they write.
-    ///
-    /// * `drops`: modes of it were dropped on the page
-    ///
-    /// # Errors
-    /// [`ErrorKind::Internal`] where it has no JSON.
-    pub(super) fn model_source(&self, model: &ModalModel, drops: bool) -> Result<Source> {
-        match &self.model_source {
-            Some(opened) if !drops => Ok(opened.clone()),
-            _ => Ok(Source {
-                file: if drops { SELECTED } else { MODEL }.into(),
-                checksum: checksum_of_bytes(model_json(model)?.as_bytes()),
-            }),
-        }
     }
 }

@@ -14,6 +14,7 @@ mod documentation;
 mod doors;
 mod errors;
 mod folders;
+mod followed_studio;
 mod following;
 mod formats;
 mod hammer_test;

@@ -2,13 +2,12 @@
 //! downloaded.
 
 use crate::common::browser::Page;
-use crate::common::studio::Studio;
 use crate::common::Folder;
 use crate::workbench::{shown_weights, workbench, AT_REST};
-use serde_json::{json, Value};
+use serde_json::Value;
 
 /// Keeps the text of every file that the page saves, by its name.
-const SAVED: &str = "(() => { window.saved = {}; const make = URL.createObjectURL; \
+pub const SAVED: &str = "(() => { window.saved = {}; const make = URL.createObjectURL; \
     let last = null; URL.createObjectURL = (blob) => { last = blob.text(); return make.call(URL, blob); }; \
     HTMLAnchorElement.prototype.click = function () { const name = this.download; last.then((text) => { window.saved[name] = text; }); }; })()";
 
@@ -22,7 +21,7 @@ fn open_field(page: &mut Page, name: &str, csv: &str) {
 }
 
 /// A file of the download menu.
-fn downloaded(page: &mut Page, name: &str) -> Value {
+pub fn downloaded(page: &mut Page, name: &str) -> Value {
     page.eval(&format!(
         "(() => {{ delete window.saved[{name:?}]; document.querySelector('#download [data-file=\"{name}\"]').click(); }})()"
     ));
@@ -182,39 +181,4 @@ fn a_bad_field_is_refused_by_name_and_changes_nothing() {
         assert!(wide > 200.0 && high > 10.0, "{name}: {wide} × {high}");
     }
     assert_eq!(page.text("#measured-command"), "");
-}
-
-#[test]
-fn fields_under_the_weights_of_the_shown_commands_are_taken() {
-    let folder = Folder::with_panel();
-    for (file, model) in [("truth.json", "truth.json"), ("panel.h5", "model.json")] {
-        let studio = Studio::start(&folder, &[file]);
-        let fit = studio.asked_about("fit", r#"{"number": 1}"#);
-        if let Some(command) = fit["command"].as_str().filter(|text| !text.is_empty()) {
-            folder
-                .run(command.strip_prefix("chladni ").unwrap())
-                .exits(0);
-        }
-        let scene = json!({"toml": folder.text("scene.toml"), "method": "mls"});
-        let render = format!("render {model} scene.toml --method mls -o weights.json --force -q");
-        assert!(folder.run(&render).code <= 1);
-        let mut fields: Vec<Value> = Vec::new();
-        for (number, weights) in ["weights.json", "weights-1.json"].iter().enumerate() {
-            let name = format!("field-{number}.csv");
-            folder
-                .run(&format!(
-                    "simulate panel.toml --play {weights} -o {name} --snr-db 40 --seed 3 --force -q"
-                ))
-                .exits(0);
-            assert!(folder.text(&name).contains("weights_sha256"));
-            fields.push(json!({"name": name, "csv": folder.text(&name)}));
-            let question = json!({"scene": scene, "fields": fields}).to_string();
-            let said = studio.asked_about("measured", &question);
-            assert!(said["sentence"].is_string(), "{weights} of {file}: {said}");
-            let said = studio.asked_about("correct", &question);
-            let correct = said["command"].as_str().unwrap().strip_prefix("chladni ");
-            let run = folder.run(&format!("{} --force -q", correct.unwrap()));
-            assert!(run.code <= 1, "{}", run.stderr);
-        }
-    }
 }

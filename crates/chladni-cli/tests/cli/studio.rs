@@ -269,9 +269,10 @@ fn the_data_are_shown_before_any_fit_and_a_fit_tells_its_stages() {
 fn files_that_the_studio_hands_over_are_those_of_the_command_line() {
     let folder = Folder::with_panel();
     let studio = Studio::start(&folder, &["truth.json"]);
-    let scene = json!({"toml": SCENE, "method": "mls", "drop": [1]});
+    let scene = json!({"toml": SCENE, "method": "mls", "selection": "drop = [1]\n"});
     let file = |name: &str, scene: Option<&Value>| -> Vec<u8> {
-        let question = json!({"name": name, "drop": [1], "scene": scene}).to_string();
+        let question =
+            json!({"name": name, "selection": "drop = [1]\n", "scene": scene}).to_string();
         let answer = studio.asked_bytes(&studio.head("file", &question), &question);
         let split = answer
             .windows(4)
@@ -280,12 +281,15 @@ fn files_that_the_studio_hands_over_are_those_of_the_command_line() {
         assert!(answer.starts_with(b"HTTP/1.1 200"), "{name}");
         answer[split + 4..].to_vec()
     };
-    for number in [0, 99] {
-        let question = json!({"toml": SCENE, "method": "mls", "drop": [number]});
-        let said = studio
-            .asked_about("scene", &question.to_string())
-            .to_string();
-        assert!(said.contains("no such mode"), "{said}");
+    for (selection, words) in [
+        ("drop = [0]", "drop[1]"),
+        ("drop = [99]", "no such mode"),
+        ("dear diary", "selection.toml"),
+        ("add = [{frequency_hz = 100.0}]", "a new fit"),
+    ] {
+        let question = json!({"toml": SCENE, "method": "mls", "selection": selection});
+        let said = studio.asked_about("scene", &question.to_string());
+        assert!(complaint(&said).contains(words), "{selection}: {said}");
     }
     folder.write("selection.toml", "drop = [1]\n");
     folder.write("scene.toml", SCENE);

@@ -322,9 +322,9 @@ fn a_pole_added_by_hand_changes_the_model() {
     assert!(more.iter().any(|hz| (hz / missing - 1.0).abs() < 1e-3));
     let added = page.text(".added-row");
     assert!(added.contains("sure") || added.contains("weak"), "{added}");
-    assert!(page
-        .text("#selection-toml")
-        .contains("add = [{frequency_hz = "));
+    assert!(page.text("#added-toml").contains("add = [{frequency_hz = "));
+    assert!(page.text("#add-command").contains("-o added.json"));
+    assert!(page.text("#scene-command").contains("render added.json"));
     page.eval("document.querySelector('#undo').click()");
     page.wait("document.documentElement.dataset.fits === '4'");
     assert_eq!(shown_frequencies(&mut page).len(), few.len());

@@ -7,10 +7,10 @@ import { fileOf } from "./ask.js";
 const FILES = [
   ["model.json", "Model, without dropped modes", false], ["weights.json", "Weights", true], ["drive.wav", "Drive signals: the burst, or 2 s", true], ["drive.json", "Channels and full scale of drive.wav", true],
   ["calibration.json", "Knowledge of the rig, once a field has corrected the drive", true],
-  ["scene.toml", "Scene", true], ["selection.toml", "Modes kept and dropped", false], ["report.html", "Report", false],
+  ["scene.toml", "Scene", true], ["added.toml", "Modes added", false], ["selection.toml", "Modes kept and dropped", false], ["report.html", "Report", false],
 ];
 
-/** A menu. `question()` gives {drop, scene or null, fields}; `text(name)` gives a file that the page itself has, or null. */
+/** A menu. `question()` gives {selection, scene or null, fields}; `text(name)` gives a file that the page itself has, or null. */
 export function downloads(question, text) {
   const said = h("p", { class: "muted", role: "status" });
   const buttons = FILES.map(([name, words, ofScene]) => ({ ofScene, element: h("button", { type: "button", class: "ghost", "data-file": name, onclick: () => take(name, ofScene) }, h("b", {}, name), ` ${words}`) }));
@@ -19,10 +19,10 @@ export function downloads(question, text) {
   async function take(name, ofScene) {
     said.textContent = `preparing ${name} …`;
     try {
-      const { drop, scene, fields } = question();
+      const { selection, scene, fields } = question();
       if (ofScene && !scene) throw new Error("no scene is rendered yet: draw a hot zone");
       const own = text(name);
-      save(name, own === null ? await fileOf({ name, drop, scene, fields }) : new Blob([own], { type: "text/plain" }));
+      save(name, own === null ? await fileOf({ name, selection, scene, fields }) : new Blob([own], { type: "text/plain" }));
       said.textContent = `${name} is saved`;
     } catch (error) {
       said.textContent = error.message;

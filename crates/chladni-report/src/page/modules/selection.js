@@ -5,14 +5,13 @@ import { state, listen, change } from "./store.js";
 import { counted } from "./numbers.js";
 
 /** The selection as TOML; empty where every mode is kept. Numbers are those of the pole table, from 1. */
-export function selectionToml(model, dropped, added = []) {
-  const add = added.length ? `add = [${added.map((hz) => `{frequency_hz = ${hz}}`).join(", ")}]\n` : "";
+export function selectionToml(model, dropped) {
   const numbers = [...dropped].map((index) => model.inBand.indexOf(index) + 1).filter((number) => number > 0).sort((a, b) => a - b);
-  if (!numbers.length) return add || "# every mode is kept: click poles or rows to drop them\n";
+  if (!numbers.length) return "# every mode is kept: click poles or rows to drop them\n";
   const weak = notSure(model);
-  if (weak.length === dropped.size && weak.every((index) => dropped.has(index))) return `${add}keep = "sure"\n`;
+  if (weak.length < model.inBand.length && weak.length === dropped.size && weak.every((index) => dropped.has(index))) return `keep = "sure"\n`;
   const named = numbers.map((number) => `${number}: ${model.modes[model.inBand[number - 1]].frequency_hz.toFixed(2)} Hz`).join(", ");
-  return `${add}# ${named}\ndrop = [${numbers.join(", ")}]\n`;
+  return `# ${named}\ndrop = [${numbers.join(", ")}]\n`;
 }
 
 /** Indices of the modes in the band that are not sure. */

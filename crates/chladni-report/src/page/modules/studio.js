@@ -45,6 +45,8 @@ let head = null;
 let measured = null;
 /** True where a model was opened: nothing is fitted. */
 let fromFile = false;
+/** The selection that adds modes to the last full fit; empty without any. */
+let addedToml = "";
 /** True once a scene is set. */
 let hasBegun = false;
 
@@ -57,7 +59,7 @@ let top = null;
 
 /** Draws the empty studio, then the server's data, then the fit. */
 export async function start() {
-  const menu = downloads(() => ({ drop: droppedNumbers(), scene: shown && { ...shown.question }, fields: rig.corrected ? rig.fields : [] }), (name) => ({ "scene.toml": panel.scene().toml, "selection.toml": here && selectionToml(here.model, state.dropped, work.added) })[name] ?? null);
+  const menu = downloads(() => ({ selection: selectionOfScene(), scene: shown && { ...shown.question }, fields: rig.corrected ? rig.fields : [] }), (name) => ({ "scene.toml": panel.scene().toml, "added.toml": addedToml || "# no mode is added\n", "selection.toml": here && selectionToml(here.model, state.dropped) })[name] ?? null);
   top = topBar(embedded().title, menu, askMeasured);
   document.body.classList.add("workbench");
   document.title = `${embedded().title} · Chladni studio`;
@@ -178,6 +180,11 @@ function showFit(answer) {
   if (!passing) {
     head = said.head ?? said.data;
     foot.set("fit", said.command || "# the model was read from its file");
+    if (said.added) {
+      addedToml = said.added.toml;
+      foot.set("add", said.added.command);
+      foot.set("added", addedToml || "# no mode is added: click a peak to add one\n");
+    }
     if (!hasBoard) shown = null;
   }
   if (!said.draft) full = { data: said.data, model, terms: said.data.frfs?.terms && split(array(said.data.frfs.terms)) };
@@ -250,10 +257,15 @@ function droppedNumbers() {
   return here ? [...state.dropped].map((k) => here.model.inBand.indexOf(k) + 1).filter((number) => number > 0) : [];
 }
 
+/** The selection file of a scene; empty where every mode is kept. */
+function selectionOfScene() {
+  return droppedNumbers().length ? selectionToml(here.model, state.dropped) : "";
+}
+
 function showSelection() {
   state.lookedAt = here.model.frequency[state.mode];
-  foot.set("selection", selectionToml(here.model, state.dropped, work.added));
-  foot.set("select", state.dropped.size || work.added.length ? `chladni select ${here.model.file} selection.toml -o selected.json` : "");
+  foot.set("selection", selectionToml(here.model, state.dropped));
+  foot.set("select", droppedNumbers().length ? `chladni select ${here.model.file} selection.toml -o selected.json` : "");
 }
 
 // ---- the scene
@@ -274,7 +286,7 @@ function askScene(moving) {
     scenes.draft.cancel();
     return refuseScene("draw a hot zone");
   }
-  const question = { ...scene, drop: droppedNumbers() };
+  const question = { ...scene, selection: selectionOfScene() };
   panel.busy(moving ? "fast" : "fast; computing the best drive …", !moving);
   const fast = { ...question, method: "fast" };
   scenes.draft.ask(fast, (said) => showScene(said, fast, number, true));
