@@ -331,6 +331,20 @@ fn a_pole_added_by_hand_changes_the_model() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
+#[test]
+fn a_drive_outside_the_band_of_the_model_is_met_with_a_reservation() {
+    let Some((_folder, _studio, mut page)) = workbench("truth.json") else {
+        return;
+    };
+    page.eval("(() => { const i = document.querySelector('#scene-frequency'); i.value = 480; i.dispatchEvent(new Event('change')); })()");
+    page.wait(AT_REST);
+    let said = page.text(".sentence");
+    assert!(said.contains("Scene met at 480"), "{said}");
+    let but = "but only in a model of other frequencies";
+    assert!(said.contains(but), "{said}");
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
 /// Number of pointer moves.
 const MOVES: usize = 50;
 /// 2·10⁷ square roots in the page, whose time measures the speed of the machine, and the number

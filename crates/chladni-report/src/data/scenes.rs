@@ -28,6 +28,7 @@ pub(crate) fn value(
         "frequency_hz": weights.frequency_hz,
         "method": weights.method,
         "feasible": weights.feasible,
+        "reservation": weights.reservation().filter(|_| weights.is_met()),
         "modes_used": weights.modes_used,
         "actuators_used": weights.actuators_used,
         "kappa": weights.kappa,

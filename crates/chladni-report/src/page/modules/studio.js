@@ -427,8 +427,10 @@ function showSentence() {
     const margin = scene.indices.points.margin_db;
     const spare = Number.isFinite(margin) ? (margin >= 0 ? `, ${fixed(margin, 1)} dB to spare` : `, ${fixed(-margin, 1)} dB short`) : "";
     parts.push(h("b", {}, `Scene ${scene.feasible ? "met" : "missed"} at ${fixed(scene.frequency_hz, 1)} Hz${spare}`));
+    const but = scene.reservation;
     const on = here.model.inBand.find((k) => Math.abs(here.model.frequency[k] - scene.frequency_hz) <= 0.5 * here.model.modes[k].loss_factor * here.model.frequency[k]);
-    if (on !== undefined) parts.push(`, but mode ${here.model.inBand.indexOf(on) + 1} (${fixed(here.model.frequency[on], 1)} Hz) lies on the drive`);
+    if (but) parts.push(`, but ${but}`);
+    else if (on !== undefined) parts.push(`, but mode ${here.model.inBand.indexOf(on) + 1} (${fixed(here.model.frequency[on], 1)} Hz) lies on the drive`);
     parts.push(".");
     const calmer = shown.sweep?.frequencies.find((one) => one.frequency_hz === shown.sweep.suggested_hz && one.success_ratio === 1)?.frequency_hz;
     if (calmer && calmer !== work.frequency && (on !== undefined || !scene.feasible)) offer = { words: `Use ${fixed(calmer, 0)} Hz`, action: () => edit({ frequency: calmer }) };
@@ -439,7 +441,7 @@ function showSentence() {
     findings.splice(0, findings.length, ...found.map((one) => ({ about: "Correction", ...one })));
     const margin = scene.indices.points.margin_db;
     const spare = Number.isFinite(margin) ? `, ${fixed(Math.abs(margin), 1)} dB ${margin >= 0 ? "to spare" : "short"}` : "";
-    parts.splice(0, parts.length, h("b", {}, `Corrected from ${counted(rig.fields.length, "field")}: the scene is ${scene.feasible ? "met" : "missed"} in the corrected model${spare}. `), "Play the new drive and measure once more to confirm.");
+    parts.splice(0, parts.length, h("b", {}, `Corrected from ${counted(rig.fields.length, "field")}: the scene is ${scene.feasible ? "met" : "missed"} in the corrected model${spare}${scene.reservation ? `, but ${scene.reservation}` : ""}. `), "Play the new drive and measure once more to confirm.");
     offer = null;
   } else if (rig.said) {
     findings.splice(0, findings.length, ...rig.said.findings.map((one) => ({ about: "Measured field", ...one })));
