@@ -92,6 +92,12 @@ impl FitQuestion {
         )?;
         for &hz in &self.added_hz {
             within("added_hz", hz, 0.0..=HIGHEST_HZ)?;
+            if hz == 0.0 {
+                return Err(Error::bad_data("no frequency of a mode")
+                    .field("added_hz")
+                    .found("0 Hz")
+                    .expected("more than 0 Hz"));
+            }
         }
         let options = FitOptions {
             band_hz: self.band_hz,

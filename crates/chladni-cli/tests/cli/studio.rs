@@ -173,6 +173,8 @@ fn numbers_out_of_bounds_are_refused_by_name_and_the_next_question_is_answered()
         ("modes", r#"{"number": 1, "modes": 0}"#),
         ("band_hz", r#"{"number": 1, "band_hz": [0, 1e300]}"#),
         ("band_hz", r#"{"number": 1, "band_hz": [-1, 300]}"#),
+        ("added_hz", r#"{"number": 1, "added_hz": [100, 0]}"#),
+        ("added_hz", r#"{"number": 1, "added_hz": [-100]}"#),
     ] {
         let answer = studio.asked_about("fit", question);
         assert!(complaint(&answer).contains(field), "{question}: {answer}");

@@ -328,6 +328,12 @@ fn a_pole_added_by_hand_changes_the_model() {
     page.eval("document.querySelector('#undo').click()");
     page.wait("document.documentElement.dataset.fits === '4'");
     assert_eq!(shown_frequencies(&mut page).len(), few.len());
+    // far beyond the band there is no mode
+    page.eval("document.querySelector('#add-pole').click()");
+    page.eval("(() => { document.querySelector('#add-hz').value = 5000; document.querySelector('#add-there').click(); })()");
+    page.wait("document.documentElement.dataset.fits === '5'");
+    let added = page.text(".added-row");
+    assert!(added.contains("5000 Hz: no mode came of it"), "{added}");
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 

@@ -67,7 +67,7 @@ impl Operator {
             return Err(
                 Error::bad_data("the model has no finite mobility at the drive frequency")
                     .field("modes")
-                    .found(format!("{frequency_hz} Hz"))
+                    .found(format!("{} Hz", hertz(frequency_hz)))
                     .expected("a drive frequency off every undamped mode")
                     .help(
                         "an undamped mode at exactly this frequency does that: move the drive \

@@ -16,6 +16,8 @@ const STAGES = [
 ];
 /** Largest distance of a click from the peak that it catches, part of the axis. */
 const PEAK_PART = 0.008;
+/** Relative distance up to which a fitted mode is the one that was added, as in the text of `chladni select`. */
+const AS_SEEN = 0.05;
 /** Number of stages of every fit, by which the bar is divided. */
 const USUAL = 6;
 
@@ -78,7 +80,7 @@ export function polesPane(oncancel) {
   function fateOf(hz) {
     const near = (k) => Math.abs(model.frequency[k] - hz);
     const best = model.modes.map((mode, k) => k).filter((k) => model.modes[k].in_band).sort((a, b) => near(a) - near(b))[0];
-    return best === undefined ? ": none" : `: ${model.modes[best].trust}`;
+    return best === undefined || near(best) >= AS_SEEN * hz ? ": no mode came of it" : `: ${model.modes[best].trust}`;
   }
 
   function showPoles() {
