@@ -149,6 +149,7 @@ fn by_partial_fractions(
 /// The lines of a search for poles with all that does not change while these move: residual terms,
 /// other columns, and the inner products of both.
 pub(crate) struct Beside<'a, const K: usize> {
+    /// Lines, and their weights and law.
     pub work: &'a Columns,
     /// Powers of x of the residual terms.
     pub powers: &'a [i32],
@@ -160,14 +161,15 @@ pub(crate) struct Beside<'a, const K: usize> {
 }
 
 impl<'a, const K: usize> Beside<'a, K> {
+    /// On the lines of `work`, with the residual terms x^`powers` and the columns `others`.
     pub fn new(
         work: &'a Columns,
         powers: &'a [i32],
         others: [ArrayView2<'a, Complex64>; K],
     ) -> Self {
         let mut terms = Array2::zeros((work.lines(), powers.len()).f());
-        let of_terms = terms.as_slice_memory_order_mut().unwrap_or_default();
-        fill_terms(work, powers, of_terms);
+        let values = terms.as_slice_memory_order_mut().unwrap_or_default();
+        fill_terms(work, powers, values);
         Self {
             work,
             powers,

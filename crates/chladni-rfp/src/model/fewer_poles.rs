@@ -107,7 +107,8 @@ fn fewest(
     let (mut level, mut history) = (variance, Vec::new());
     let began = refined.clone();
     settle(work, &mut refined, &mut level, frfs, &mut history)?;
-    if cost(&refined, least_rise) > cost(&began, least_rise) {
+    let is_no_worse = cost(&refined, least_rise) <= cost(&began, least_rise);
+    if !is_no_worse {
         refined = began;
     }
     let mut needed = Vec::new();

@@ -74,40 +74,43 @@ pub(crate) fn pruned(
 ) -> Result<Refined, LinalgError> {
     let least_rise = threshold(work.columns(), work.lines()) * variance;
     let significant = removable.thin_out(lambda, |candidate| candidate.rise < least_rise);
-    // a pole of noise follows the noise of the mixtures, and then explains less of the rest
-    let moved = refined_poles(mixed, &significant, powers, tol::ROUGH).unwrap_or(significant);
+    // a pole of noise follows the noise of few mixtures, and then explains less of all columns
+    let moved = match mixed.columns() < work.columns() {
+        true => refined_poles(mixed, &significant, powers, tol::ROUGH).unwrap_or(significant),
+        false => significant,
+    };
     let data = SearchData::new(work, powers);
     let mut descent = Descent::new(&data, &moved, 0);
-    let end = thinned(&mut descent, least_rise);
+    let point = thinned(&mut descent, least_rise);
+    if !descent.lambda.is_empty() {
+        descent.steps = tol::ROUGH.steps;
+    }
+    let end = point.and_then(|(mut point, ended)| {
+        (ended || descent.ends(&mut point, tol::ROUGH.tolerance)).then_some(point)
+    });
     on_orthonormal_basis(descent, end, tol::ROUGH)
 }
 
-/// Thins poles out after every few steps, as long as that takes some out: fewer poles make the later
-/// steps cheaper. Then refines the rest roughly. Returns the last point of the search if it
-/// has ended.
-fn thinned(descent: &mut Descent, least_rise: f64) -> Option<NormalPoint> {
-    let tolerance = tol::ROUGH.tolerance;
-    let mut rounds_in_vain = 0;
-    let mut ended = false;
-    let mut point = descent.point::<NormalPoint>();
-    while !ended && rounds_in_vain < limits::THINNING_ROUNDS {
-        let at = point.as_mut()?;
-        let kept = at
-            .fit
-            .removable()
-            .ok()?
-            .thin_out(&descent.lambda, |candidate| candidate.rise < least_rise);
+/// Thins poles out before and after every few steps, as long as that takes some out: fewer poles
+/// make the later steps cheaper. Returns the last point, and true if the search has ended there;
+/// `None` where normal equations do not serve.
+fn thinned(descent: &mut Descent, least_rise: f64) -> Option<(NormalPoint, bool)> {
+    let (mut rounds_in_vain, mut ended) = (0, false);
+    let mut point = descent.point::<NormalPoint>()?;
+    loop {
+        let removable = point.fit.removable().ok()?;
+        let kept = removable.thin_out(&descent.lambda, |candidate| candidate.rise < least_rise);
         if kept.len() < descent.lambda.len() {
-            (descent.lambda, rounds_in_vain) = (kept, 0);
-            point = descent.point();
-            continue;
+            (descent.lambda, rounds_in_vain, ended) = (kept, 0, false);
+            point = descent.point()?;
+        } else if ended || rounds_in_vain == limits::THINNING_ROUNDS {
+            return Some((point, ended));
+        } else {
+            descent.steps = limits::THINNING_STEPS;
+            ended = descent.run(&mut point, tol::ROUGH.tolerance);
+            rounds_in_vain += 1;
         }
-        descent.steps = limits::THINNING_STEPS;
-        ended = descent.run(at, tolerance);
-        rounds_in_vain += 1;
     }
-    descent.steps = tol::ROUGH.steps;
-    point.take_if(|point| ended || descent.ends(point, tolerance))
 }
 
 /// Indices of poles by the rise of the sum of squares without them, the least first.
@@ -172,4 +175,43 @@ pub(crate) fn redundant_pole(
         }
     }
     Ok(None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damping::basis::{basis, RESIDUAL_POWERS};
+    use crate::poles::refine::{refine, removable};
+    use chladni_frf::Damping;
+    use chladni_linalg::matmul;
+    use ndarray::{Array2, ShapeBuilder};
+
+    /// Two poles on each other are none for normal equations.
+    #[test]
+    fn poles_are_refined_where_normal_equations_do_not_serve() {
+        let lines = 200;
+        let mut work = Columns {
+            x: (1..=lines).map(|k| k as f64 / lines as f64).collect(),
+            g: vec![1.0; lines],
+            b: Array2::zeros((lines, 3).f()),
+            law: Damping::Structural,
+            leakage: None,
+            neighbours: 0.0,
+        };
+        let poles = [Complex64::new(0.3, 0.01), Complex64::new(0.6, 0.02)];
+        let residue = |(n, c): (usize, usize)| Complex64::new(1.0 + n as f64, c as f64 - 1.0);
+        let residues = Array2::from_shape_fn((2, 3), residue);
+        work.b = matmul(basis(&work, &poles, &[]).view(), residues.view());
+        for ((k, c), value) in work.b.indexed_iter_mut() {
+            *value += Complex64::from_polar(1e-3, (37 * k * k + 11 * c) as f64);
+        }
+        let off = poles[0] + 0.8 * poles[0].im;
+        let start = [off, off + 1e-9, poles[1] + 0.5 * poles[1].im];
+        let powers = &RESIDUAL_POWERS;
+        let all = removable(&work, &start, powers).unwrap();
+        let found = pruned(&work, &work, all, &start, powers, 1e-6).unwrap();
+        let expected = refine(&work, &start, powers, tol::ROUGH).unwrap();
+        let (sse, expected) = (found.projection.sse, expected.projection.sse);
+        assert!(sse < 1.1 * expected, "{sse}, not {expected}");
+    }
 }
