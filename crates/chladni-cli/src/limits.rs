@@ -114,11 +114,6 @@ pub(crate) const MODES_SHOWN: usize = 6;
 /// Number of tones that a message lists.
 pub(crate) const TONES_SHOWN: usize = 4;
 
-// select.rs
-
-/// Relative distance up to which a fitted mode is the one that was added.
-pub(crate) const AS_SEEN: f64 = 0.05;
-
 // streaming/mod.rs
 
 /// Parts that fit into the memory allowed. One part is held for each lane, and the results

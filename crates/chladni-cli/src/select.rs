@@ -2,7 +2,6 @@
 
 use crate::explain::explain;
 use crate::fit::written_model;
-use crate::limits::AS_SEEN;
 use crate::report::{measured_beside, measured_by_user};
 use chladni_console::input::source;
 use chladni_console::output::{Output, MODEL};
@@ -155,18 +154,8 @@ pub fn again(mut model: ModalModel, before: &ModalModel, options: &FitOptions) -
 
 /// The mode that came of adding one at `hz`, in words.
 fn outcome_of_added(model: &ModalModel, hz: f64) -> String {
-    let near = model
-        .modes
-        .iter()
-        .filter(|mode| mode.in_band)
-        .min_by(|a, b| {
-            (a.frequency_hz - hz)
-                .abs()
-                .total_cmp(&(b.frequency_hz - hz).abs())
-        });
     let place = significant(hz, 6);
-    let is_there = |mode: &&chladni_frf::Mode| (mode.frequency_hz / hz - 1.0).abs() < AS_SEEN;
-    let Some(mode) = near.filter(is_there) else {
+    let Some(mode) = model.mode_seen_at(hz) else {
         return format!("added at {place} Hz: no mode came of it");
     };
     let grade = match mode.trust {

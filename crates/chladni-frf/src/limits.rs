@@ -44,7 +44,7 @@ pub(crate) const POINTS_PER_MODE: usize = 40;
 pub(crate) const POINTS_OVER_BAND: usize = 400;
 /// Half-bandwidths between a mode before and after a new fit, at most: farther ones are
 /// two.
-pub(crate) const SELECTION_SAME_MODE: f64 = 1.0;
+pub(crate) const SELECTION_SAME_MODE: (f64, f64) = (1.0, 0.0);
 /// The same between an added mode and the place where it was seen, and the part of its
 /// frequency that a reader's eye may be off.
 pub(crate) const AS_SEEN: (f64, f64) = (4.0, 5e-3);

@@ -86,12 +86,6 @@ impl Selection {
             before.in_band_modes().collect(),
             after.in_band_modes().collect(),
         );
-        let nearest = |hz: f64, bandwidths: f64, part: f64| {
-            let off = |n: &usize| (new[*n].frequency_hz - hz).abs();
-            let near = (0..new.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
-            let half_width = 0.5 * new[near].loss_factor * new[near].frequency_hz;
-            (off(&near) <= (bandwidths * half_width).max(part * hz)).then_some(near)
-        };
         let mut picks = Vec::new();
         for pick in &self.picks {
             if pick.name == ModeName::Sure {
@@ -100,15 +94,12 @@ impl Selection {
             }
             let found = pick.find(&old)?.into_iter();
             let again =
-                found.filter_map(|n| nearest(old[n].frequency_hz, SELECTION_SAME_MODE, 0.0));
+                found.filter_map(|n| nearest(&new, old[n].frequency_hz, SELECTION_SAME_MODE));
             picks.extend(again.map(|n| pick.numbered(n + 1)));
         }
         if self.keep {
-            let (bandwidths, part) = AS_SEEN;
-            let added = self
-                .added_hz
-                .iter()
-                .filter_map(|&hz| nearest(hz, bandwidths, part));
+            let all = self.added_hz.iter();
+            let added = all.filter_map(|&hz| nearest(&new, hz, AS_SEEN));
             picks.extend(added.map(|n| ModePick {
                 name: ModeName::Number(n + 1),
                 line: 0,
@@ -329,6 +320,23 @@ fn dropped_share(whole: &ModalModel, left: &ModalModel) -> f64 {
         sums[0] / sums[1]
     } else {
         0.0
+    }
+}
+
+/// Place of the mode nearest to `hz`, no farther than so many half-bandwidths, or that part of `hz`.
+fn nearest(modes: &[&Mode], hz: f64, (half_widths, part): (f64, f64)) -> Option<usize> {
+    let off = |n: &usize| (modes[*n].frequency_hz - hz).abs();
+    let near = (0..modes.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+    let half_width = 0.5 * modes[near].loss_factor * modes[near].frequency_hz;
+    (off(&near) <= (half_widths * half_width).max(part * hz)).then_some(near)
+}
+
+impl ModalModel {
+    /// The in-band mode, rejected ones too, that came of adding one at `hz` (Hz), where a reader
+    /// saw it; `None` where no mode lies so near.
+    pub fn mode_seen_at(&self, hz: f64) -> Option<&Mode> {
+        let modes: Vec<&Mode> = self.modes.iter().filter(|mode| mode.in_band).collect();
+        nearest(&modes, hz, AS_SEEN).map(|n| modes[n])
     }
 }
 

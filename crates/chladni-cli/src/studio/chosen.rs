@@ -65,7 +65,7 @@ impl Session {
     /// A model without the modes that `selection` drops; it names its sources.
     ///
     /// # Errors
-    /// Those of [`selected`].
+    /// Those of [`selected`]; a model that has no JSON.
     pub(super) fn chosen(
         &self,
         whole: &Arc<ModalModel>,
@@ -99,6 +99,10 @@ impl Session {
         }
     }
 
+    /// The fitted or opened model.
+    ///
+    /// # Errors
+    /// [`chladni_frf::ErrorKind::BadData`] before the first fit.
     pub(super) fn current_model(&self) -> Result<Arc<ModalModel>> {
         self.current()
             .ok_or_else(|| Error::bad_data("no model yet").help("fit first"))
@@ -112,7 +116,8 @@ impl Session {
 /// * `options`: those of the new fit
 ///
 /// # Errors
-/// [`chladni_frf::ErrorKind::Internal`] where a model has no JSON.
+/// Those of the selection that adds them; [`chladni_frf::ErrorKind::Internal`] where a model has no
+/// JSON.
 pub(super) fn with_added(
     fitted: ModalModel,
     before: &ModalModel,

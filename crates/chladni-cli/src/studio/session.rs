@@ -74,8 +74,9 @@ impl Session {
     /// # Errors
     /// Those of reading.
     pub fn open(files: &[PathBuf], reading: &Reading, console: &Console) -> Result<Self> {
-        let files = expand(files, console)?;
+        // as they were given: what is found in a folder belongs to a fit of the same words
         let words: Vec<String> = files.iter().map(|file| shell_path(file)).collect();
+        let files = expand(files, console)?;
         let mut reading_echo = Map::new();
         let mut model_source = None;
         let (frf, sources, model) = match files.as_slice() {
@@ -203,7 +204,10 @@ impl Session {
                 question.added_hz.as_slice()
             };
             let [command, toml] = self.add_command(added_hz);
-            answer["added"] = json!({"command": command, "toml": toml});
+            // of each added one, that of the mode which came of it
+            let grade = |hz: &f64| model.mode_seen_at(*hz).map(|mode| mode.trust);
+            let grades: Vec<_> = added_hz.iter().map(grade).collect();
+            answer["added"] = json!({"command": command, "toml": toml, "grades": grades});
             let input = self.input(&model);
             match question.light {
                 true => answer["head"] = head_data(&input),
@@ -293,7 +297,12 @@ impl Session {
             ..options.clone()
         };
         let fit = self.fit_or_give_up(frf, &options, turn)?;
-        Ok(fit.map(|fit| Arc::new(self.named(fit.model, &options))))
+        let model = fit.map(|fit| Arc::new(self.named(fit.model, &options)));
+        if let (Some(model), Ok(mut fitted)) = (&model, self.fitted.write()) {
+            // what comes next may be given up
+            fitted.without_added = Some((question.asked(), model.clone()));
+        }
+        Ok(model)
     }
 
     /// A fitted model as its file holds it: with sources, options, and the findings of reading.

@@ -41,6 +41,7 @@ impl Work {
         let folder = Folder::with_panel();
         std::fs::create_dir(folder.path().join("scans")).unwrap();
         folder.write("scans/panel.h5", folder.read("panel.h5"));
+        folder.write("scans/notes.txt", "of no use here\n");
         let studio = Studio::start(&folder, self.args);
         let about = |what: &str, question: &Value| {
             let said = studio.asked_about(what, &question.to_string());
@@ -146,11 +147,8 @@ fn a_fit_and_an_opened_model_are_followed_with_dropped_modes_too() {
 fn modes_added_by_hand_are_followed_with_dropped_modes_too() {
     for (args, selection) in [
         (&["panel.h5"][..], ""),
-        // FRFs that do not lie beside the model
-        (
-            &["scans/panel.h5", "--frf-kind", "mobility"],
-            "drop = [2]\n",
-        ),
+        // FRFs that do not lie beside the model, in a folder with another file
+        (&["scans", "--frf-kind", "mobility"], "drop = [2]\n"),
     ] {
         Work {
             args,

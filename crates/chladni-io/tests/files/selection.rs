@@ -258,3 +258,24 @@ fn wrong_selections_say_line_and_key() {
         }
     }
 }
+
+#[test]
+fn what_came_of_an_added_mode_lies_near_it() {
+    let mut model = model();
+    let places = [(100.0, 0.1), (1000.0, 1e-4)];
+    model.modes.truncate(2);
+    for (mode, (hz, loss_factor)) in model.modes.iter_mut().zip(places) {
+        (mode.frequency_hz, mode.loss_factor, mode.in_band) = (hz, loss_factor, true);
+    }
+    model.modes[1].trust = Trust::Rejected;
+    let seen = |hz: f64| model.mode_seen_at(hz).map(|mode| mode.frequency_hz);
+    // four half-bandwidths, or half a per cent
+    for (hz, of) in [
+        (81.0, Some(100.0)),
+        (121.0, None),
+        (1004.0, Some(1000.0)),
+        (950.0, None),
+    ] {
+        assert_eq!(seen(hz), of, "{hz}");
+    }
+}

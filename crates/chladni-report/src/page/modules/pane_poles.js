@@ -16,8 +16,6 @@ const STAGES = [
 ];
 /** Largest distance of a click from the peak that it catches, part of the axis. */
 const PEAK_PART = 0.008;
-/** Relative distance up to which a fitted mode is the one that was added, as in the text of `chladni select`. */
-const AS_SEEN = 0.05;
 /** Number of stages of every fit, by which the bar is divided. */
 const USUAL = 6;
 
@@ -44,6 +42,7 @@ export function polesPane(oncancel) {
   let model = null;
   let data = null;
   let lanes = null;
+  let grades = null;
   [view.element, table].forEach((one) => (one.hidden = true));
 
   /** Shows the row that adds a pole, at `hz` or at a frequency to be entered; hides it for null. */
@@ -74,13 +73,12 @@ export function polesPane(oncancel) {
   /** The poles added by hand, each with its outcome and a button that removes it. */
   function showAdded() {
     taken.hidden = !work.added.length;
-    redraw(taken, "Added: ", work.added.map((hz, n) => h("button", { type: "button", class: "chip", title: "take it back", onclick: () => edit({ added: work.added.filter((_, k) => k !== n) }) }, `${hz} Hz${fateOf(hz)} ✕`)));
+    redraw(taken, "Added: ", work.added.map((hz, n) => h("button", { type: "button", class: "chip", title: "take it back", onclick: () => edit({ added: work.added.filter((_, k) => k !== n) }) }, `${hz} Hz${fateOf(n)} ✕`)));
   }
 
-  function fateOf(hz) {
-    const near = (k) => Math.abs(model.frequency[k] - hz);
-    const best = model.modes.map((mode, k) => k).filter((k) => model.modes[k].in_band).sort((a, b) => near(a) - near(b))[0];
-    return best === undefined || near(best) >= AS_SEEN * hz ? ": no mode came of it" : `: ${model.modes[best].trust}`;
+  /** What came of the nth added pole; empty while a draft is shown. */
+  function fateOf(n) {
+    return grades ? `: ${grades[n] ?? "no mode came of it"}` : "";
   }
 
   function showPoles() {
@@ -132,8 +130,8 @@ export function polesPane(oncancel) {
       redraw(stages, said.over.map((one) => line(one, "✓", "over")), said.running ? line(said.running, "▸", "running") : null);
       bar.value = Math.min(USUAL - 0.5, said.over.length + 0.5);
     },
-    fit: (shown, fitted, canAdd) => {
-      [data, model] = [shown, fitted];
+    fit: (shown, fitted, canAdd, gradesOfAdded) => {
+      [data, model, grades] = [shown, fitted, gradesOfAdded];
       const spec = diagram(data, model, (hz) => offer(hz));
       lanes = spec.lanes;
       view.update({ ...spec, series: spec.series.slice(0, 1), y: { ...spec.y, label: "largest singular value" }, right: spec.right && { ...spec.right, label: "order" } });

@@ -173,7 +173,7 @@ function showFit(answer) {
   isNumbered = true;
   restoreDropped();
   data.fit(said.data, model);
-  poles.fit(said.data, model, !fromFile);
+  poles.fit(said.data, model, !fromFile, said.added?.grades);
   const passing = said.draft && !said.head;
   const hasBoard = panel.fit(model, passing ? null : geometry, passing ? undefined : structure);
   data.status.textContent = passing ? `${model.inBand.length} modes, draft` : "";
@@ -429,8 +429,10 @@ function showSentence() {
     parts.push(h("b", {}, `Scene ${scene.feasible ? "met" : "missed"} at ${fixed(scene.frequency_hz, 1)} Hz${spare}`));
     const but = scene.reservation;
     const on = here.model.inBand.find((k) => Math.abs(here.model.frequency[k] - scene.frequency_hz) <= 0.5 * here.model.modes[k].loss_factor * here.model.frequency[k]);
-    if (but) parts.push(`, but ${but}`);
-    else if (on !== undefined) parts.push(`, but mode ${here.model.inBand.indexOf(on) + 1} (${fixed(here.model.frequency[on], 1)} Hz) lies on the drive`);
+    // the chosen modes are numbered anew where some are dropped; the table counts all
+    const isOn = on !== undefined && (!but || but.endsWith("lies on the drive"));
+    if (isOn) parts.push(`, but mode ${here.model.inBand.indexOf(on) + 1} (${fixed(here.model.frequency[on], 1)} Hz) lies on the drive`);
+    else if (but) parts.push(`, but ${but}`);
     parts.push(".");
     const calmer = shown.sweep?.frequencies.find((one) => one.frequency_hz === shown.sweep.suggested_hz && one.success_ratio === 1)?.frequency_hz;
     if (calmer && calmer !== work.frequency && (on !== undefined || !scene.feasible)) offer = { words: `Use ${fixed(calmer, 0)} Hz`, action: () => edit({ frequency: calmer }) };
