@@ -466,6 +466,7 @@ def read(
     *,
     frf_kind: FrfKind | None = None,
     time_sign: Literal["+", "-"] = "+",
+    delay_s: float = 0.0,
     reference: int | Sequence[int] | None = None,
     response: int | Sequence[int] | None = None,
     dofs: str | PathLike[str] | Sequence[tuple[str, str] | tuple[str, str, str]] | None = None,

@@ -253,6 +253,8 @@ impl DofList {
 ///     Needed where the files do not say.
 /// time_sign : {"+", "-"}
 ///     Sign in e^(±jωt) of the data.
+/// delay_s : float
+///     Delay of all responses against the references, s: it is taken off.
 /// reference, response : int or sequence of int, optional
 ///     Node of files that hold one reference or one response: one for all, or one for each.
 /// dofs : path or sequence of tuple, optional
@@ -273,13 +275,14 @@ impl DofList {
 /// -------
 /// FrfSet
 #[pyfunction]
-#[pyo3(signature = (paths, *, frf_kind=None, time_sign="+", reference=None, response=None, dofs=None, map=None, duplicates="error", phase_unit=None, snap_df=false, lenient=false))]
+#[pyo3(signature = (paths, *, frf_kind=None, time_sign="+", delay_s=0.0, reference=None, response=None, dofs=None, map=None, duplicates="error", phase_unit=None, snap_df=false, lenient=false))]
 #[allow(clippy::too_many_arguments)] // those of the command line
 pub fn read(
     py: Python<'_>,
     paths: &Bound<'_, PyAny>,
     frf_kind: Option<&str>,
     time_sign: &str,
+    delay_s: f64,
     reference: Option<Nodes>,
     response: Option<Nodes>,
     dofs: Option<DofList>,
@@ -298,6 +301,7 @@ pub fn read(
             .map(|text| word(py, "frf_kind", text))
             .transpose()?,
         time_sign: word(py, "time_sign", time_sign)?,
+        delay_s,
         references: reference.map(Vec::from).unwrap_or_default(),
         responses: response.map(Vec::from).unwrap_or_default(),
         dofs: dofs

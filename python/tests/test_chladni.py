@@ -77,6 +77,8 @@ def test_files_come_back_bit_by_bit(frf, model, tmp_path):
     loaded = chladni.load_model(tmp_path / "model.json")
     assert np.array_equal(loaded.frequency_hz, model.frequency_hz) and np.array_equal(loaded.shapes, model.shapes)
     assert json.loads(model.to_json())["format"] == "chladni.model" == model.to_dict()["format"]
+    early = chladni.read(tmp_path / "set.h5", delay_s=1e-3)
+    assert np.allclose(early.values, frf.values * np.exp(2j * np.pi * 1e-3 * frf.frequency_hz))
     with pytest.raises(chladni.ChladniError) as refused:
         frf.save(tmp_path / "set.h5")
     assert refused.value.code == 73 and str(tmp_path / "set.h5") == refused.value.file

@@ -23,6 +23,9 @@ pub struct Reading {
     #[arg(long, value_name = "SIGN", allow_hyphen_values = true,
         value_parser = PossibleValuesParser::new(["+", "-"]).try_map(|text| text.parse::<TimeSign>()))]
     pub time_sign: Option<TimeSign>,
+    /// Delay of all responses against the references, s: it is taken off
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = parse_delay)]
+    pub delay: Option<f64>,
     /// Reference node of files that hold one reference: one for all files, or one for
     /// each, in their order
     #[arg(
@@ -102,6 +105,18 @@ impl DofFile {
     }
 }
 
+/// The longest delay of a measurement, s: a slip of the unit lies beyond.
+const DELAY_MOST_S: f64 = 1000.0;
+
+fn parse_delay(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.abs() <= DELAY_MOST_S => Ok(seconds),
+        _ => Err(format!(
+            "not a number of seconds from -{DELAY_MOST_S} to {DELAY_MOST_S}"
+        )),
+    }
+}
+
 fn parse_map(text: &str) -> std::result::Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, path)) if !name.trim().is_empty() && !path.trim().is_empty() => {
@@ -117,6 +132,7 @@ impl Reading {
         ReadOptions {
             frf_kind: self.frf_kind,
             time_sign: self.time_sign.unwrap_or_default(),
+            delay_s: self.delay.unwrap_or_default(),
             references: self.reference.clone(),
             responses: self.response.clone(),
             dofs: self.dofs.clone().map(|file| file.list).unwrap_or_default(),
@@ -137,6 +153,9 @@ impl Reading {
         }
         if self.time_sign == Some(TimeSign::Minus) {
             add("time_sign", "-".into());
+        }
+        if let Some(seconds) = self.delay {
+            add("delay", seconds.into());
         }
         if !self.reference.is_empty() {
             add("reference", self.reference.clone().into());
@@ -226,6 +245,7 @@ impl Reading {
         Self {
             frf_kind: text("frf_kind").and_then(|kind| kind.parse().ok()),
             time_sign: text("time_sign").and_then(|sign| sign.parse().ok()),
+            delay: options.get("delay").and_then(Value::as_f64),
             reference: list("reference").filter_map(Value::as_u64).collect(),
             response: list("response").filter_map(Value::as_u64).collect(),
             dofs,

@@ -8,9 +8,10 @@ use crate::usage;
 use chladni_frf::{Error, ErrorKind, Finding, TimeSign};
 
 /// Names of the settings that are options of the same name.
-const SETTINGS: [&str; 25] = [
+const SETTINGS: [&str; 26] = [
     "block",
     "blocks",
+    "delay",
     "dofs",
     "duplicates",
     "estimator",

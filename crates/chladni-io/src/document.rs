@@ -277,6 +277,8 @@ pub struct ReadOptions {
     pub frf_kind: Option<FrfKind>,
     /// Sign of the exponent e^{±jωt}: minus means conjugate on reading.
     pub time_sign: chladni_frf::TimeSign,
+    /// Delay of all responses against the references, s, which is taken off.
+    pub delay_s: f64,
     /// One reference node for all FRFs of files that each hold one reference (one entry, or
     /// one per file).
     pub references: Vec<u64>,

@@ -127,6 +127,52 @@ fn wrong_time_sign() {
     assert!(said.contains("(--time-sign +)"), "{said}");
 }
 
+/// The delay that is told, taken off by the option that is named, gives the modes of the clean set,
+/// also part by part; a file keeps what was taken off.
+#[test]
+fn delayed_throughout() {
+    let folder = clean();
+    folder
+        .run("convert clean.h5 --delay -0.004 -o late.h5 -q")
+        .exits(0);
+    named(
+        &folder,
+        "fit",
+        "late.h5",
+        "clean.h5",
+        "all FRFs lag by 4.00",
+    );
+    let said = says(&folder, "fit late.h5");
+    let (_, advice) = said.split_once("take it off: ").expect("advice");
+    let advice = advice.lines().next().unwrap_or_default();
+    let sure = |line: &str| -> Vec<f64> {
+        let fit = folder.run(&format!("{line} --json")).exits(0).json();
+        let modes = fit["modes"].as_array().expect("modes");
+        let sure = modes.iter().filter(|mode| mode["trust"] == "sure");
+        sure.filter_map(|mode| mode["frequency_hz"].as_f64())
+            .collect()
+    };
+    let of_clean = sure("fit clean.h5");
+    folder
+        .run("convert late.h5 --delay 0.004 -o mended.csv -q")
+        .exits(0);
+    for line in [
+        &format!("fit late.h5 {advice}"),
+        "fit late.h5 --delay 0.004 --memory 100K",
+        "fit mended.csv",
+    ] {
+        let found = sure(line);
+        assert_eq!(found.len(), of_clean.len(), "{line}");
+        for (found, clean) in found.iter().zip(&of_clean) {
+            assert!((found / clean - 1.0).abs() < 1e-6, "{line}: {found}");
+        }
+    }
+    for wrong in ["nan", "5ms", "1e9"] {
+        let said = folder.run(&format!("fit late.h5 --delay {wrong}"));
+        assert!(said.exits(64).said().contains("--delay"), "{wrong}");
+    }
+}
+
 #[test]
 fn reversed_direction() {
     let folder = clean();

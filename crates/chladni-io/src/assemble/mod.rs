@@ -40,6 +40,15 @@ pub(crate) const COHERENCE: i32 = 6;
 /// mixed kinds or reference units; duplicated pairs, unless `duplicates` says which to take;
 /// nodes at two positions; a reference of the caller that does not fit.
 pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Contents> {
+    let mut contents = merged(documents, options)?;
+    if let Some(set) = contents.frf.as_mut().filter(|_| options.delay_s != 0.0) {
+        set.advance(options.delay_s);
+    }
+    Ok(contents)
+}
+
+/// The content as the files have it, but for the options that concern single ones.
+fn merged(documents: Vec<Document>, options: &ReadOptions) -> Result<Contents> {
     let mut contents = Contents::default();
     let mut geometry = Geometry::default();
     let mut assembly = Assembly::default();

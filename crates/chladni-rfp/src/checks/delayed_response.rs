@@ -8,13 +8,14 @@
 //! (theory.md, eq. F2b).
 
 use crate::checks::case::{Case, Checked};
-use crate::checks::delay::{Line, Trials};
+use crate::checks::delay::Trials;
 use crate::checks::limits;
+use crate::checks::phases::{OneDelay, Phases};
 use crate::tolerances::SIGMA_OF_MEDIAN;
 use chladni_frf::{Finding, Mode};
 use num_complex::Complex64;
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// A response with its delay.
 struct Delayed {
@@ -66,7 +67,7 @@ pub(crate) fn delayed_responses(case: &Case) -> Option<Checked> {
 /// * `of`: is given the response, the phases of all, delays to try, and the spread of the phases
 pub(super) fn at_few_responses<T: Send>(
     case: &Case,
-    of: impl Fn(usize, &[Phases], &Trials, f64) -> Option<T> + Sync,
+    of: impl Fn(usize, &[ModePhases], &Trials, f64) -> Option<T> + Sync,
 ) -> Option<Vec<T>> {
     let responses = case.model.responses.len();
     let (seen, natural) = phases_of_shapes(case)?;
@@ -81,12 +82,15 @@ pub(super) fn at_few_responses<T: Send>(
 
 /// Phases of the modes that show at enough responses, and their spread; `None` where these are too
 /// few, or shapes too complex to tell a response from the others.
-fn phases_of_shapes(case: &Case) -> Option<(Vec<Phases>, f64)> {
+fn phases_of_shapes(case: &Case) -> Option<(Vec<ModePhases>, f64)> {
     if case.model.responses.len() < limits::AGREE_LEAST {
         return None;
     }
     let modes = case.sure_modes();
-    let seen: Vec<Phases> = modes.iter().filter_map(|mode| Phases::of(mode)).collect();
+    let seen: Vec<ModePhases> = modes
+        .iter()
+        .filter_map(|mode| ModePhases::of(mode))
+        .collect();
     if seen.len() < limits::RESPONSE_LEAST_MODES {
         return None;
     }
@@ -95,7 +99,7 @@ fn phases_of_shapes(case: &Case) -> Option<(Vec<Phases>, f64)> {
 }
 
 /// Phases of a mode at the responses that show it well.
-pub(super) struct Phases {
+pub(super) struct ModePhases {
     /// rad/s.
     omega: f64,
     /// Phase against the common one, rad, modulo 180°, and its variance by noise; `None` where
@@ -107,7 +111,7 @@ pub(super) struct Phases {
     of_common: f64,
 }
 
-impl Phases {
+impl ModePhases {
     /// `None` where too few responses show the mode.
     fn of(mode: &Mode) -> Option<Self> {
         let std = mode.shape_std_up_to_scale();
@@ -166,80 +170,32 @@ fn spread(phases: impl Iterator<Item = f64>) -> f64 {
 
 /// Phases of one response in the modes that show it.
 pub(super) struct OfResponse {
-    omega: Vec<f64>,
-    /// rad, modulo 180°.
-    pub phases: Vec<f64>,
-    /// Reciprocal variances.
-    pub weight: Vec<f64>,
-    /// Unit phasors of the doubled phases times the weights, of all modes; zero where not shown.
+    pub phases: Phases,
+    /// [`Phases::doubled`] of all modes; zero where not shown.
     of_all: Vec<Complex64>,
 }
 
 impl OfResponse {
     /// `None` where few modes show it, or noise explains its phases.
-    pub fn new(response: usize, seen: &[Phases], natural: f64) -> Option<Self> {
-        let mut own = Self {
-            omega: Vec::new(),
-            phases: Vec::new(),
-            weight: Vec::new(),
-            of_all: vec![Complex64::default(); seen.len()],
-        };
-        for (mode, doubled) in seen.iter().zip(&mut own.of_all) {
+    pub fn new(response: usize, seen: &[ModePhases], natural: f64) -> Option<Self> {
+        let mut phases = Phases::default();
+        let mut of_all = vec![Complex64::default(); seen.len()];
+        for (mode, doubled) in seen.iter().zip(&mut of_all) {
             if let Some((phase, variance)) = mode.at[response] {
                 let weight = 1.0 / (natural.max(mode.natural).powi(2) + variance + mode.of_common);
                 *doubled = weight * Complex64::from_polar(1.0, 2.0 * phase);
-                own.omega.push(mode.omega);
-                own.phases.push(phase);
-                own.weight.push(weight);
+                phases.push(mode.omega, phase, weight);
             }
         }
         // half of what noise leaves on the line, at least
-        let by_noise = limits::DELAY_SIGMAS.powi(2) + limits::NOISE_LEFT * own.count();
-        let shown = own.omega.len() >= limits::RESPONSE_LEAST_MODES;
-        (shown && own.misfit(&own.phases) >= by_noise).then_some(own)
+        let by_noise = limits::DELAY_SIGMAS.powi(2) + limits::NOISE_LEFT * phases.count();
+        let shown = phases.omega.len() >= limits::RESPONSE_LEAST_MODES;
+        (shown && phases.misfit(&phases.radians) >= by_noise).then_some(Self { phases, of_all })
     }
 
-    /// Number of modes.
-    pub fn count(&self) -> f64 {
-        self.omega.len() as f64
-    }
-
-    /// χ² of phases that are left.
-    pub fn misfit(&self, phases: &[f64]) -> f64 {
-        let terms = phases.iter().zip(&self.weight);
-        terms.map(|(p, w)| w * p * p).sum()
-    }
-
-    /// Log-likelihood but for a common term where this `misfit` is left.
-    pub fn likelihood(&self, misfit: f64) -> f64 {
-        self.weight.iter().map(|w| 0.5 * w.ln()).sum::<f64>() - 0.5 * misfit
-    }
-
-    /// The same of phases of no order, normal or uniform.
-    pub fn of_no_order(&self) -> f64 {
-        let size = self.phases.iter().map(|p| p * p).sum::<f64>() / self.count();
-        -0.5 * self.count() * (size.ln() + 1.0).min((0.5 * PI).ln())
-    }
-
-    /// The likeliest delay, the misfit that it leaves, and how well it is known: Σwω².
-    pub fn delay(&self, trials: &Trials) -> (f64, f64, f64) {
-        let shown = self.of_all.iter().filter(|doubled| doubled.norm() > 0.0);
-        let line = Line {
-            omega: &self.omega,
-            weight: &self.weight,
-            doubled: shown.copied().collect(),
-        };
-        let seconds = line.settled(trials.best(&self.of_all, |sum| sum.re));
-        let left = self.misfit(&line.phases(seconds));
-        (seconds, left, line.moment())
-    }
-
-    /// The likeliest turn by one angle, rad, and the misfit that it leaves.
-    pub fn turn(&self) -> (f64, f64) {
-        let turn = 0.5 * self.of_all.iter().sum::<Complex64>().arg();
-        let off = |phase: &f64| 0.5 * Complex64::from_polar(1.0, 2.0 * (phase - turn)).arg();
-        let left: Vec<f64> = self.phases.iter().map(off).collect();
-        (turn, self.misfit(&left))
+    /// The likeliest delay.
+    pub fn delay(&self, trials: &Trials) -> OneDelay {
+        self.phases.delay(trials, &self.of_all)
     }
 }
 
@@ -247,25 +203,17 @@ impl OfResponse {
 fn delay_of(
     response: usize,
     responses: usize,
-    seen: &[Phases],
+    seen: &[ModePhases],
     trials: &Trials,
     natural: f64,
 ) -> Option<Delayed> {
     let own = OfResponse::new(response, seen, natural)?;
-    let (seconds, left, moment) = own.delay(trials);
-    let known = moment.sqrt();
-    let deviation = (left / (own.count() - 1.0)).max(1.0).sqrt() / known;
-    let looks = (1.0 + 2.0 * seconds.abs() * known).ln() + (responses as f64).ln();
-    let top = own.omega.iter().copied().fold(0.0, f64::max);
-    let shown = own.likelihood(left) - own.of_no_order() > looks + limits::DELAY_LIKELIER
-        && left < own.turn().1
-        && own.misfit(&own.phases) - left > limits::DELAY_SIGMAS.powi(2)
-        && seconds.abs() > limits::DELAY_SIGMAS * deviation
-        && seconds.abs() * top > limits::LEAST_PHASE;
-    shown.then_some(Delayed {
+    let delay = own.delay(trials);
+    let deviation = own.phases.deviation(&delay, responses)?;
+    (own.phases.at_top(&delay) > limits::LEAST_PHASE).then_some(Delayed {
         response,
-        seconds,
+        seconds: delay.seconds,
         deviation,
-        modes: own.omega.len(),
+        modes: own.phases.omega.len(),
     })
 }

@@ -8,8 +8,8 @@
 
 use crate::checks::case::{Case, Checked, Noise};
 use crate::checks::{
-    delay, delayed_response, estimation, hidden, kind, moving, noise, reciprocal, split,
-    turned_response, window_bias,
+    common_delay, delay, delayed_response, estimation, hidden, kind, moving, noise, reciprocal,
+    split, turned_response, window_bias,
 };
 use crate::data::layout::DataLayout;
 use crate::data::options::FitOptions;
@@ -26,12 +26,13 @@ type Check = fn(&Case) -> Option<Checked>;
 const MOVEMENT: [Check; 2] = [moving::moving_poles, split::split_modes];
 
 /// Every other check that runs after a fit.
-const CHECKS: [Check; 13] = [
+const CHECKS: [Check; 14] = [
     kind::wrong_kind,
     noise::few_values,
     noise::noise_alone,
     hidden::single_frf,
     hidden::between_modes,
+    common_delay::common_delay,
     delay::delayed_reference,
     delayed_response::delayed_responses,
     turned_response::turned_responses,
@@ -73,7 +74,8 @@ pub(crate) fn examine(
 }
 
 /// Findings without one on the phase of all driving points where each of these is at a response that
-/// is turned against the others: then it is the response, and no matter of all FRFs.
+/// is turned against the others: then it is the response, and no matter of all FRFs. A delay of
+/// all FRFs explains that phase, too.
 fn without_kind_of_turned(mut found: Vec<Checked>, model: &ModalModel) -> Vec<Checked> {
     let all = found.iter().map(|checked| &checked.finding);
     let turned: Vec<Dof> = all
@@ -81,9 +83,12 @@ fn without_kind_of_turned(mut found: Vec<Checked>, model: &ModalModel) -> Vec<Ch
         .flat_map(|told| told.dofs.iter().copied())
         .collect();
     let mut driving = model.references.iter();
-    if driving.all(|dof| !model.responses.contains(dof) || turned.contains(dof)) {
+    let at_turned = !turned.is_empty()
+        && driving.all(|dof| !model.responses.contains(dof) || turned.contains(dof));
+    let delayed = found.iter().any(|own| own.finding.code == "common-delay");
+    if at_turned || delayed {
         let on_all = ["wrong-kind", "turned-channel"];
-        found.retain(|checked| turned.is_empty() || !on_all.contains(&&*checked.finding.code));
+        found.retain(|checked| !on_all.contains(&&*checked.finding.code));
     }
     found
 }

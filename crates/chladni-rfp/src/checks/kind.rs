@@ -112,7 +112,7 @@ fn driving_residues(model: &ModalModel, modes: &[&Mode]) -> Vec<Complex64> {
 }
 
 /// (Σv²)/Σ|v|²: of modulus 1 for a vector of one phase.
-fn square_sum(values: &[Complex64]) -> Complex64 {
+pub(super) fn square_sum(values: &[Complex64]) -> Complex64 {
     let total: f64 = values.iter().map(|v| v.norm_sqr()).sum();
     values.iter().map(|v| v * v).sum::<Complex64>() / total.max(f64::MIN_POSITIVE)
 }

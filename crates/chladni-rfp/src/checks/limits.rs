@@ -11,6 +11,19 @@ pub(super) const ONE_SHAPE: f64 = 0.9;
 /// to 1.3 apart at two lines per bandwidth.
 pub(super) const ONE_LINE: f64 = 2.0;
 
+// common_delay.rs
+
+/// Decay of a mode times a delay that it outlasts. Poles that stand for a delay reach e^{−στ} of
+/// about the noise over the data.
+pub(super) const OUTLASTED: f64 = 3.0;
+/// Longest delay that is looked for, in cycles at the mean spacing of the modes: those that stand
+/// for a delay lie about one apart.
+pub(super) const COMMON_REACH: f64 = 1.5;
+/// Shortest over longest delay that the same modes are asked for: a third of an octave.
+pub(super) const PART_FROM: f64 = 0.8;
+/// Part of the modes that outlast a delay which must lie on its line.
+pub(super) const ON_LINE: f64 = 0.7;
+
 // correlation.rs
 
 /// α·T of exponential windows.

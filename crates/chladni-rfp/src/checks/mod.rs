@@ -3,6 +3,7 @@
 
 pub(crate) mod around;
 pub(crate) mod case;
+pub(crate) mod common_delay;
 pub(crate) mod correlation;
 pub(crate) mod delay;
 pub(crate) mod delayed_response;
@@ -14,6 +15,7 @@ mod limits;
 pub(crate) mod line_shape;
 pub(crate) mod moving;
 pub(crate) mod noise;
+mod phases;
 pub(crate) mod reciprocal;
 pub(crate) mod split;
 pub(crate) mod turned_response;

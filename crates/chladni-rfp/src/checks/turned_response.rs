@@ -7,7 +7,7 @@
 
 use crate::checks::case::{Case, Checked};
 use crate::checks::delay::Trials;
-use crate::checks::delayed_response::{at_few_responses, OfResponse, Phases};
+use crate::checks::delayed_response::{at_few_responses, ModePhases, OfResponse};
 use crate::checks::limits;
 use chladni_frf::Finding;
 
@@ -54,19 +54,20 @@ pub(crate) fn turned_responses(case: &Case) -> Option<Checked> {
 fn turn_of(
     response: usize,
     responses: usize,
-    seen: &[Phases],
+    seen: &[ModePhases],
     trials: &Trials,
     natural: f64,
 ) -> Option<Turned> {
     let own = OfResponse::new(response, seen, natural)?;
-    let (angle, left) = own.turn();
-    let known = own.weight.iter().sum::<f64>().sqrt();
-    let deviation = (left / (own.count() - 1.0)).max(1.0).sqrt() / known;
+    let phases = &own.phases;
+    let (angle, left) = phases.turn();
+    let known = phases.weight.iter().sum::<f64>().sqrt();
+    let deviation = (left / (phases.count() - 1.0)).max(1.0).sqrt() / known;
     let looks = (1.0 + 2.0 * angle.abs() * known).ln() + (responses as f64).ln();
-    let turned = own.likelihood(left);
-    let shown = turned - own.of_no_order() > looks + limits::DELAY_LIKELIER
-        && turned - own.likelihood(own.delay(trials).1) > limits::DELAY_LIKELIER
-        && own.misfit(&own.phases) - left > limits::DELAY_SIGMAS.powi(2)
+    let turned = phases.likelihood(left);
+    let shown = turned - phases.of_no_order() > looks + limits::DELAY_LIKELIER
+        && turned - phases.likelihood(own.delay(trials).left) > limits::DELAY_LIKELIER
+        && phases.misfit(&phases.radians) - left > limits::DELAY_SIGMAS.powi(2)
         && angle.abs() > limits::DELAY_SIGMAS * deviation
         && angle.abs() > limits::LEAST_TURN;
     shown.then_some(Turned {

@@ -1,6 +1,7 @@
 //! Faults of the data, made with known truth: each is cured, or named with its evidence.
 
 mod channels;
+mod common_delay;
 mod doubts;
 mod exponential;
 mod kinds;
