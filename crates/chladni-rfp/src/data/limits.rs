@@ -101,6 +101,22 @@ pub(super) const STENCILS_IN_ALL: usize = 50_000;
 /// Fewest and most stencils of one FRF, see [`STENCILS_IN_ALL`].
 pub(super) const STENCILS: (usize, usize) = (16, 200);
 
+// onset.rs
+
+/// Fewest lines whose impulse response means anything.
+pub(super) const LINES_LEAST: usize = 64;
+/// Energy at the place of a step under the taper, over that after it: a quarter.
+pub(super) const ONSET: f64 = 0.25;
+/// Samples around a step over which it rises under the taper.
+pub(super) const ONSET_WIDTH: usize = 4;
+/// Fewest samples of silence before an onset that counts, with this rise.
+pub(super) const ONSET_LEAST: usize = 16;
+/// Energy of a silent sample over the largest: the tail of a record that wraps around, or noise
+/// of some 10 dB, has more.
+pub(super) const SILENT: f64 = 1e-2;
+/// Deviation of a spacing, relative, from which on lines are not even.
+pub(super) const UNEVEN: f64 = 0.05;
+
 // options.rs
 
 /// Columns of the count sketch, unless told otherwise. 64–96 keep every mode that stands

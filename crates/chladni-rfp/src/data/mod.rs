@@ -15,6 +15,7 @@ pub(crate) mod memory;
 pub(crate) mod noise_levels;
 pub(crate) mod noise_weights;
 pub(crate) mod noisy_frfs;
+pub(crate) mod onset;
 pub(crate) mod options;
 pub(crate) mod outliers;
 pub(crate) mod pair_weights;

@@ -1,11 +1,9 @@
 //! Evidence of the record itself, through its impulse response: was it padded with zeros,
 //! was it windowed (theory.md, eq. 24)?
 
-use super::limits::{
-    CUT_DB, LINES_LEAST, SEGMENTS, TREND_SEGMENTS, TREND_SHARE, UNEVEN, WINDOWED_DB,
-    WRAPPED_SEGMENTS,
-};
+use super::limits::{CUT_DB, SEGMENTS, TREND_SEGMENTS, TREND_SHARE, WINDOWED_DB, WRAPPED_SEGMENTS};
 use crate::data::columns::Columns;
+use crate::data::onset::even_step;
 use crate::tolerances as tol;
 use chladni_linalg::fft;
 use num_complex::Complex64;
@@ -13,17 +11,8 @@ use num_complex::Complex64;
 /// Energy of the impulse response over the record, all columns, dB; `None` where the
 /// lines are not evenly spaced.
 fn decay(work: &Columns, frequency: &[f64]) -> Option<[f64; SEGMENTS]> {
+    even_step(frequency)?;
     let n = frequency.len();
-    if n < LINES_LEAST {
-        return None;
-    }
-    let step = (frequency[n - 1] - frequency[0]) / (n - 1) as f64;
-    if frequency
-        .windows(2)
-        .any(|w| ((w[1] - w[0]) - step).abs() >= UNEVEN * step)
-    {
-        return None;
-    }
     let mut energy = [0.0; SEGMENTS];
     let fft = fft::inverse(n);
     for column in work.b.columns() {

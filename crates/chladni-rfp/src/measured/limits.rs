@@ -76,16 +76,12 @@ pub(super) const SURROUNDINGS: (f64, usize) = (60.0, 30);
 
 /// Parts of the record the energy is summed over.
 pub(super) const SEGMENTS: usize = 32;
-/// Fewest lines whose impulse response means anything.
-pub(super) const LINES_LEAST: usize = 64;
 /// Fall of the impulse response at the end of a padded record, dB.
 pub(super) const CUT_DB: f64 = 8.0;
 /// A decay that grows by this much from one quarter of the record to the next is a
 /// window's, dB. Modes alone decay ever more slowly, and a uniform window takes 1.6 dB; a
 /// Hann window takes 9 dB (random) to 13 dB (burst).
 pub(super) const WINDOWED_DB: f64 = 6.0;
-/// Deviation of a spacing, relative, from which on lines are not even.
-pub(super) const UNEVEN: f64 = 0.05;
 /// Fall before the cut over that at it from which on the fall is no cut.
 pub(super) const TREND_SHARE: f64 = 0.5;
 /// Segments before a cut that tell the trend, and those after it that the wrap-around

@@ -7,6 +7,7 @@ use crate::data::columns::{line_energy, Columns};
 use crate::data::error::FitError;
 use crate::data::grade::Grade;
 use crate::data::layout::DataLayout;
+use crate::data::onset::{late, onset_s};
 use crate::data::options::Asked;
 use crate::data::peaks::{fourth_difference_noise, peaks, thinned, Peak};
 use crate::data::source::Source;
@@ -206,9 +207,11 @@ fn visible(data: &DataLayout, mut work: Columns) -> (Visible, Vec<Finding>) {
             .select(&(0..work.lines()).step_by(factor).collect::<Vec<_>>())
             .of_padded(factor);
     }
-    let thinned_hz = data.line_hz.iter().copied().step_by(factor);
+    let thinned_hz: Vec<f64> = data.line_hz.iter().copied().step_by(factor).collect();
+    let onset_s = onset_s(work.b.view(), &thinned_hz);
+    warnings.extend(onset_s.map(late));
     // a window that is known is in the columns
-    let shows = || windowed(&work, &thinned_hz.collect::<Vec<_>>());
+    let shows = || onset_s.is_none() && windowed(&work, &thinned_hz);
     let windowed = data.window.is_none() && (data.hann_on_blows_s.is_some() || shows());
     if windowed && data.hann_on_blows_s.is_none() {
         warnings.push(broadened());

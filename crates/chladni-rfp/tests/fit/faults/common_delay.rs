@@ -43,6 +43,20 @@ fn a_delay_is_told_and_poles_that_stand_for_it_are_weak() {
     }
 }
 
+/// At 30 dB poles that stand for a delay decay as fast as modes; at 100 dB, or where it is long, no
+/// rational function is found. Impulse responses that begin late tell it.
+#[test]
+fn a_long_delay_is_told_by_silence() {
+    for (seed, seconds, snr_db) in [(71, 0.12, 30.0), (72, 0.12, 100.0), (73, 0.5, 60.0)] {
+        let model = fitted(&late(&easy(snr_db, seed), seconds).0);
+        let found = told(&model).unwrap_or_else(|| panic!("{seconds}: {:?}", model.quality));
+        // lines over 220 Hz
+        assert!((found - seconds).abs() < 6e-3, "{found}, not {seconds}");
+        let mut findings = model.quality.findings.iter();
+        assert!(findings.all(|told| told.code != "windowed"), "{seconds}");
+    }
+}
+
 /// Without driving points, residues are known up to their sign.
 #[test]
 fn a_delay_is_told_without_driving_points() {
