@@ -142,7 +142,9 @@ fn delayed_throughout() {
     let sure = |line: &str| -> Vec<f64> {
         let fit = folder.run(&format!("{line} --json")).exits(0).json();
         let modes = fit["modes"].as_array().expect("modes");
-        let sure = modes.iter().filter(|mode| mode["trust"] == "sure");
+        let is_sure =
+            |mode: &&serde_json::Value| mode["trust"] == "sure" && mode["in_band"] == true;
+        let sure = modes.iter().filter(is_sure);
         sure.filter_map(|mode| mode["frequency_hz"].as_f64())
             .collect()
     };
@@ -150,20 +152,21 @@ fn delayed_throughout() {
     folder
         .run("convert late.h5 --delay 0.004 -o mended.csv -q")
         .exits(0);
-    for line in [
-        &format!("fit late.h5 {}", advice.join(" ")),
-        "fit late.h5 --delay 0.004 --memory 100K",
-        "fit mended.csv",
+    for (line, most) in [
+        // what is left of it opens the law: bars hold both
+        (&*format!("fit late.h5 {}", advice.join(" ")), 2e-5),
+        ("fit late.h5 --delay 0.004 --memory 100K", 1e-6),
+        ("fit mended.csv", 1e-6),
     ] {
         let found = sure(line);
         assert_eq!(found.len(), of_clean.len(), "{line}");
         for (found, clean) in found.iter().zip(&of_clean) {
-            assert!((found / clean - 1.0).abs() < 1e-6, "{line}: {found}");
+            assert!((found / clean - 1.0).abs() < most, "{line}: {found}");
         }
     }
     for wrong in ["nan", "5ms", "1e9"] {
         let said = folder.run(&format!("fit late.h5 --delay {wrong}"));
-        assert!(said.exits(64).said().contains("--delay"), "{wrong}");
+        assert!(said.exits(2).said().contains("--delay"), "{wrong}");
     }
 }
 
