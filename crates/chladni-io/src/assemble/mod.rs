@@ -19,7 +19,9 @@ pub(crate) use side::{node_for, refuse_several, Side};
 
 use super::{Contents, Document, Duplicates, FileFormat, Function, ReadOptions};
 use assembly::Assembly;
-use chladni_frf::{Dof, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, Source};
+use chladni_frf::{
+    Dof, Error, ErrorKind, Finding, FrfKind, FrfSet, Geometry, ReferenceUnit, Result, Source,
+};
 use copies::told_copies;
 use grid::DofList;
 use num_complex::Complex64;
@@ -40,6 +42,12 @@ pub(crate) const COHERENCE: i32 = 6;
 /// mixed kinds or reference units; duplicated pairs, unless `duplicates` says which to take;
 /// nodes at two positions; a reference of the caller that does not fit.
 pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Contents> {
+    if !options.delay_s.is_finite() {
+        return Err(Error::new(ErrorKind::Usage, "no delay")
+            .field("delay")
+            .found(options.delay_s)
+            .expected("seconds"));
+    }
     let mut contents = merged(documents, options)?;
     if let Some(set) = contents.frf.as_mut().filter(|_| options.delay_s != 0.0) {
         set.advance(options.delay_s);
