@@ -43,10 +43,11 @@ pub(crate) const COHERENCE: i32 = 6;
 /// nodes at two positions; a reference of the caller that does not fit.
 pub fn assemble(documents: Vec<Document>, options: &ReadOptions) -> Result<Contents> {
     if !options.delay_s.is_finite() {
-        return Err(Error::new(ErrorKind::Usage, "no delay")
+        return Err(Error::new(ErrorKind::Usage, "this delay is no time")
             .field("delay")
             .found(options.delay_s)
-            .expected("seconds"));
+            .expected("seconds, as in 0.0012")
+            .help("give the delay that a fit of these data names, or none"));
     }
     let mut contents = merged(documents, options)?;
     if let Some(set) = contents.frf.as_mut().filter(|_| options.delay_s != 0.0) {

@@ -180,31 +180,15 @@ pub(crate) fn redundant_pole(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::damping::basis::{basis, RESIDUAL_POWERS};
+    use crate::damping::basis::RESIDUAL_POWERS;
+    use crate::poles::refine::tests::two_resonances;
     use crate::poles::refine::{refine, removable};
-    use chladni_frf::Damping;
-    use chladni_linalg::matmul;
-    use ndarray::{Array2, ShapeBuilder};
 
     /// Two poles on each other are none for normal equations.
     #[test]
     fn poles_are_refined_where_normal_equations_do_not_serve() {
-        let lines = 200;
-        let mut work = Columns {
-            x: (1..=lines).map(|k| k as f64 / lines as f64).collect(),
-            g: vec![1.0; lines],
-            b: Array2::zeros((lines, 3).f()),
-            law: Damping::Structural,
-            leakage: None,
-            neighbours: 0.0,
-        };
         let poles = [Complex64::new(0.3, 0.01), Complex64::new(0.6, 0.02)];
-        let residue = |(n, c): (usize, usize)| Complex64::new(1.0 + n as f64, c as f64 - 1.0);
-        let residues = Array2::from_shape_fn((2, 3), residue);
-        work.b = matmul(basis(&work, &poles, &[]).view(), residues.view());
-        for ((k, c), value) in work.b.indexed_iter_mut() {
-            *value += Complex64::from_polar(1e-3, (37 * k * k + 11 * c) as f64);
-        }
+        let work = two_resonances(poles, 1e-3);
         let off = poles[0] + 0.8 * poles[0].im;
         let start = [off, off + 1e-9, poles[1] + 0.5 * poles[1].im];
         let powers = &RESIDUAL_POWERS;

@@ -380,14 +380,14 @@ impl Refined {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::damping::basis::{basis, RESIDUAL_POWERS};
     use chladni_frf::Damping;
     use ndarray::ShapeBuilder;
 
-    /// Two resonances over three columns, with an error that neither makes.
-    fn two_resonances(poles: [Complex64; 2]) -> Columns {
+    /// Two resonances over three columns, with an error of this size that neither makes.
+    pub(crate) fn two_resonances(poles: [Complex64; 2], error: f64) -> Columns {
         let lines = 200;
         let mut work = Columns {
             x: (1..=lines).map(|k| k as f64 / lines as f64).collect(),
@@ -403,7 +403,7 @@ mod tests {
             Array2::from_shape_fn((2, 3), residue).view(),
         );
         for ((k, c), value) in work.b.indexed_iter_mut() {
-            *value += Complex64::from_polar(0.1, (37 * k * k + 11 * c) as f64);
+            *value += Complex64::from_polar(error, (37 * k * k + 11 * c) as f64);
         }
         work
     }
@@ -411,7 +411,7 @@ mod tests {
     #[test]
     fn a_fit_goes_on_where_its_first_step_promises_enough() {
         let poles = [Complex64::new(0.3, 0.01), Complex64::new(0.6, 0.02)];
-        let work = two_resonances(poles);
+        let work = two_resonances(poles, 0.1);
         let near = poles.map(|pole| pole + 0.1 * pole.im);
         let best = refine(&work, &near, &RESIDUAL_POWERS, tol::ROUGH).unwrap();
         let search = SearchData::new(&work, &RESIDUAL_POWERS);
@@ -435,7 +435,7 @@ mod tests {
     fn the_sum_of_squares_is_that_of_the_whole_refinement() {
         let poles = [Complex64::new(0.3, 0.01), Complex64::new(0.6, 0.02)];
         let twins = [poles[0], poles[0] + 1e-9];
-        let work = two_resonances(poles);
+        let work = two_resonances(poles, 0.1);
         for (start, steps) in [(poles, 30), (poles, 0), (twins, 3)] {
             let near = start.map(|pole| pole + 0.1 * pole.im);
             let (lambda, sum) =
