@@ -54,6 +54,7 @@ fn clicks_and_keys_pick_poles_and_the_selection_is_what_select_reads() {
     let modes = model_of(&folder).in_band_modes().count();
     let curve =
         "document.querySelector('#frf-magnitude path[data-name=synthesised]').getAttribute('d')";
+    page.place("#frf-magnitude");
     let before = page.eval(curve);
 
     let second = pole_mark(&mut page, "pole of the model, kept", 1);
@@ -317,6 +318,7 @@ fn a_slider_shows_the_ground_of_a_burst_at_any_instant() {
     assert!(folder.read("figures/time-1.png").starts_with(b"\x89PNG"));
     page.open_file(&folder.path().join("report.html"));
     assert!(page.text("#scene-1 .time").contains("hot after 1"));
+    page.place("#scene-1 .time");
     let shown = "[...document.querySelectorAll('#time-1')].map((svg) => svg.previousSibling.toDataURL())[0]";
     let lines = page.eval("document.querySelectorAll('#scene-1 .time .of-series-2').length");
     assert_eq!(lines, 34, "one line per actuator");
@@ -428,10 +430,15 @@ fn every_view_is_drawn_in_any_window_and_either_theme() {
 const PAPER_PX: [u32; 2] = [703, 725];
 
 #[test]
-fn nothing_is_cut_off_or_folded_on_paper() {
+fn nothing_is_cut_off_folded_or_left_out_on_paper() {
     let Some((_folder, mut page)) = report_in_a_browser() else {
         return;
     };
+    // far from the window, nothing is drawn before it is printed
+    let empty = "[...document.querySelectorAll('main svg.chart')].filter((svg) => !svg.querySelector('path, rect, circle')).length";
+    assert!(page.eval(empty).as_u64() > Some(0));
+    let left_out = page.eval(&format!("dispatchEvent(new Event('beforeprint')); {empty}"));
+    assert_eq!(left_out, 0);
     page.on_paper();
     for width in PAPER_PX {
         page.resize(width, 1000);
@@ -456,7 +463,7 @@ fn the_report_of_the_demonstration_panel_opens_quickly() {
     let folder = Folder::new();
     folder.run("demo -o demo -q").exits(0);
     let report = folder.path().join("demo/report.html");
-    page.open_file(&report);
+    println!("drawn after {} ms", page.open_file(&report));
     let worked_s = page.worked_s();
     assert!(worked_s > 0.0 && worked_s < OPENS_WITHIN_S, "{worked_s} s");
     assert_eq!(

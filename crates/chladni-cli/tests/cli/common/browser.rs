@@ -182,9 +182,16 @@ impl Page {
         value.as_str().unwrap().to_owned()
     }
 
-    /// Brings an element into view; returns its left upper corner in the window and its size.
+    /// Brings an element into view, where it is drawn; returns its left upper corner in the window and
+    /// its size.
     pub fn place(&mut self, selector: &str) -> [f64; 4] {
-        let found = format!("(() => {{ const e = document.querySelector({}); e.scrollIntoView({{block: 'center'}}); const r = e.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; }})()", json!(selector));
+        let found = format!(
+            "(async () => {{ const e = document.querySelector({}); \
+             const frame = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done))); \
+             for (let k = 0; k < 2; k++) {{ e.scrollIntoView({{block: 'center'}}); await frame(); }} \
+             const r = e.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; }})()",
+            json!(selector)
+        );
         serde_json::from_value(self.eval(&found)).unwrap()
     }
 

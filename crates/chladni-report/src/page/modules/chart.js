@@ -1,6 +1,6 @@
 // A chart of curves, marks and error bars in SVG: zoom, move, read values, pick points, by pointer and by keys.
 
-import { s, h, unbroken, redraw } from "./dom.js";
+import { s, h, unbroken, redraw, sized } from "./dom.js";
 import { significant, ends } from "./numbers.js";
 import { ruler, ticks } from "./scale.js";
 
@@ -38,7 +38,7 @@ const CLICK = 5;
 export function chart(first) {
   let spec = first;
   let zoom = null;
-  let width = 820;
+  let width = 0;
   const svg = s("svg", { class: "chart", tabindex: 0, role: "img" });
   const readout = h("div", { class: "readout", hidden: true });
   const legend = h("div", { class: "legend" });
@@ -51,6 +51,8 @@ export function chart(first) {
   function draw() {
     title.replaceChildren(...unbroken(spec.title ?? ""));
     caption.replaceChildren(...unbroken(spec.caption ?? ""));
+    drawLegend();
+    if (!width) return;
     const height = spec.square ? Math.min(width, 460) : spec.height ?? 300;
     const wide = spec.square ? Math.min(width, 460) : width;
     svg.setAttribute("viewBox", `0 0 ${wide} ${height}`);
@@ -75,7 +77,6 @@ export function chart(first) {
       s("g", { "clip-path": `url(#${clip})` }, ...content(box, x, y, y2)),
       ...grips(box, x),
     );
-    drawLegend();
   }
 
   function frame(box, x, y, y2) {
@@ -312,13 +313,13 @@ export function chart(first) {
     }
   });
 
-  new ResizeObserver(([entry]) => {
-    const now = Math.max(280, Math.min(1100, Math.round(entry.contentRect.width)));
-    if (now !== width) {
-      width = now;
+  sized(figure, (now) => {
+    const wide = Math.max(280, Math.min(1100, Math.round(now.width)));
+    if (wide !== width) {
+      width = wide;
       draw();
     }
-  }).observe(figure);
+  });
   draw();
   return {
     element: figure,

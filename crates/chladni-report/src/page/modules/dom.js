@@ -32,6 +32,23 @@ export function section(id, heading, ...children) {
   return h("section", { id, "aria-labelledby": `${id}-heading` }, h("h2", { id: `${id}-heading` }, heading), ...children);
 }
 
+/** Calls `onsize` with width and height of an element (px), once it is laid out and at changes. */
+export function sized(element, onsize) {
+  new ResizeObserver(([entry]) => onsize(entry.contentRect)).observe(element);
+  element.classList.add("sized");
+  element.addEventListener("measure", () => onsize({ width: element.clientWidth, height: element.clientHeight }));
+}
+
+/** Measures all elements that are `sized` now, also those that are not laid out since they are far from the window. */
+export function measureAll() {
+  document.querySelectorAll(".sized").forEach((element) => element.dispatchEvent(new Event("measure")));
+}
+
+/** Says, once the page as it is now is seen, that it is drawn, and after how many ms. */
+export function sayDrawn() {
+  requestAnimationFrame(() => setTimeout(() => (document.documentElement.dataset.drawn = String(Math.round(performance.now())))));
+}
+
 /** A list to choose from; `onchange` gets the index. */
 export function choice(label, names, index, onchange) {
   const select = h("select", { onchange: () => onchange(select.selectedIndex) }, names.map((name) => h("option", {}, name)));

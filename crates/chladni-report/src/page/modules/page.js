@@ -1,6 +1,6 @@
 // The report from top to bottom.
 
-import { h } from "./dom.js";
+import { h, measureAll, sayDrawn } from "./dom.js";
 import { array } from "./data.js";
 import { reset, change } from "./store.js";
 import { unpackModel } from "./synthesis.js";
@@ -51,13 +51,14 @@ export function resultHead(data) {
   return [h("h1", {}, data.title || "Chladni report"), data.sentence ? h("p", { class: "sentence" }, data.sentence) : "", findingList(data.findings)];
 }
 
-/** Unfolds everything for printing, and folds it again afterwards. */
-function unfoldForPrint() {
+/** Unfolds and draws everything for printing, and folds it again afterwards. */
+function completeForPrint() {
   const folded = () => [...document.querySelectorAll("details:not([open])")];
   let opened = [];
   addEventListener("beforeprint", () => {
     opened = folded();
     opened.forEach((one) => (one.open = true));
+    measureAll();
   });
   addEventListener("afterprint", () => opened.forEach((one) => (one.open = false)));
 }
@@ -65,7 +66,7 @@ function unfoldForPrint() {
 /** Draws the whole page. */
 export function show(data) {
   reset();
-  unfoldForPrint();
+  completeForPrint();
   const parts = unpack(data);
   const { model, geometry } = parts;
   if (model?.inBand.length) change({ mode: model.inBand[0] });
@@ -78,5 +79,5 @@ export function show(data) {
   const head = h("header", {}, resultHead(data), contents(sections));
   document.getElementById("page").replaceChildren(head, h("main", {}, sections));
   if (model && data.frfs) showBand(data.frfs, model);
-  document.documentElement.dataset.drawn = String(Math.round(performance.now()));
+  sayDrawn();
 }

@@ -1,6 +1,6 @@
 // The panel from above: pixels of a field on a canvas, with lines, zones and marks in SVG over it.
 
-import { s, h, redraw } from "./dom.js";
+import { s, h, redraw, sized } from "./dom.js";
 import { themeColour } from "./colour.js";
 import { ticks } from "./scale.js";
 
@@ -156,8 +156,7 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
     context.drawImage(small, x0, y0, x1 - x0, y1 - y0);
   }
 
-  new ResizeObserver(([entry]) => {
-    const { width: wide, height: high } = entry.contentRect;
+  sized(element, ({ width: wide, height: high }) => {
     const [across, up] = [ends[2] - ends[0], ends[3] - ends[1]];
     const fits = bare ? MARGIN.left + MARGIN.right + ((high - MARGIN.top - MARGIN.bottom) * across) / up : Infinity;
     const now = Math.max(bare ? 120 : 260, Math.floor(Math.min(widest, wide, fits)));
@@ -165,7 +164,7 @@ export function panelMap(box, axes, label, widest = 640, bare = false) {
       width = now;
       draw();
     }
-  }).observe(element);
+  });
   // the colours of the theme are read when pixels are painted
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
 

@@ -1,6 +1,6 @@
 // A moving surface in perspective: mode shapes and fields in three dimensions.
 
-import { h } from "./dom.js";
+import { h, sized } from "./dom.js";
 import { colourAt, themeColour } from "./colour.js";
 import { drawAxes, drawStructure } from "./structure.js";
 
@@ -144,10 +144,10 @@ export function space(label) {
     else return;
     event.preventDefault();
   });
-  new ResizeObserver(([entry]) => {
-    width = Math.min(620, Math.round(entry.contentRect.width));
+  sized(element, (now) => {
+    width = Math.min(620, Math.round(now.width));
     paint();
-  }).observe(element);
+  });
   new IntersectionObserver(([entry]) => {
     visible = entry.isIntersecting;
     schedule();

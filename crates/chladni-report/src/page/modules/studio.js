@@ -1,6 +1,6 @@
 // The studio: one screen of three panes. The settings are in work.js; this file asks the server for the results.
 
-import { h } from "./dom.js";
+import { h, sayDrawn } from "./dom.js";
 import { array, embedded, split } from "./data.js";
 import { state, listen, change } from "./store.js";
 import { counted, fixed } from "./numbers.js";
@@ -71,7 +71,7 @@ export async function start() {
   const said = await answerTo("start");
   if (said.error) return result.show([complaint(said.error)], [], null, "fault");
   begin(said);
-  document.documentElement.dataset.drawn = String(Math.round(performance.now()));
+  sayDrawn();
   askFit(false);
 }
 
