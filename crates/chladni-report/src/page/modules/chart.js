@@ -52,15 +52,16 @@ export function chart(first) {
     title.replaceChildren(...unbroken(spec.title ?? ""));
     caption.replaceChildren(...unbroken(spec.caption ?? ""));
     drawLegend();
+    svg.setAttribute("aria-label", `${spec.title ?? "chart"}: ${spec.y.label} over ${spec.x.label}. Arrow keys move, plus and minus zoom, 0 shows all.`);
+    svg.setAttribute("role", spec.grips ? "group" : "img");
+    // what is not laid out has its words, and gets its curves with its width
     if (!width) return;
     const height = spec.square ? Math.min(width, 460) : spec.height ?? 300;
     const wide = spec.square ? Math.min(width, 460) : width;
     svg.setAttribute("viewBox", `0 0 ${wide} ${height}`);
     svg.setAttribute("width", wide);
     svg.setAttribute("height", height);
-    svg.setAttribute("aria-label", `${spec.title ?? "chart"}: ${spec.y.label} over ${spec.x.label}. Arrow keys move, plus and minus zoom, 0 shows all.`);
     const margin = spec.compact ? COMPACT : MARGIN;
-    svg.setAttribute("role", spec.grips ? "group" : "img");
     const right = spec.right ? (spec.compact ? 34 : 52) : margin.right;
     // wider numbers than usual push the label outwards
     const numbers = ticks(ruler(spec.y.range, [height - margin.bottom, margin.top], spec.y.log).ends, rows(height - margin.bottom - margin.top), spec.y.log, spec.y.step);
